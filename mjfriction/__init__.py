@@ -1,0 +1,50 @@
+"""mjfriction: what a MuJoCo model of a manipulator gets wrong, why, and the model that has it right."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mjfriction.diagnose.diagnosis import Diagnosis, diagnose
+    from mjfriction.errors import MjfrictionError
+    from mjfriction.record.log import Log
+    from mjfriction.record.readers import read_log
+    from mjfriction.robot.files import read_robot, write_robot
+    from mjfriction.robot.predict import predict_log
+    from mjfriction.robot.robot import Robot
+
+_HOMES = {
+    "Diagnosis": "mjfriction.diagnose.diagnosis",
+    "Log": "mjfriction.record.log",
+    "MjfrictionError": "mjfriction.errors",
+    "Robot": "mjfriction.robot.robot",
+    "diagnose": "mjfriction.diagnose.diagnosis",
+    "predict_log": "mjfriction.robot.predict",
+    "read_log": "mjfriction.record.readers",
+    "read_robot": "mjfriction.robot.files",
+    "write_robot": "mjfriction.robot.files",
+}
+
+__all__ = [
+    "Diagnosis",
+    "Log",
+    "MjfrictionError",
+    "Robot",
+    "diagnose",
+    "predict_log",
+    "read_log",
+    "read_robot",
+    "write_robot",
+]
+
+
+def __getattr__(name: str) -> Any:
+    # Loaded on first use, so that importing the package, and asking the command for help, costs nothing.
+    if name in _HOMES:
+        return getattr(import_module(_HOMES[name]), name)
+    raise AttributeError(f"module 'mjfriction' has no attribute '{name}'")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

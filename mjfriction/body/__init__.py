@@ -1,0 +1,1 @@
+"""Rigid-body terms; the only room that imports Pinocchio."""

@@ -1,0 +1,53 @@
+"""Inverse dynamics: the torque that a motion needs, and how it depends on the links' inertial parameters."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+from mjfriction.body.model import Body, configuration
+from mjfriction.laws.law import Floats
+
+
+def inverse_dynamics(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> Floats:
+    """Return M(q)q̈ + c(q, q̇) + g(q), rotor inertia included, by the recursive Newton-Euler algorithm.
+
+    All arguments and the result have shape (n, joints), in the order of ``body.joints``.
+    """
+    model, data = body.model, body.model.createData()
+    q = configuration(body, position)
+    v, a = _ordered(body, velocity), _ordered(body, acceleration)
+    out = np.empty_like(v)
+    for i in range(q.shape[0]):
+        out[i] = pin.rnea(model, data, q[i], v[i], a[i])
+    return out[:, list(body.columns)]
+
+
+def link_torques(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> Floats:
+    """Return the share of every link in the inverse dynamics, shape (n, joints, links).
+
+    Summed over the links it is :func:`inverse_dynamics` less the rotors.  It is what a scale on a link's mass and
+    inertia multiplies.
+    """
+    model, data = body.model, body.model.createData()
+    q = configuration(body, position)
+    v, a = _ordered(body, velocity), _ordered(body, acceleration)
+    parameters = np.array([inertia.toDynamicParameters() for inertia in list(model.inertias)[1:]])
+    out = np.empty((q.shape[0], model.nv, len(parameters)))
+    for i in range(q.shape[0]):
+        regressor = pin.computeJointTorqueRegressor(model, data, q[i], v[i], a[i])
+        out[i] = np.einsum("jlp,lp->jl", regressor.reshape(model.nv, -1, 10), parameters)
+    return out[:, list(body.columns), :]
+
+
+def inertia_at(body: Body, position: Floats) -> Floats:
+    """Return the diagonal of the mass matrix at one pose, shape (joints,): kg·m², or kg on sliding joints."""
+    model, data = body.model, body.model.createData()
+    mass_matrix = pin.crba(model, data, configuration(body, position[None, :])[0])
+    return np.diag(mass_matrix)[list(body.columns)].copy()
+
+
+def _ordered(body: Body, values: Floats) -> Floats:
+    out = np.zeros((values.shape[0], body.model.nv))
+    out[:, list(body.columns)] = values
+    return out

@@ -1,0 +1,180 @@
+"""A robot's rigid bodies, read from URDF or MJCF."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+from mjfriction.errors import RobotError, suggestion
+from mjfriction.laws.law import Floats
+
+STANDARD_GRAVITY = (0.0, 0.0, -9.81)
+
+
+@dataclass(frozen=True)
+class Load:
+    """A rigid mass held by the robot: kg, centre of mass in the parent link's frame (m), and that link's name."""
+
+    mass: float
+    com: tuple[float, float, float]
+    parent: str
+
+
+@dataclass(frozen=True)
+class Body:
+    """A tree of rigid bodies on a fixed base, with the asked joints in the asked order.
+
+    ``links`` names the bodies in the order of the regressor's columns; ``sliding`` (joints,) tells prismatic from
+    revolute; ``damping`` and ``dry_friction`` (joints,) are what the model file itself states; ``lower`` and ``upper``
+    its position limits.
+    """
+
+    joints: tuple[str, ...]
+    links: tuple[str, ...]
+    sliding: tuple[bool, ...]
+    damping: Floats
+    dry_friction: Floats
+    lower: Floats
+    upper: Floats
+    gravity: Floats
+    model: pin.Model
+    columns: tuple[int, ...]  # of each asked joint, in the model's velocity vector
+
+
+def load_body(
+    path: Path,
+    joints: Sequence[str],
+    *,
+    gravity: Sequence[float] | None = None,
+    payload: Load | None = None,
+    link_scale: Mapping[str, float] | None = None,
+    rotor_inertia: Sequence[float] | None = None,
+) -> Body:
+    """Read a model file and make the robot's rigid bodies of it.
+
+    Joints of the model that are not asked for (a gripper's fingers) are locked at their zero.  ``gravity`` (m/s²)
+    replaces the model's own; ``link_scale`` multiplies the mass and
+    inertia of the link that a joint moves, its payload included; ``rotor_inertia`` (kg·m² or kg at the joint, per asked joint) is added to the model's.
+
+    Raises :class:`RobotError` when the file is missing or does not parse, when a joint is unknown or has more than one
+    axis, and when the payload's parent is unknown.
+    """
+    full, own_gravity = _parse(path)
+    known = [name for name in full.names if name != "universe"]
+    for joint in joints:
+        if joint not in known:
+            raise RobotError(
+                f"{path}: there is no joint '{joint}' in the model{suggestion(joint, known)} "
+                f"Its joints are {', '.join(known)}"
+            )
+    locked = [full.getJointId(name) for name in known if name not in joints]
+    model = pin.buildReducedModel(full, locked, pin.neutral(full)) if locked else full
+    for joint in joints:
+        axes = model.joints[model.getJointId(joint)].nv
+        if axes != 1:
+            raise RobotError(f"{path}: joint '{joint}' has {axes} axes; only hinges and slides can carry friction")
+    columns = tuple(int(model.joints[model.getJointId(joint)].idx_v) for joint in joints)
+    model.gravity.linear = np.array(own_gravity if gravity is None else gravity, dtype=np.float64)
+    if payload is not None:
+        _append(model, payload, path)
+    for joint, scale in (link_scale or {}).items():
+        if joint not in list(model.names)[1:]:
+            raise RobotError(f"{path}: link_scale: there is no joint '{joint}'{suggestion(joint, model.names)}")
+        index = model.getJointId(joint)
+        inertia = model.inertias[index]
+        model.inertias[index] = pin.Inertia(scale * inertia.mass, inertia.lever, scale * inertia.inertia)
+    if rotor_inertia is not None:
+        armature = model.armature.copy()
+        armature[list(columns)] += np.asarray(rotor_inertia)
+        model.armature = armature
+    order = list(columns)
+    return Body(
+        joints=tuple(joints),
+        links=tuple(str(name) for name in list(model.names)[1:]),
+        sliding=tuple("P" in model.joints[model.getJointId(joint)].shortname()[10:] for joint in joints),
+        damping=np.array(model.damping)[order],
+        dry_friction=np.array(model.upperDryFrictionLimit)[order],
+        lower=_limits(model, joints, model.lowerPositionLimit, -np.inf),
+        upper=_limits(model, joints, model.upperPositionLimit, np.inf),
+        gravity=np.array(model.gravity.linear),
+        model=model,
+        columns=columns,
+    )
+
+
+def configuration(body: Body, position: Floats) -> Floats:
+    """Return joint positions (n, joints) as the model's configuration vectors (n, nq)."""
+    model = body.model
+    q = np.tile(pin.neutral(model), (position.shape[0], 1))
+    for i, joint in enumerate(body.joints):
+        entry = model.joints[model.getJointId(joint)]
+        if entry.nq == 1:
+            q[:, entry.idx_q] = position[:, i]
+        else:  # a joint without limits is kept as cosine and sine
+            q[:, entry.idx_q] = np.cos(position[:, i])
+            q[:, entry.idx_q + 1] = np.sin(position[:, i])
+    return q
+
+
+def _parse(path: Path) -> tuple[pin.Model, tuple[float, ...]]:
+    if not path.is_file():
+        raise RobotError(f"{path}: there is no such model file")
+    try:
+        root = ET.parse(path).getroot()
+    except ET.ParseError as error:
+        raise RobotError(f"{path}: not well-formed XML: {error}") from None
+    readers = {"robot": pin.buildModelFromUrdf, "mujoco": pin.buildModelFromMJCF}
+    if root.tag not in readers:
+        raise RobotError(f"{path}: the root element is <{root.tag}>; a URDF has <robot>, an MJCF <mujoco>")
+    kind = "URDF" if root.tag == "robot" else "MJCF"
+    try:
+        with _native_messages_dropped():
+            model = readers[root.tag](str(path))
+    except Exception as error:  # Pinocchio's parsers raise ValueError, RuntimeError and boost's own kinds
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise RobotError(f"{path}: cannot be read as {kind}: {reason}") from None
+    option = root.find("option")
+    own = option.get("gravity") if option is not None and root.tag == "mujoco" else None
+    return model, tuple(float(part) for part in own.split()) if own else STANDARD_GRAVITY
+
+
+@contextlib.contextmanager
+def _native_messages_dropped() -> Iterator[None]:
+    # The C++ parsers write straight to file descriptor 2; our one line says what the user needs.
+    sys.stderr.flush()
+    saved = os.dup(2)
+    with open(os.devnull, "wb") as nowhere:
+        os.dup2(nowhere.fileno(), 2)
+        try:
+            yield
+        finally:
+            os.dup2(saved, 2)
+            os.close(saved)
+
+
+def _append(model: pin.Model, payload: Load, path: Path) -> None:
+    names = [frame.name for frame in model.frames]
+    if payload.parent not in names:
+        raise RobotError(
+            f"{path}: payload parent '{payload.parent}' is no link of the model{suggestion(payload.parent, names)}"
+        )
+    frame = model.frames[model.getFrameId(payload.parent)]
+    point = pin.Inertia(payload.mass, np.array(payload.com), np.zeros((3, 3)))
+    model.appendBodyToJoint(frame.parentJoint, point, frame.placement)
+
+
+def _limits(model: pin.Model, joints: Sequence[str], bounds: Floats, absent: float) -> Floats:
+    out = np.full(len(joints), absent)
+    for i, joint in enumerate(joints):
+        entry = model.joints[model.getJointId(joint)]
+        if entry.nq == 1:
+            out[i] = bounds[entry.idx_q]
+    return out

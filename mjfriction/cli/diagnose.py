@@ -1,0 +1,53 @@
+"""``mjfriction diagnose``: what the simulation gets wrong, and why."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mjfriction.cli.options import Json, LogPaths, RobotSource
+from mjfriction.cli.progress import working
+
+Out = Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the results.", show_default=False)]
+Seed = Annotated[int, typer.Option(help="Sets the resampling behind the intervals of the gains.")]
+
+
+def diagnose(logs: LogPaths, robot: RobotSource, out: Out, seed: Seed = 0, json: Json = False) -> None:
+    """Say what the robot's model gets wrong, name the cause, and write the extended robot with the proof.
+
+    Writes report.json, report.html, recording.rrd and robot.toml into DIR.
+
+    Example: mjfriction diagnose run1.parquet --robot arm/robot.toml --out result
+    """
+    report_diagnosis(logs, robot, out, seed=seed, json=json)
+
+
+def report_diagnosis(logs: list[Path], robot: str, out: Path, *, seed: int, json: bool) -> None:
+    """Diagnose, write the four files, and print the report."""
+    from mjfriction.diagnose.diagnosis import diagnose as run_diagnosis
+    from mjfriction.record.merge import merge_logs
+    from mjfriction.record.readers import read_log
+    from mjfriction.report.folder import whole_folder
+    from mjfriction.report.result import make_report, report_json
+    from mjfriction.report.write import write_results
+    from mjfriction.robot.files import read_robot
+
+    with whole_folder(out) as folder:
+        with working("diagnosing"):
+            log = merge_logs([read_log(path) for path in logs])
+            diagnosis = run_diagnosis(log, read_robot(robot), seed=seed)
+            report = make_report(diagnosis)
+        with working("writing the report"):
+            write_results(diagnosis, report, folder)
+    if json:
+        typer.echo(report_json(report), nl=False)
+        return
+    from rich.console import Console
+
+    from mjfriction.report.text import WIDTH, print_report
+
+    console = Console(width=WIDTH, highlight=False, soft_wrap=False)
+    print_report(report, console)
+    console.print(f"\nResults in {out}: open {out / 'report.html'}, or mjfriction view {out}")

@@ -1,0 +1,77 @@
+"""The ``mjfriction`` command: its verbs, and how every failure reaches the user."""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated
+
+import typer
+from typer import core, exceptions
+
+from mjfriction.cli.demo import demo
+from mjfriction.cli.diagnose import diagnose
+from mjfriction.cli.predict import predict
+from mjfriction.cli.view import view
+from mjfriction.errors import InputError
+
+WRONG_INPUT, OWN_FAILURE = 2, 1
+
+app = typer.Typer(
+    name="mjfriction",
+    help="Say what a MuJoCo model of a manipulator gets wrong, name the cause, extend the model, measure the gain.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    add_completion=True,
+)
+for verb in (demo, diagnose, predict, view):
+    app.command()(verb)
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        typer.echo(f"mjfriction {version('mjfriction')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")] = False,
+) -> None:
+    del version
+
+
+def run() -> None:
+    """Run the command; exit 0 when it ran, 2 when the input is wrong, 1 when we failed, with one line on stderr."""
+    command = typer.main.get_command(app)
+    assert isinstance(command, core.TyperGroup)
+    try:
+        status = command.main(standalone_mode=False)
+    except InputError as error:
+        _stop(f"{error}", WRONG_INPUT)
+    except (KeyboardInterrupt, exceptions.Abort):
+        _stop("stopped; nothing was written", 130)
+    except Exception as error:
+        message = _usage_message(error)
+        if message is None:
+            _stop(f"internal error, please report it: {type(error).__name__}: {error}", OWN_FAILURE)
+        else:
+            _stop(message, WRONG_INPUT)
+    sys.exit(status if isinstance(status, int) else 0)
+
+
+def _usage_message(error: Exception) -> str | None:
+    # What the command parser raises for a wrong word on the command line carries the context it happened in.
+    text = getattr(error, "format_message", None)
+    if text is None:
+        return None
+    context = getattr(error, "ctx", None)
+    where = context.command_path if context is not None else "mjfriction"
+    return f"{str(text()).splitlines()[0]} See '{where} --help'."
+
+
+def _stop(message: str, status: int) -> None:
+    print(f"mjfriction: {' '.join(message.split())}", file=sys.stderr)
+    sys.exit(status)

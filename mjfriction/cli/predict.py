@@ -1,0 +1,52 @@
+"""``mjfriction predict``: what a robot says a log would have read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mjfriction.cli.options import Json, LogPath, RobotSource
+from mjfriction.cli.progress import working
+
+Out = Annotated[Path, typer.Option("--out", metavar="P.parquet", help="Table to write.", show_default=False)]
+
+
+def predict(log: LogPath, robot: RobotSource, out: Out, json: Json = False) -> None:
+    """Predict what the drives would have reported along a log's motion.
+
+    Writes time and the log's own effort or current columns as the robot says they would read, row by row.
+
+    Example: mjfriction predict run2.parquet --robot result/robot.toml --out predicted.parquet
+    """
+    import numpy as np
+    import pyarrow as pa
+    import pyarrow.parquet
+
+    from mjfriction.errors import OutputError
+    from mjfriction.record.readers import read_log
+    from mjfriction.report.folder import whole_file
+    from mjfriction.robot.files import read_robot
+    from mjfriction.robot.predict import predict_log
+
+    if out.suffix.lower() != ".parquet":
+        raise OutputError(f"{out}: the prediction is written as Parquet; give a name that ends in .parquet")
+    with working("predicting"):
+        measured = read_log(log)
+        predicted = predict_log(measured, read_robot(robot))
+        with whole_file(out) as draft:
+            pyarrow.parquet.write_table(pa.table(predicted), draft)
+    errors = {}
+    for name in list(predicted)[1:]:
+        residual = measured.columns[name] - predicted[name]
+        rms, size = (float(np.sqrt(np.nanmean(np.square(v)))) for v in (residual, measured.columns[name]))
+        errors[name] = {"rms_error": rms, "relative": rms / size if size else None}
+    if json:
+        import json as writer
+
+        typer.echo(writer.dumps({"out": str(out), "columns": errors}, indent=2))
+        return
+    for name, error in errors.items():
+        share = "" if error["relative"] is None else f"  ({100 * error['relative']:.3g} % of what was measured)"
+        typer.echo(f"{name}: RMS error {error['rms_error']:.4g}{share}")

@@ -1,0 +1,67 @@
+"""Causes that the recorded motion cannot tell apart."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from mjfriction.diagnose.causes.catalog import STATED_LEVELS
+from mjfriction.diagnose.compete import Candidates, contenders
+from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.trial import Trial, try_out
+from mjfriction.record.log import Floats
+
+UNDECIDED = 0.05  # probability of a rival from which on it is named beside the chosen cause
+MOST_CONFIDENT = 0.99
+
+
+@dataclass(frozen=True)
+class Standing:
+    """How a chosen cause stands among its rivals: the ``alternatives`` it cannot be told from, and the probability
+    (``confidence``) that it is the right name."""
+
+    alternatives: tuple[str, ...]
+    confidence: float
+
+
+def standing(model: Model, target: Chosen, field: Candidates) -> Standing:
+    """Take a cause out of the model, let all others try in its place, and compare on motion not fitted.
+
+    The difference of two held-out errors in units of the noise is twice the logarithm of how much likelier the data
+    are under one than under the other.  Noise that is not white carries less: the difference is divided by how many
+    rows say the same thing (:func:`redundancy`).
+    """
+    gap, joint = model.gap, target.site.joint
+    rest = tuple(choice for choice in model.chosen if choice.key != target.key)
+    free = model.nuisance.without_level(joint) if target.cause is STATED_LEVELS else model.nuisance
+    without = build_model(gap, free, rest)
+    own = try_out(without, target)
+    if own is None:
+        return Standing((), 0.5)
+    here = [choice for choice in field if choice.site.joint == joint and choice.key != target.key]
+    repeated = redundancy(model.residual()[:, joint] * model.system.rows.weight[:, joint])
+    odds = {
+        rival.chosen.cause.name: math.exp(min(0.0, -0.5 * (own.merit - rival.merit) / repeated))
+        for rival in contenders(without, here)
+        if _is_rival(rival, own)
+    }
+    total = 1.0 + sum(odds.values())
+    alternatives = tuple(name for name, likelihood in odds.items() if likelihood / total > UNDECIDED)
+    return Standing(alternatives, min(MOST_CONFIDENT, (1.0 - own.chance) / total))
+
+
+def redundancy(weighted: Floats) -> float:
+    """Return how many rows carry the information of one: 1 + 2·Σρ_k over the leading positive autocorrelations."""
+    rows = weighted.size
+    spectrum = np.square(np.abs(np.fft.rfft(weighted - np.mean(weighted), 2 * rows)))
+    correlation = np.fft.irfft(spectrum)[: rows // 4]
+    correlation /= max(float(correlation[0]), 1e-300)
+    leading = int(np.argmax(correlation < 0.05)) or correlation.size
+    return 1.0 + 2.0 * float(np.sum(correlation[1:leading]))
+
+
+def _is_rival(rival: Trial, own: Trial) -> bool:
+    # What does not pass on its own is no explanation, however little the chosen cause explains.
+    return rival.passes(1) and rival.gain > 0.5 * own.gain

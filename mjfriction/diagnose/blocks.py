@@ -1,0 +1,97 @@
+"""Stretches of motion that stand for one another: the units of cross-validation and of intervals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjfriction.diagnose.rows import Chain
+from mjfriction.errors import LogError
+from mjfriction.record.log import Floats, Integers
+
+BLOCK_SECONDS = 1.0  # longer than the memory of any noise the filters make
+MOST_BLOCKS = 60
+FEWEST_BLOCKS = 8
+FEWEST_REPEATS = 4
+FOLDS, FEWEST_FOLDS = 6, 3
+SAME = 0.01  # two courses of the motion are the same when they differ by less than this, relative to its spread
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """``row`` (rows,) numbers the block each row is in; ``group`` (blocks,) numbers what each block may be exchanged
+    with: itself, or, where the motion repeats at least four times, everything in the same repetition."""
+
+    row: Integers
+    group: Integers
+
+    @property
+    def count(self) -> int:
+        """How many blocks."""
+        return self.group.size
+
+    @property
+    def groups(self) -> int:
+        """How many groups."""
+        return int(self.group[-1]) + 1
+
+    @property
+    def folds(self) -> list[NDArray[np.bool_]]:
+        """Masks (blocks,) of the parts that are left out in turn: interleaved, so that each sees all of the log's
+        course; where the motion repeats, the same stretch of every repetition, so that it has not been seen."""
+        within = self.count // self.groups
+        number = np.arange(self.count) % within if within >= FEWEST_FOLDS else np.arange(self.count)
+        number %= FOLDS
+        return [number == fold for fold in range(int(number.max()) + 1)]
+
+
+def cut_blocks(chain: Chain, position: Floats, source: str) -> Blocks:
+    """Cut the rows into blocks of at least a second, at most sixty; ``position`` (rows, joints) shows repetitions.
+
+    Raises :class:`LogError` when the motion is too short to fit on one part and prove on another.
+    """
+    step = np.diff(chain.time)
+    elapsed = np.append(0.0, np.cumsum(np.clip(step, 0.0, 10.0 / chain.band)))
+    total = float(elapsed[-1])
+    count = int(total / max(BLOCK_SECONDS, total / MOST_BLOCKS))
+    if count < FEWEST_BLOCKS:
+        raise LogError(
+            f"{source}: {total:.1f} s of usable motion are too short; at least "
+            f"{FEWEST_BLOCKS * BLOCK_SECONDS:.0f} s are needed to fit on one part and prove on another"
+        )
+    repeats = _repetitions(chain, position) if np.all(chain.piece == chain.piece[0]) else 1
+    if repeats < FEWEST_REPEATS:
+        row = _numbered(elapsed, count)
+        return Blocks(row, np.arange(count))
+    within = max(1, count // repeats)
+    return Blocks(_numbered(elapsed, within * repeats), np.repeat(np.arange(repeats), within))
+
+
+def _numbered(elapsed: Floats, count: int) -> Integers:
+    return np.minimum((elapsed / elapsed[-1] * count).astype(np.int64), count - 1)
+
+
+def _repetitions(chain: Chain, position: Floats) -> int:
+    # The mean squared difference between the course and itself a lag later, from the autocorrelation.
+    spread = np.std(position, axis=0)
+    moving = spread > 1e-9
+    course = (position[:, moving] - np.mean(position[:, moving], axis=0)) / spread[moving]
+    rows = course.shape[0]
+    padded = np.fft.rfft(course, 2 * rows, axis=0)
+    correlation = np.fft.irfft(np.square(np.abs(padded)), axis=0)[:rows].sum(axis=1)
+    power = np.cumsum(np.square(course).sum(axis=1))
+    lag = np.arange(1, rows - 1)
+    head, tail = power[rows - 1 - lag], power[-1] - power[lag - 1]
+    difference = (head + tail - 2.0 * correlation[lag]) / (head + tail)
+    first = np.argmax(difference > 10.0 * SAME)  # leave the trivial likeness of neighbouring rows
+    alike = np.flatnonzero(difference[first:] < SAME)
+    alike = alike[lag[first + alike] < rows / 2]
+    if first == 0 and difference[0] <= 10.0 * SAME or alike.size == 0:
+        return 1
+    start = first + int(alike[0])
+    stop = start + int(np.argmax(np.append(difference[start:] >= SAME, True)))
+    period = lag[start + int(np.argmin(difference[start:stop]))]
+    repeats = rows / float(period)
+    return round(repeats) if abs(repeats - round(repeats)) < 0.1 else 1

@@ -1,0 +1,1 @@
+"""The causes a finding may carry, one small class each."""

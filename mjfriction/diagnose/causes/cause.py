@@ -1,0 +1,89 @@
+"""What a cause is: one change to the balance of the robot, linear in its strengths, with a few shape parameters.
+
+Adding a cause is one file with one class, and one line in :mod:`~mjfriction.diagnose.causes.catalog`.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from mjfriction.diagnose.gap import Gap
+from mjfriction.diagnose.regression import Columns
+from mjfriction.parameter import Parameter
+from mjfriction.record.log import Floats
+from mjfriction.robot.robot import Robot
+
+Shape = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Site:
+    """A cause at a place: on one joint (its index), with values for its shape parameters."""
+
+    joint: int
+    shape: Shape = ()
+
+    def shaped(self, shape: Shape) -> Site:
+        """Return the same place with another shape."""
+        return replace(self, shape=shape)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A fitted quantity as a person reads it: its declaration, and value = ``shift`` + ``factor`` · strength."""
+
+    parameter: Parameter
+    factor: float = 1.0
+    shift: float = 0.0
+
+
+class Cause(ABC):
+    """One cause.  Concrete causes are final; they hold no state."""
+
+    name: ClassVar[str]
+    shape_parameters: ClassVar[tuple[Parameter, ...]] = ()
+    covariate: ClassVar[str] = "velocity"
+    before_sensor: ClassVar[bool] = True  # whether the change passes the effort sensor's scale, as all torques do
+    kin: ClassVar[tuple[str, ...]] = ()  # causes that are the other half of the same thing, asked for once this is found
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """Return where the cause may sit, with a starting grid of shapes: by default every examined, moving joint."""
+        return [Site(joint) for joint in gap.examined if gap.motion.moving[joint]]
+
+    @abstractmethod
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """Return the effort per unit strength along the motion, (n, strengths), at the joint, before the sensor."""
+
+    @abstractmethod
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """Return what each strength means, in order."""
+
+    @abstractmethod
+    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+        """Return the robot with the cause built in."""
+
+    @abstractmethod
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Say in one sentence where in the data the cause shows."""
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """Return whether fitted strengths are physical; by default all are."""
+        return True
+
+    def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
+        """Return the range each shape parameter is searched in."""
+        return []
+
+    def columns(self, gap: Gap, site: Site) -> Columns:
+        """Return the cause's regressor columns, through the measurement chain."""
+        scale = gap.robot.table.joint[site.joint].effort_sensor.scale
+        return {site.joint: gap.chain.rows(scale * self.samples(gap, site))}
+
+
+def column(values: Floats) -> Floats:
+    """Return (n,) as one column (n, 1)."""
+    return np.asarray(values)[:, None]

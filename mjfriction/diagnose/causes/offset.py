@@ -1,0 +1,49 @@
+"""drive.offset: a constant added to the effort."""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Shape, Site, column
+from mjfriction.diagnose.gap import Gap
+from mjfriction.parameter import Parameter
+from mjfriction.record.log import Floats
+from mjfriction.robot.robot import Robot
+
+OFFSET = Parameter("offset", "{force}", "constant in the reported effort")
+
+
+@final
+class Offset(Cause):
+    """A constant; Coulomb levels that differ between the directions are the same change."""
+
+    name = "drive.offset"
+    before_sensor = False
+    covariate = "time"
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """One, in units of the true effort so that the sensor's scale cancels, (n, 1)."""
+        scale = gap.robot.table.joint[site.joint].effort_sensor.scale
+        return column(np.full(gap.motion.time.size, 1.0 / scale))
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """The offset, stated plus change."""
+        return (Quantity(OFFSET, shift=gap.robot.table.joint[site.joint].effort_sensor.offset),)
+
+    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+        """Move the effort sensor's offset."""
+        table = robot.joint(joint)
+        offset = table.effort_sensor.offset + float(strengths[0])
+        sensor = table.effort_sensor.model_copy(update={"offset": offset})
+        return robot.with_joint(table.model_copy(update={"effort_sensor": sensor}))
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give the constant beside the joint's effort."""
+        unit = "N" if gap.body.sliding[site.joint] else "N·m"
+        effort = float(np.sqrt(np.mean(np.square(gap.measured[:, site.joint]))))
+        return (
+            f"the reported effort stands {strengths[0]:+.3g} {unit} off at every speed and pose "
+            f"({100 * abs(strengths[0]) / effort:.2g} % of its RMS)"
+        )

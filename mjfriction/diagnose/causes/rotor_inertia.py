@@ -1,0 +1,53 @@
+"""drive.rotor_inertia: a term in the acceleration of one joint alone."""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Shape, Site, column
+from mjfriction.diagnose.gap import Gap
+from mjfriction.parameter import Parameter
+from mjfriction.record.log import Floats
+from mjfriction.robot.robot import Robot
+
+ROTOR_INERTIA = Parameter("rotor_inertia", "kg·m²", "inertia of the rotor, at the motor", lower=0.0)
+
+
+@final
+class RotorInertia(Cause):
+    """ΔJ·gear_ratio²·q̈."""
+
+    name = "drive.rotor_inertia"
+    covariate = "acceleration"
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """The joint's acceleration, (n, 1)."""
+        return column(gap.motion.acceleration[:, site.joint])
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """The rotor's inertia at the motor, stated plus change."""
+        actuator = gap.robot.table.joint[site.joint].actuator
+        return (Quantity(ROTOR_INERTIA, 1.0 / actuator.gear_ratio**2, actuator.rotor_inertia),)
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """A rotor has no negative inertia."""
+        actuator = gap.robot.table.joint[site.joint].actuator
+        return bool(actuator.rotor_inertia + strengths[0] / actuator.gear_ratio**2 >= 0.0)
+
+    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+        """Move the rotor inertia of the joint's actuator."""
+        table = robot.joint(joint)
+        inertia = table.actuator.rotor_inertia + float(strengths[0]) / table.actuator.gear_ratio**2
+        actuator = table.actuator.model_copy(update={"rotor_inertia": inertia})
+        return robot.with_joint(table.model_copy(update={"actuator": actuator}))
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give the effort that goes with hard acceleration."""
+        hard = float(np.quantile(np.abs(gap.motion.acceleration[:, site.joint]), 0.99))
+        sliding = gap.body.sliding[site.joint]
+        return (
+            f"accelerating at {hard:.3g} {'m/s²' if sliding else 'rad/s²'} takes {strengths[0] * hard:+.3g} "
+            f"{'N' if sliding else 'N·m'} besides the links, in this joint alone"
+        )

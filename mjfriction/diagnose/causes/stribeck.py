@@ -1,0 +1,78 @@
+"""friction.stribeck: extra friction near rest that falls away with speed."""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Shape, Site, column
+from mjfriction.diagnose.gap import Gap
+from mjfriction.laws.stribeck import STRIBECK
+from mjfriction.parameter import Parameter
+from mjfriction.record.log import Floats
+from mjfriction.robot.friction import stribeck_excess, with_term
+from mjfriction.robot.robot import Robot
+
+EXCESS = Parameter("stribeck_excess", "{force}", "friction near rest above the Coulomb level", lower=0.0)
+EXPONENTS = (1.0, 2.0)
+SLOWEST = 2.0  # times the speed below which the direction is in doubt: what fades faster looks like a blurred reversal
+FASTEST = 0.6  # of the top speed: what fades slower is a bent viscous curve
+
+
+@final
+class Stribeck(Cause):
+    """E·exp(−|v/v_s|^δ)·sgn v with E ≥ 0."""
+
+    name = "friction.stribeck"
+    shape_parameters = (STRIBECK.parameter("stribeck_velocity"), STRIBECK.parameter("stribeck_exponent"))
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """Every moving joint, with Stribeck velocities spaced evenly in logarithm over what its motion can show."""
+        out = []
+        for site in super().sites(gap):
+            slow, fast = self.shape_bounds(gap, site)[0]
+            if fast > 1.5 * slow:
+                grid = np.geomspace(slow, fast, 10)
+                out += [site.shaped((float(v), d)) for d in EXPONENTS for v in grid]
+        return out
+
+    def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
+        """The speeds between which a fading level is told from a blurred reversal and from damping."""
+        speed = np.abs(gap.motion.velocity[:, site.joint])
+        return [(SLOWEST * gap.doubt_speed[site.joint], FASTEST * float(np.quantile(speed, 0.99))), (0.5, 4.0)]
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """The fading level in the direction of motion, (n, 1)."""
+        velocity, exponent = site.shape
+        fading = np.exp(-((np.abs(gap.motion.velocity[:, site.joint]) / velocity) ** exponent))
+        return column(gap.forward(site.joint) * fading)
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """The extra level."""
+        return (Quantity(EXCESS),)
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """Friction may not grow from rest; less extra than stated is fine as long as none is left negative."""
+        return bool(strengths[0] > -stribeck_excess(gap.robot.table.joint[site.joint]))
+
+    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+        """Add a Stribeck law that holds only the extra level."""
+        parameters = {
+            "coulomb": 0.0,
+            "static": float(strengths[0]),
+            "stribeck_velocity": shape[0],
+            "stribeck_exponent": shape[1],
+            "viscous": 0.0,
+        }
+        return with_term(robot, joint, STRIBECK.name, parameters)
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give the extra level and the speed by which it has gone."""
+        velocity, exponent = site.shape
+        sliding = gap.body.sliding[site.joint]
+        faded = velocity * 3.0 ** (1.0 / exponent)
+        return (
+            f"near rest the drive works against {strengths[0]:.3g} {'N' if sliding else 'N·m'} more than at speed, in "
+            f"both directions; at {faded:.3g} {'m/s' if sliding else 'rad/s'} only a twentieth of it is left"
+        )

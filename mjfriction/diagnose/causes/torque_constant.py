@@ -1,0 +1,58 @@
+"""drive.torque_constant: the measured effort is a constant factor off."""
+
+from __future__ import annotations
+
+from typing import final
+
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Shape, Site, column
+from mjfriction.diagnose.gap import Gap
+from mjfriction.parameter import Parameter
+from mjfriction.record.log import CURRENT, Floats
+from mjfriction.robot.robot import Robot
+
+FACTOR = Parameter("factor", "1", "measured effort over the effort the model says", lower=0.0)
+
+MOST_OFF = 3.0
+
+
+@final
+class TorqueConstant(Cause):
+    """ε·(everything the robot is stated to need): the reading is 1 + ε times the effort."""
+
+    name = "drive.torque_constant"
+    before_sensor = False
+    covariate = "effort"
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """The stated effort of the joint, (n, 1)."""
+        return column(gap.effort.rigid[:, site.joint] + gap.effort.friction[:, site.joint])
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """The factor, 1 where the reading is right."""
+        return (Quantity(FACTOR, shift=1.0),)
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """A factor of three or more, or a reversed sign, is a fault of units or wiring, not of a constant."""
+        return bool(1.0 / MOST_OFF < 1.0 + strengths[0] < MOST_OFF)
+
+    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+        """Scale the effort sensor.
+
+        A reading in amperes says the same of the torque constant, which is the stated one divided by the factor; the
+        robot file keeps the stated constant and carries the factor, so that it holds for either kind of log.
+        """
+        table = robot.joint(joint)
+        scale = table.effort_sensor.scale * (1.0 + float(strengths[0]))
+        sensor = table.effort_sensor.model_copy(update={"scale": scale})
+        return robot.with_joint(table.model_copy(update={"effort_sensor": sensor}))
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give the factor, and for currents the torque constant it means."""
+        factor = 1.0 + float(strengths[0])
+        constant = gap.robot.table.joint[site.joint].actuator.torque_constant
+        if gap.motion.quantity[site.joint] == CURRENT and constant is not None:
+            return (
+                f"currents read {factor:.3g} times what the model needs at every load: the torque constant is "
+                f"{constant / factor:.3g} N·m/A, not {constant:.3g}"
+            )
+        return f"the reported effort is {factor:.3g} times what the model needs, at every load"

@@ -1,0 +1,120 @@
+"""Causes compete for the residual: forward by what they explain on motion not fitted, then back."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import minimize
+
+from mjfriction.diagnose.causes.cause import Cause, Site
+from mjfriction.diagnose.gap import Gap
+from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.nuisance import Nuisance
+from mjfriction.diagnose.trial import Trial, try_out
+from mjfriction.record.log import Floats
+
+KIN_CHANCE = 0.01  # at which a cause's other half is taken along
+LEAST_KIN = 0.03  # of its partner's effort that a cause's other half must reach
+MOST_CAUSES = 12
+SHORT_LIST = 8
+
+Candidates = list[Chosen]
+
+
+def candidates(gap: Gap, causes: tuple[Cause, ...]) -> Candidates:
+    """Return every cause at every place it may sit, with every shape of its starting grid."""
+    return [Chosen(cause, site) for cause in causes for site in cause.sites(gap)]
+
+
+def compete(gap: Gap, nuisance: Nuisance, field: Candidates) -> Model:
+    """Choose the causes that the log shows, strongest first.
+
+    Forward: of the candidates whose strengths are beyond chance (Wald's test with block-clustered covariance, at a
+    level divided by the number of candidates) and that take away a share of the error on motion not fitted, the one
+    that takes most is chosen, until none is left.  Backward: causes that the later ones have made needless are dropped.
+    """
+    model = build_model(gap, nuisance, ())
+    while len(model.chosen) < MOST_CAUSES:
+        passing = [trial for trial in contenders(model, field) if trial.passes(len(field))]
+        if not passing:
+            break
+        best = max(passing, key=lambda trial: trial.merit)
+        model = _reshaped(build_model(gap, nuisance, (*model.chosen, best.chosen)))
+    return _with_kin(_pruned(model, len(field)), field)
+
+
+def contenders(model: Model, field: Candidates) -> list[Trial]:
+    """Try every candidate that is not in the model yet, each at its best shape; return the short list, tried in full."""
+    present = {choice.key for choice in model.chosen}
+    best: dict[tuple[str, int], tuple[float, Chosen]] = {}
+    for choice in field:
+        if choice.key not in present:
+            gain = _gain(model, choice)
+            if choice.key not in best or gain > best[choice.key][0]:
+                best[choice.key] = (gain, choice)
+    ranked = sorted(best.values(), key=lambda entry: -entry[0])[:SHORT_LIST]
+    shaped = [_best_shape(model, choice) for gain, choice in ranked if gain > 0.0]
+    return [trial for choice in shaped if (trial := try_out(model, choice)) is not None]
+
+
+def _gain(model: Model, choice: Chosen) -> float:
+    strengths, gain = model.system.screen(choice.cause.columns(model.gap, choice.site))
+    if not choice.cause.admissible(model.gap, choice.site, strengths):
+        return 0.0
+    # Every freedom, the searched shape included, costs what it gains on noise alone.
+    freedoms = strengths.size + len(choice.site.shape)
+    return gain - freedoms * float(np.log(model.gap.blocks.row.size))
+
+
+def _best_shape(model: Model, choice: Chosen) -> Chosen:
+    bounds = choice.cause.shape_bounds(model.gap, choice.site)
+    if not bounds:
+        return choice
+
+    def loss(logarithm: Floats) -> float:
+        shape = tuple(float(value) for value in np.exp(logarithm))
+        return -_gain(model, Chosen(choice.cause, choice.site.shaped(shape)))
+
+    start = np.log(np.clip(choice.site.shape, *np.array(bounds).T))
+    limits = [(float(np.log(low)), float(np.log(high))) for low, high in bounds]
+    found = minimize(loss, start, method="Nelder-Mead", bounds=limits, options={"maxfev": 60, "xatol": 1e-3})
+    shape = tuple(float(value) for value in np.exp(found.x))
+    return Chosen(choice.cause, choice.site.shaped(shape)) if found.fun < loss(start) else choice
+
+
+def _reshaped(model: Model) -> Model:
+    # A new cause moves the best shapes of the others: each in turn, the rest held.
+    for i, choice in enumerate(model.chosen):
+        if choice.site.shape:
+            better = _best_shape(model.without(choice), choice)
+            chosen = (*model.chosen[:i], better, *model.chosen[i + 1 :])
+            model = build_model(model.gap, model.nuisance, chosen)
+    return model
+
+
+def _pruned(model: Model, count: int) -> Model:
+    while model.chosen:
+        trials = [(choice, try_out(model.without(choice), choice)) for choice in model.chosen]
+        needless = [(trial.gain if trial else -np.inf, choice) for choice, trial in trials if not _stays(trial, count)]
+        if not needless:
+            return model
+        model = _reshaped(model.without(min(needless, key=lambda entry: entry[0])[1]))
+    return model
+
+
+def _stays(trial: Trial | None, count: int) -> bool:
+    return trial is not None and trial.passes(count)
+
+
+def _with_kin(model: Model, field: Candidates) -> Model:
+    # A found cause names its other half, if it has one.  That is one question asked beforehand, not the best of many
+    # answers, so that it stands at the plain level; and it is measured against its partner, not against the effort.
+    for choice in model.chosen:
+        for other in field:
+            present = other.key in {found.key for found in model.chosen}
+            if other.cause.name not in choice.cause.kin or other.site != Site(choice.site.joint) or present:
+                continue
+            trial = try_out(model, other, model.gap.blocks.group)
+            own = try_out(model.without(choice), choice)
+            if trial and own and trial.chance < KIN_CHANCE and trial.effect > LEAST_KIN * own.effect:
+                model = build_model(model.gap, model.nuisance, (*model.chosen, other))
+    return model

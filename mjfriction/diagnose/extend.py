@@ -1,0 +1,71 @@
+"""The extended robot: the stated one with everything that was found built in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mjfriction.diagnose.causes.torque_constant import TorqueConstant
+from mjfriction.diagnose.intervals import half_widths
+from mjfriction.diagnose.model import Model
+from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
+from mjfriction.robot.friction import raised_levels, stated_levels
+from mjfriction.robot.robot import Robot
+
+
+@dataclass(frozen=True)
+class Adjustment:
+    """A stated value that was moved: at ``joint``, from ``stated`` to ``fitted``, known to ± ``half_width`` (95 %)."""
+
+    what: str
+    joint: str
+    unit: str
+    stated: float
+    fitted: float
+    half_width: float
+
+
+def extend_robot(model: Model) -> Robot:
+    """Build a fitted model into the robot: levels, link scales, then the causes in the order they were found.
+
+    The fit adds everything at the sensor's output.  Where a joint's sensor gets a new scale 1 + ε, what lies before it
+    is divided by that, so that the robot file says the same as the fit.
+    """
+    robot, nuisance, strengths = model.gap.robot, model.nuisance, model.strengths
+    sensor = np.ones(len(robot.joints))
+    for choice, place in zip(model.chosen, model.places, strict=True):
+        if choice.cause.name == TorqueConstant.name:
+            sensor[choice.site.joint] *= 1.0 + strengths[place][0]
+    for i, level in enumerate(nuisance.levels):
+        joint = level.site.joint
+        coulomb, viscous = strengths[2 * i : 2 * i + 2] / sensor[joint]
+        robot = raised_levels(robot, robot.joints[joint], float(coulomb), float(viscous))
+    scale = dict(robot.table.link_scale)
+    for k, link in enumerate(nuisance.links):
+        scale[link.name] = scale.get(link.name, 1.0) * (1.0 + float(strengths[2 * len(nuisance.levels) + k]))
+    robot = Robot(robot.table.model_copy(update={"link_scale": scale}), robot.folder)
+    for choice, place in zip(model.chosen, model.places, strict=True):
+        joint = choice.site.joint
+        before = sensor[joint] if choice.cause.before_sensor else 1.0
+        robot = choice.cause.extend(robot, robot.joints[joint], strengths[place] / before, choice.site.shape)
+    return robot
+
+
+def adjustments(model: Model) -> list[Adjustment]:
+    """List the stated values that the fit moved."""
+    gap, strengths, half = model.gap, model.strengths, half_widths(model).nuisance
+    out = []
+    for i, level in enumerate(model.nuisance.levels):
+        joint = level.site.joint
+        sliding = gap.body.sliding[joint]
+        stated = stated_levels(gap.robot.table.joint[joint])
+        for k, name in enumerate(("coulomb", "viscous")):
+            unit = COULOMB_VISCOUS.parameter(name).unit_for(sliding=sliding)
+            fitted = stated[k] + float(strengths[2 * i + k])
+            out.append(Adjustment(name, gap.robot.joints[joint], unit, stated[k], fitted, float(half[2 * i + k])))
+    for k, link in enumerate(model.nuisance.links, start=2 * len(model.nuisance.levels)):
+        stated_scale = gap.robot.table.link_scale.get(link.name, 1.0)
+        fitted = stated_scale * (1.0 + float(strengths[k]))
+        out.append(Adjustment("link_scale", link.name, "1", stated_scale, fitted, stated_scale * float(half[k])))
+    return out

@@ -1,0 +1,59 @@
+"""How well the data fix each fitted quantity."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import t as student
+
+from mjfriction.diagnose.model import Chosen, Model, cause_block
+from mjfriction.diagnose.regression import Columns, System
+from mjfriction.record.log import Floats
+
+STEP = 1e-3  # relative step of a shape parameter for its tangent
+
+
+@dataclass(frozen=True)
+class HalfWidths:
+    """Half-widths of 95 % intervals: of the nuisances' strengths, and for every chosen cause of its strengths and then
+    its shape parameters."""
+
+    nuisance: Floats
+    causes: tuple[Floats, ...]
+
+
+def half_widths(model: Model) -> HalfWidths:
+    """Return how uncertain everything fitted is, from the clustered covariance.
+
+    Shape parameters enter linearised, so that the uncertainty of a level and of the speed it fades over are the joint
+    ones.  Where the motion repeats, the repetitions are what the interval is drawn from.
+    """
+    gap, nuisance, strengths = model.gap, model.nuisance, model.strengths
+    columns, precisions = nuisance.columns, nuisance.precisions
+    sizes = []
+    for choice, place in zip(model.chosen, model.places, strict=True):
+        own, precision = cause_block(gap, choice)
+        tangents, tangent_precision = _tangents(model, choice, own, strengths[place])
+        columns = [*columns, {joint: np.hstack([own[joint], tangents[joint]]) for joint in own}]
+        precisions = [*precisions, np.concatenate([precision, tangent_precision])]
+        sizes.append(precision.size + tangent_precision.size)
+    full = System(model.system.rows, columns, precisions).normal
+    fitted = full.strengths(np.ones(gap.blocks.count, dtype=bool))
+    deviation = np.sqrt(np.maximum(np.diag(full.covariance(fitted, gap.blocks.group)), 0.0))
+    half = deviation * float(student.ppf(0.975, gap.blocks.groups - 1))
+    ends = nuisance.count + np.cumsum([0, *sizes])
+    return HalfWidths(half[: nuisance.count], tuple(half[a:b] for a, b in zip(ends[:-1], ends[1:], strict=True)))
+
+
+def _tangents(model: Model, choice: Chosen, own: Columns, strengths: Floats) -> tuple[Columns, Floats]:
+    shape = choice.site.shape
+    parts: dict[int, list[Floats]] = {joint: [] for joint in own}
+    for i, value in enumerate(shape):
+        moved = tuple(v * (1.0 + STEP) if k == i else v for k, v in enumerate(shape))
+        columns = choice.cause.columns(model.gap, choice.site.shaped(moved))
+        for joint in own:
+            parts[joint].append((columns[joint] - own[joint]) @ strengths / (STEP * value))
+    rows = model.gap.blocks.row.size
+    tangents = {joint: np.column_stack(found) if found else np.zeros((rows, 0)) for joint, found in parts.items()}
+    return tangents, np.array([1.0 / (10.0 * value) ** 2 for value in shape])

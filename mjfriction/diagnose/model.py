@@ -1,0 +1,131 @@
+"""A model in the making: the nuisances and the causes chosen so far, held against the rows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mjfriction.diagnose.causes.cause import Cause, Site
+from mjfriction.diagnose.gap import Gap
+from mjfriction.diagnose.nuisance import Nuisance
+from mjfriction.diagnose.regression import Columns, Rows, System
+from mjfriction.record.log import Floats
+from mjfriction.robot.friction import stated_levels
+
+PRIOR_SHARE = 100.0  # a cause's strength may be worth this many times the joint's effort: next to no restraint
+CLEAR = 0.1  # share of the noise that doubt about friction's direction may add to a row the noise is measured on
+LEAST_NOISE = 1e-3  # of the joint's RMS effort; no model of a machine is better than that
+BACKWARD_COULOMB = 0.1  # of a joint's friction that its Coulomb level may seem to be negative by
+BACKWARD_VISCOUS = 0.3  # and its damping, which errors of the links' inertias reach too
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """A cause at a place, as part of a model."""
+
+    cause: Cause
+    site: Site
+
+    @property
+    def key(self) -> tuple[str, int]:
+        """The cause's name and its joint."""
+        return self.cause.name, self.site.joint
+
+
+@dataclass(frozen=True)
+class Model:
+    """Nuisances and chosen causes, set up as a regression on a gap."""
+
+    gap: Gap
+    nuisance: Nuisance
+    chosen: tuple[Chosen, ...]
+    system: System
+
+    @property
+    def strengths(self) -> Floats:
+        """The strengths fitted on everything: the nuisances', then the causes'."""
+        return self.system.normal.strengths(np.ones(self.gap.blocks.count, dtype=bool))
+
+    @property
+    def places(self) -> list[slice]:
+        """Where the strengths of each chosen cause stand."""
+        ends = [self.nuisance.count]
+        for choice in self.chosen:
+            ends.append(ends[-1] + len(choice.cause.quantities(self.gap, choice.site)))
+        return [slice(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+
+    def residual(self) -> Floats:
+        """Return what the model, fitted on everything, leaves: (rows, joints), N·m or N."""
+        return self.system.residual(self.strengths)
+
+    def heldout_residual(self) -> Floats:
+        """Return what the model leaves, every row predicted by a fit that has not seen it: (rows, joints)."""
+        out = np.zeros_like(self.gap.residual)
+        for fold in self.gap.blocks.folds:
+            rows = fold[self.gap.blocks.row]
+            out[rows] = self.system.residual(self.system.normal.strengths(~fold))[rows]
+        return out
+
+    def without(self, target: Chosen) -> Model:
+        """Return the model with one cause taken out."""
+        rest = tuple(choice for choice in self.chosen if choice.key != target.key)
+        return build_model(self.gap, self.nuisance, rest)
+
+    def friction_is_physical(self, strengths: Floats, joints: list[int]) -> bool:
+        """Return whether fitted friction levels work against the motion.
+
+        Where columns are alike, least squares likes to set a large level against its negative; a Coulomb level or a
+        damping below zero by more than errors elsewhere can make it is the mark of that.
+        """
+        for i, level in enumerate(self.nuisance.levels):
+            joint = level.site.joint
+            if joint not in joints:
+                continue
+            stated = stated_levels(self.gap.robot.table.joint[joint])
+            speed = float(np.sqrt(np.mean(np.square(self.gap.motion.velocity[:, joint]))))
+            coulomb = stated[0] + float(strengths[2 * i])
+            damping = (stated[1] + float(strengths[2 * i + 1])) * speed
+            scale = abs(coulomb) + abs(damping)
+            if coulomb < -BACKWARD_COULOMB * scale or damping < -BACKWARD_VISCOUS * scale:
+                return False
+        return True
+
+
+def cause_block(gap: Gap, choice: Chosen) -> tuple[Columns, Floats]:
+    """Return a cause's columns and the precision that keeps them from blowing up where the data say nothing."""
+    columns = choice.cause.columns(gap, choice.site)
+    size = np.sqrt(sum(np.mean(np.square(values), axis=0) for values in columns.values()))
+    effort = np.sqrt(np.mean(np.square(gap.measured[:, choice.site.joint])))
+    return columns, np.square(size / (PRIOR_SHARE * effort))
+
+
+def build_model(gap: Gap, nuisance: Nuisance, chosen: tuple[Chosen, ...]) -> Model:
+    """Set up the regression of a model.
+
+    The noise of each joint is measured on what the model itself leaves, where friction's direction is not in doubt, in
+    a few rounds; every row then counts by that noise and its doubt.
+    """
+    blocks = [cause_block(gap, choice) for choice in chosen]
+    columns = nuisance.columns + [block for block, _ in blocks]
+    precisions = nuisance.precisions + [precision for _, precision in blocks]
+    floor = np.maximum(np.nan_to_num(gap.noise_floor), LEAST_NOISE * _rms(np.nan_to_num(gap.measured)))
+    noise = np.maximum(floor, _rms(np.nan_to_num(gap.residual)))
+    for _ in range(3):
+        model = Model(gap, nuisance, chosen, System(_weighted_rows(gap, noise), columns, precisions))
+        left = model.residual()
+        for joint in gap.examined:
+            clear = gap.doubt[:, joint] < CLEAR * noise[joint]
+            values = left[clear, joint] if np.count_nonzero(clear) > 50 else left[:, joint]
+            noise[joint] = max(floor[joint], 1.4826 * float(np.median(np.abs(values))))
+    return Model(gap, nuisance, chosen, System(_weighted_rows(gap, noise), columns, precisions))
+
+
+def _weighted_rows(gap: Gap, noise: Floats) -> Rows:
+    measured = np.isfinite(gap.residual)
+    deviation = np.sqrt(np.square(noise) + np.square(np.nan_to_num(gap.doubt)))
+    return Rows(np.nan_to_num(gap.residual), np.where(measured, 1.0 / deviation, 0.0), gap.blocks.row)
+
+
+def _rms(values: Floats) -> Floats:
+    return np.sqrt(np.mean(np.square(values), axis=0))

@@ -1,0 +1,192 @@
+"""Least squares over blocks of motion: everything the diagnosis needs of the data, as small matrices.
+
+The weighted rows of a joint enter only through their products summed per block.  From these come the fit on any set of
+blocks, its error on the others, intervals that survive coloured noise, and what a further column would gain, all
+without going back to the rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+
+from mjfriction.record.log import Floats, Integers
+
+Columns = Mapping[int, Floats]
+"""A block of regressor columns: joint index → rows (rows, k), in units of effort per unit of strength."""
+
+
+@dataclass(frozen=True)
+class Rows:
+    """The equation system's left side.
+
+    ``target`` (rows, joints): effort to be explained.  ``weight`` (rows, joints): one over the deviation a row is
+    believed to, 0 where there is none.  ``block`` (rows,): 0 … blocks−1.
+    """
+
+    target: Floats
+    weight: Floats
+    block: Integers
+
+    @property
+    def joints(self) -> int:
+        """How many joints."""
+        return self.target.shape[1]
+
+    @property
+    def blocks(self) -> int:
+        """How many blocks."""
+        return int(self.block[-1]) + 1
+
+    def products(self, left: Floats, right: Floats) -> Floats:
+        """Return leftᵀ·right summed within blocks: (rows, a), (rows, b) → (blocks, a, b)."""
+        starts = np.searchsorted(self.block, np.arange(self.blocks))
+        bounds = [*starts.tolist(), self.block.size]
+        return np.stack([left[a:b].T @ right[a:b] for a, b in zip(bounds[:-1], bounds[1:], strict=True)])
+
+
+@dataclass(frozen=True)
+class Normal:
+    """Normal equations per joint and block of ``columns`` regressors.
+
+    ``gram`` (joints, blocks, p, p), ``moment`` (joints, blocks, p), ``power`` (joints, blocks) of the target,
+    ``precision`` (p,): one over the prior variance of each strength, 0 where nothing is known beforehand.
+    """
+
+    gram: Floats
+    moment: Floats
+    power: Floats
+    precision: Floats
+
+    @property
+    def count(self) -> int:
+        """How many regressors."""
+        return self.precision.size
+
+    def strengths(self, training: NDArray[np.bool_]) -> Floats:
+        """Return the strengths (p,) fitted on the blocks marked in ``training`` (blocks,)."""
+        gram = self.gram[:, training].sum(axis=(0, 1)) + np.diag(self.precision)
+        return _solve(gram, self.moment[:, training].sum(axis=(0, 1)))
+
+    def errors(self, strengths: Floats) -> Floats:
+        """Return the squared error (joints, blocks) left by given strengths."""
+        return np.asarray(
+            self.power
+            - 2.0 * self.moment @ strengths
+            + np.einsum("p,jbpq,q->jb", strengths, self.gram, strengths, optimize=True)
+        )
+
+    def heldout_errors(self, folds: list[NDArray[np.bool_]]) -> Floats:
+        """Return the squared error (joints, blocks), each block predicted by a fit that has not seen it."""
+        out = np.empty_like(self.power)
+        for fold in folds:
+            out[:, fold] = self.errors(self.strengths(~fold))[:, fold]
+        return out
+
+    def covariance(self, strengths: Floats, groups: Integers) -> Floats:
+        """Return the covariance (p, p) of strengths fitted on all blocks.
+
+        It is the clustered sandwich: the score of each group of blocks (``groups`` (blocks,) numbers them) stands for
+        itself, so that noise coloured or uneven within groups is accounted for whatever its form (Liang and Zeger,
+        Biometrika 73, 1986), with the small-sample factor groups/(groups − 1).
+        """
+        total = self.gram.sum(axis=(0, 1)) + np.diag(self.precision)
+        inverse = _solve(total, np.eye(self.count))
+        by_block = self.moment.sum(axis=0) - self.gram.sum(axis=0) @ strengths
+        count = int(groups[-1]) + 1
+        score = np.zeros((count, self.count))
+        np.add.at(score, groups, by_block)
+        return np.asarray(inverse @ (score.T @ score) @ inverse * (count / (count - 1.0)))
+
+    def without(self, columns: list[int]) -> Normal:
+        """Return the equations with some regressors left out."""
+        kept = [i for i in range(self.count) if i not in set(columns)]
+        gram = self.gram[:, :, kept][:, :, :, kept]
+        return Normal(gram, self.moment[:, :, kept], self.power, self.precision[kept])
+
+
+def _solve(gram: Floats, right: Floats) -> Floats:
+    # Columns differ in unit; scaling to unit diagonal makes the relative floor on it mean the same for all.
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    scaled = gram * scale[:, None] * scale[None, :]
+    scaled[np.diag_indices_from(scaled)] += 1e-10
+    factor = cho_factor(scaled)
+    if right.ndim == 1:
+        return np.asarray(scale * cho_solve(factor, scale * right))
+    return np.asarray(scale[:, None] * cho_solve(factor, scale[:, None] * right))
+
+
+class System:
+    """Rows with the regressors that are in the model so far; further ones can be tried against it."""
+
+    def __init__(self, rows: Rows, columns: list[Columns], precisions: list[Floats]) -> None:
+        """Set up the equations; ``precisions`` holds one array (k,) for each block of columns."""
+        self.rows = rows
+        self.base = [
+            _joint_columns(rows, columns, precisions, joint) * rows.weight[:, [joint]] for joint in range(rows.joints)
+        ]
+        self.target = rows.target * rows.weight
+        gram = np.stack([rows.products(base, base) for base in self.base])
+        moment = np.stack([rows.products(base, self.target[:, [j]])[:, :, 0] for j, base in enumerate(self.base)])
+        power = np.stack(
+            [rows.products(self.target[:, [j]], self.target[:, [j]])[:, 0, 0] for j in range(rows.joints)]
+        )
+        self.normal = Normal(gram, moment, power, np.concatenate(precisions) if precisions else np.empty(0))
+
+    def residual(self, strengths: Floats) -> Floats:
+        """Return what given strengths leave of the target, unweighted, (rows, joints); 0 where nothing is measured."""
+        left = np.column_stack([self.target[:, j] - base @ strengths for j, base in enumerate(self.base)])
+        weight = self.rows.weight
+        return np.divide(left, weight, out=np.zeros_like(left), where=weight > 0.0)
+
+    def screen(self, candidate: Columns) -> tuple[Floats, float]:
+        """Return a candidate's strengths (k,) and its gain: by how much it lowers the weighted squared error, fitted
+        together with everything in the model."""
+        count = next(iter(candidate.values())).shape[1]
+        cross = np.zeros((self.normal.count, count))
+        own = np.zeros((count, count))
+        moment = np.zeros(count)
+        for joint, columns in candidate.items():
+            weighted = columns * self.rows.weight[:, [joint]]
+            cross += self.base[joint].T @ weighted
+            own += weighted.T @ weighted
+            moment += weighted.T @ self.target[:, joint]
+        gram = self.normal.gram.sum(axis=(0, 1)) + np.diag(self.normal.precision)
+        through = _solve(gram, np.column_stack([cross, self.normal.moment.sum(axis=(0, 1))]))
+        reduced = own - cross.T @ through[:, :count]
+        score = moment - cross.T @ through[:, count]
+        # A column that the model holds already is left without strength rather than divided by nothing.
+        alive = np.diag(reduced) > 1e-6 * np.diag(own)
+        strengths = np.zeros(count)
+        if np.any(alive):
+            strengths[alive] = np.linalg.lstsq(reduced[np.ix_(alive, alive)], score[alive], rcond=1e-8)[0]
+        return strengths, float(score @ strengths)
+
+    def extended(self, candidate: Columns, precision: Floats) -> Normal:
+        """Return the normal equations with a candidate's columns added at the end."""
+        old, count = self.normal, precision.size
+        joints, blocks, width = old.moment.shape
+        gram = np.zeros((joints, blocks, width + count, width + count))
+        moment = np.zeros((joints, blocks, width + count))
+        gram[:, :, :width, :width] = old.gram
+        moment[:, :, :width] = old.moment
+        for joint, columns in candidate.items():
+            weighted = columns * self.rows.weight[:, [joint]]
+            cross = self.rows.products(self.base[joint], weighted)
+            gram[joint, :, :width, width:] = cross
+            gram[joint, :, width:, :width] = np.swapaxes(cross, 1, 2)
+            gram[joint, :, width:, width:] = self.rows.products(weighted, weighted)
+            moment[joint, :, width:] = self.rows.products(weighted, self.target[:, [joint]])[:, :, 0]
+        return Normal(gram, moment, old.power, np.concatenate([old.precision, precision]))
+
+
+def _joint_columns(rows: Rows, blocks: list[Columns], precisions: list[Floats], joint: int) -> Floats:
+    parts = [
+        block.get(joint, np.zeros((rows.block.size, precision.size)))
+        for block, precision in zip(blocks, precisions, strict=True)
+    ]
+    return np.concatenate(parts, axis=1) if parts else np.zeros((rows.block.size, 0))

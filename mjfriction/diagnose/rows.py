@@ -1,0 +1,90 @@
+"""From samples to rows of a regression, the same way for what was measured and for what is predicted.
+
+Everything that enters the regression, the drives' effort and every regressor, goes through one low-pass without phase
+lag and is thinned to its rate.  A linear filter on both sides of a linear equation leaves its parameters where they
+are, so that a sign change blurs alike in data and model, and thinned white noise stays white.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import firwin, upfirdn
+
+from mjfriction.errors import LogError
+from mjfriction.record.log import Floats, Integers
+from mjfriction.record.motion import Motion
+
+BAND_SHARE = 0.5  # of the position filter's cutoff: where its gain is 1 to four digits, so that it adds no bias
+ROWS_PER_BAND = 2.5  # rows per second over the band's edge in Hz
+TAPS_PER_ROW = 8
+
+
+@dataclass(frozen=True)
+class Chain:
+    """The filter and the samples it turns into rows.
+
+    ``spans`` are the settled stretches (first, past) of samples; ``time`` (rows,) is the centre of each row's window;
+    ``band`` (Hz) is the edge of the low-pass; ``noise_gain`` the share of white noise's deviation that passes.
+    """
+
+    taps: Floats
+    thinning: int
+    spans: tuple[tuple[int, int], ...]
+    time: Floats
+    piece: Integers
+    band: float
+
+    @property
+    def noise_gain(self) -> float:
+        """Standard deviation of filtered unit white noise."""
+        return float(np.sqrt(np.sum(np.square(self.taps))))
+
+    def rows(self, samples: Floats) -> Floats:
+        """Return samples (n,) or (n, k) as rows (rows,) or (rows, k)."""
+        return self._through(self.taps, samples)
+
+    def touched(self, mask: NDArray[np.bool_]) -> Floats:
+        """Return how much of each row's window a mask (n,) covers, from 0 to 1."""
+        weight = np.abs(self.taps)
+        return self._through(weight / np.sum(weight), mask.astype(np.float64))
+
+    def _through(self, taps: Floats, samples: Floats) -> Floats:
+        first = -(-(taps.size - 1) // self.thinning)
+        parts = []
+        for start, past in self.spans:
+            count = (past - start - 1) // self.thinning + 1
+            parts.append(upfirdn(taps, samples[start:past], down=self.thinning, axis=0)[first:count])
+        return np.concatenate(parts)
+
+
+def make_chain(motion: Motion, source: str) -> Chain:
+    """Return the chain for a motion; :class:`LogError` when no stretch is long enough to give a row."""
+    band = BAND_SHARE * motion.cutoff
+    thinning = max(1, int(motion.rate / (ROWS_PER_BAND * band)))
+    taps = firwin(2 * (TAPS_PER_ROW // 2) * thinning + 1, band, fs=motion.rate, window=("kaiser", 5.0))
+    spans, centres = [], []
+    change = np.flatnonzero(np.diff(motion.settled.astype(np.int8)) | np.diff(motion.piece)) + 1
+    bounds = [0, *change.tolist(), motion.time.size]
+    for start, past in zip(bounds[:-1], bounds[1:], strict=True):
+        if motion.settled[start] and past - start > taps.size + thinning:
+            first = -(-(taps.size - 1) // thinning)
+            count = (past - start - 1) // thinning + 1
+            spans.append((start, past))
+            centres.append(start + np.arange(first, count) * thinning - (taps.size - 1) // 2)
+    if not spans:
+        raise LogError(
+            f"{source}: no stretch between gaps and segment ends is longer than {taps.size + thinning} samples; "
+            "record longer motions"
+        )
+    centre = np.concatenate(centres)
+    return Chain(
+        taps=taps,
+        thinning=thinning,
+        spans=tuple(spans),
+        time=motion.time[centre],
+        piece=motion.piece[centre],
+        band=band,
+    )

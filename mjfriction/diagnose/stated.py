@@ -1,0 +1,102 @@
+"""Which stated values to move, and when a moved friction level is a finding of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mjfriction.diagnose.causes.catalog import STATED_LEVELS
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.compete import Candidates, contenders
+from mjfriction.diagnose.gap import Gap
+from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.nuisance import Nuisance
+from mjfriction.diagnose.trial import FALSE_ALARM, Trial, try_out
+from mjfriction.record.log import Floats
+
+EXACT = 0.01  # of the stated friction: typical change of the other joints up to which a robot is stated exactly
+LEAST_CHANGE = 0.04  # that counts on a robot stated exactly
+LEAST_CHANGE_ROUGH = 0.10  # that counts on a robot whose joints are all a little off, or that has too few to compare
+OUTLYING = 5.0  # times the typical change that it must be there besides
+LINK_BAR = 2.0  # standard errors by which free link scales must help on motion not fitted
+
+
+@dataclass(frozen=True)
+class Settled:
+    """The final model, and those of its friction levels that are findings."""
+
+    model: Model
+    levels: tuple[Chosen, ...]
+
+
+def settle(model: Model, field: Candidates) -> Settled:
+    """Keep of the refitted values those that help on motion not fitted; name the friction levels that are findings.
+
+    A level is a finding when it helps beyond chance and by enough to matter, and when its change stands out: more than
+    4 % of the stated friction on a robot stated exactly, more than 10 % and than five times what is typical where the
+    other joints are a little off too.  Where another cause does
+    as much with fewer freedoms (a torque constant scales both levels alike), that cause takes its place and the level
+    stays as stated.
+    """
+    gap, nuisance = model.gap, model.nuisance
+    trials: dict[int, Trial] = {}
+    for level in nuisance.levels:
+        joint = level.site.joint
+        trial = try_out(_held(model, joint), Chosen(STATED_LEVELS, level.site))
+        if trial is not None and trial.chance < FALSE_ALARM and trial.gain > 0.0:
+            trials[joint] = trial
+    full = model.strengths
+    change = {
+        level.site.joint: _relative(gap, level.site, full[2 * i : 2 * i + 2]) for i, level in enumerate(nuisance.levels)
+    }
+    chosen = model.chosen
+    findings = []
+    for joint, trial in list(trials.items()):
+        if not trial.passes(len(nuisance.levels)) or change[joint] <= _bar(change, joint):
+            continue
+        rival = _simpler(model, trial, field)
+        if rival is None:
+            findings.append(trial.chosen)
+        else:
+            chosen = (*chosen, rival)
+            del trials[joint]
+    levels = tuple(level for level in nuisance.levels if level.site.joint in trials)
+    links = nuisance.links if _links_help(model) else ()
+    return Settled(build_model(gap, Nuisance(levels, links), chosen), tuple(findings))
+
+
+def _held(model: Model, joint: int) -> Model:
+    return build_model(model.gap, model.nuisance.without_level(joint), model.chosen)
+
+
+def _simpler(model: Model, own: Trial, field: Candidates) -> Chosen | None:
+    joint = own.chosen.site.joint
+    here = [choice for choice in field if choice.site.joint == joint]
+    rivals = [trial for trial in contenders(_held(model, joint), here) if trial.passes(len(field))]
+    best = max(rivals, key=lambda trial: trial.merit, default=None)
+    return best.chosen if best is not None and best.merit > own.merit else None
+
+
+def _links_help(model: Model) -> bool:
+    nuisance, normal = model.nuisance, model.system.normal
+    if not nuisance.links:
+        return False
+    without = normal.without(list(range(2 * len(nuisance.levels), nuisance.count)))
+    folds = model.gap.blocks.folds
+    gain = (without.heldout_errors(folds) - normal.heldout_errors(folds)).sum(axis=0)
+    return bool(np.mean(gain) > LINK_BAR * np.std(gain, ddof=1) / np.sqrt(gain.size))
+
+
+def _relative(gap: Gap, site: Site, strengths: Floats) -> float:
+    change = STATED_LEVELS.samples(gap, site) @ strengths
+    stated = float(np.sqrt(np.mean(np.square(gap.effort.friction[:, site.joint]))))
+    return float(np.sqrt(np.mean(np.square(change)))) / max(stated, 1e-12)
+
+
+def _bar(change: dict[int, float], joint: int) -> float:
+    others = [value for other, value in change.items() if other != joint]
+    if len(others) < 2:
+        return LEAST_CHANGE_ROUGH
+    typical = float(np.median(others))
+    return LEAST_CHANGE if typical < EXACT else max(LEAST_CHANGE_ROUGH, OUTLYING * typical)

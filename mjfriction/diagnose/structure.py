@@ -1,0 +1,64 @@
+"""How much of a residual is structure at all, and along what, before any cause is assumed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mjfriction.diagnose.gap import Gap
+from mjfriction.diagnose.regression import Rows, System
+from mjfriction.record.log import Floats
+
+KNOTS = 14
+COVARIATES = ("velocity", "position", "acceleration", "effort", "time")
+
+
+@dataclass(frozen=True)
+class Structure:
+    """The share of a joint's residual variance that a smooth curve over one covariate predicts on motion not fitted.
+
+    Cross-validated, so that noise gives 0 or a little less, never more.
+    """
+
+    joint: str
+    covariate: str
+    share: float
+
+
+def find_structure(gap: Gap, residual: Floats) -> list[Structure]:
+    """Return the structured share of a residual (rows, joints) for every examined joint and covariate."""
+    out = []
+    for joint in gap.examined:
+        for covariate in COVARIATES:
+            values = covariate_rows(gap, joint, covariate)
+            if np.ptp(values) > 0.0:
+                share = _share(gap, joint, values, residual)
+                out.append(Structure(gap.robot.joints[joint], covariate, share))
+    return out
+
+
+def covariate_rows(gap: Gap, joint: int, covariate: str) -> Floats:
+    """Return a covariate of a joint at the rows, (rows,)."""
+    motion = gap.motion
+    sources = {
+        "velocity": motion.velocity[:, joint],
+        "position": motion.position[:, joint],
+        "acceleration": motion.acceleration[:, joint],
+        "effort": gap.effort.rigid[:, joint],
+    }
+    return gap.chain.time if covariate == "time" else gap.chain.rows(sources[covariate])
+
+
+def _share(gap: Gap, joint: int, values: Floats, residual: Floats) -> float:
+    target = np.zeros_like(residual)
+    weight = np.zeros_like(residual)
+    target[:, joint] = residual[:, joint]
+    noise = float(np.sqrt(np.mean(np.square(residual[:, joint])))) + 1e-300
+    weight[:, joint] = 1.0 / np.sqrt(noise**2 + np.square(gap.doubt[:, joint]))
+    knots = np.unique(np.quantile(values, np.linspace(0.0, 1.0, KNOTS)))
+    hats = np.column_stack([np.interp(values, knots, row) for row in np.eye(knots.size)])
+    precision = np.full(knots.size, 1e-2 / noise**2)
+    normal = System(Rows(target, weight, gap.blocks.row), [{joint: hats}], [precision]).normal
+    left = float(normal.heldout_errors(gap.blocks.folds)[joint].sum())
+    return 1.0 - left / max(float(normal.power[joint].sum()), 1e-300)

@@ -1,0 +1,88 @@
+"""One candidate cause tried against a model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import f as fisher
+
+from mjfriction.diagnose.model import Chosen, Model, cause_block
+from mjfriction.record.log import Floats, Integers
+
+FALSE_ALARM = 0.003  # stated chance that a log without any cause yields one, from noise alone
+LEAST_SHARE = 0.01  # of a joint's remaining error that a cause must take away on motion not fitted
+LEAST_EFFECT = 0.005  # of the joint's RMS effort that a cause's own effort must reach
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What a candidate does for a model.
+
+    ``improvement`` (blocks,) is the weighted squared error it takes off each block when fitted to the others,
+    ``error`` (blocks,) what was there before, both at the joints it touches; ``effect`` is its RMS effort relative to
+    the joint's.  ``wald`` is θᵀC⁻¹θ/k of its k = ``count`` strengths θ, C being their covariance clustered over
+    ``groups`` groups of blocks.
+    """
+
+    chosen: Chosen
+    improvement: Floats
+    error: Floats
+    effect: float
+    wald: float
+    count: int
+    groups: int
+
+    @property
+    def gain(self) -> float:
+        """The improvement summed over the blocks."""
+        return float(np.sum(self.improvement))
+
+    @property
+    def merit(self) -> float:
+        """The gain less what every freedom, the searched shape included, is worth on noise alone."""
+        freedoms = self.count + len(self.chosen.site.shape)
+        return self.gain - freedoms * float(np.log(self.improvement.size))
+
+    @property
+    def share(self) -> float:
+        """The share of the error taken away on motion not fitted."""
+        return self.gain / max(float(np.sum(self.error)), 1e-300)
+
+    @property
+    def chance(self) -> float:
+        """The probability of strengths so far from zero if there is no such effect (F over the groups)."""
+        return float(fisher.sf(self.wald, self.count, max(1, self.groups - self.count)))
+
+    def passes(self, candidates: int) -> bool:
+        """Return whether the effect is beyond chance among so many candidates, and large enough to matter."""
+        return (
+            self.chance < FALSE_ALARM / max(candidates, 1)
+            and self.share > LEAST_SHARE
+            and self.effect > LEAST_EFFECT
+        )
+
+
+def try_out(model: Model, choice: Chosen, groups: Integers | None = None) -> Trial | None:
+    """Measure a candidate's held-out improvement over a model; None when what is fitted with it is not physical.
+
+    ``groups`` (blocks,) says which blocks count as one when chance is judged; by default each counts for itself.
+    """
+    gap, system = model.gap, model.system
+    columns, precision = cause_block(gap, choice)
+    normal = system.extended(columns, precision)
+    fitted = normal.strengths(np.ones(gap.blocks.count, dtype=bool))
+    strengths = fitted[-precision.size :]
+    touched = list(columns)
+    if not choice.cause.admissible(gap, choice.site, strengths):
+        return None
+    if not model.friction_is_physical(fitted, touched):
+        return None
+    before = system.normal.heldout_errors(gap.blocks.folds)[touched].sum(axis=0)
+    after = normal.heldout_errors(gap.blocks.folds)[touched].sum(axis=0)
+    groups = np.arange(gap.blocks.count) if groups is None else groups
+    covariance = normal.covariance(fitted, groups)[-precision.size :, -precision.size :]
+    wald = float(strengths @ np.linalg.pinv(covariance) @ strengths) / precision.size
+    effort = columns[choice.site.joint] @ strengths
+    effect = float(np.linalg.norm(effort) / np.linalg.norm(gap.measured[:, choice.site.joint]))
+    return Trial(choice, before - after, before, effect, wald, precision.size, int(groups[-1]) + 1)

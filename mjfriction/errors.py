@@ -1,0 +1,53 @@
+"""Everything that can go wrong, as one tree.
+
+::
+
+    MjfrictionError
+    ├── InputError            something the user gave is wrong (exit status 2)
+    │   ├── LogError          a log: columns, rows, sampling
+    │   ├── RobotError        a robot.toml or its model file
+    │   ├── LawError          a friction law's name or parameters
+    │   └── OutputError       a place where results cannot be written
+    └── InternalError         a failure of our own (exit status 1)
+
+Every message is one line: what was given, what is allowed, what to do.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class MjfrictionError(Exception):
+    """Base of every exception this package raises on purpose."""
+
+
+class InputError(MjfrictionError):
+    """Something the user gave is wrong; the message says what and how to mend it."""
+
+
+class LogError(InputError):
+    """A log cannot be read or used."""
+
+
+class RobotError(InputError):
+    """A robot file, or the model file it names, cannot be read or used."""
+
+
+class LawError(InputError):
+    """A friction law is unknown or its parameters are not allowed."""
+
+
+class OutputError(InputError):
+    """Results cannot be written where they were asked for."""
+
+
+class InternalError(MjfrictionError):
+    """A failure of this package itself."""
+
+
+def suggestion(word: str, allowed: Iterable[str]) -> str:
+    """Return ``"; did you mean 'x'?"`` for the nearest allowed word, or an empty string."""
+    near = difflib.get_close_matches(word, list(allowed), n=1)
+    return f"; did you mean '{near[0]}'?" if near else ""

@@ -1,0 +1,1 @@
+"""A log in: reading, checking, and estimating the motion it recorded."""

@@ -1,0 +1,77 @@
+"""A log: what a real or simulated machine recorded, as it was recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjfriction.errors import LogError, suggestion
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+POSITION, VELOCITY, EFFORT, CURRENT = "position", "velocity", "effort", "current"
+
+
+@dataclass(frozen=True)
+class Log:
+    """A table of instants, in SI units.
+
+    ``time`` and ``segment`` have shape (n,); time increases within a segment.  ``columns`` holds every numeric column
+    under its full name (``position.elbow_joint``), each of shape (n,).  ``joints`` are the joints that have a
+    position column, in the order of the file.
+    """
+
+    source: str
+    time: Floats
+    segment: Integers
+    joints: tuple[str, ...]
+    columns: Mapping[str, Floats]
+
+    def channel(self, quantity: str, joint: str) -> Floats | None:
+        """Return a joint's column (``position``, ``velocity``, ``effort``, ``current``, …), or None if not recorded."""
+        return self.columns.get(f"{quantity}.{joint}")
+
+    def torque_quantity(self, joint: str) -> str | None:
+        """Return ``"effort"`` or ``"current"``, whichever the log measured on the joint (effort first), or None."""
+        for quantity in (EFFORT, CURRENT):
+            if f"{quantity}.{joint}" in self.columns:
+                return quantity
+        return None
+
+
+def check_joints(log: Log, robot_name: str, robot_joints: tuple[str, ...]) -> None:
+    """Raise :class:`LogError` unless the log speaks of the robot's joints, all of them and no others."""
+    unknown = [joint for joint in log.joints if joint not in robot_joints]
+    listed = ", ".join(robot_joints)
+    if unknown and len(unknown) == len(log.joints):
+        raise LogError(
+            f"{log.source}: this looks like a log of another robot: it has joints {', '.join(log.joints)}, "
+            f"robot '{robot_name}' has {listed}; give the robot file that belongs to the log"
+        )
+    if unknown:
+        raise LogError(
+            f"{log.source}: column 'position.{unknown[0]}': robot '{robot_name}' has no joint "
+            f"'{unknown[0]}'{suggestion(unknown[0], robot_joints)} Its joints are {listed}"
+        )
+    missing = [joint for joint in robot_joints if joint not in log.joints]
+    if missing:
+        raise LogError(
+            f"{log.source}: column 'position.{missing[0]}' is missing; found positions of {', '.join(log.joints)}. "
+            f"Every joint of robot '{robot_name}' must be recorded: its pose sets the load of the others"
+        )
+    if not any(log.torque_quantity(joint) for joint in log.joints):
+        raise LogError(
+            f"{log.source}: no 'effort.<joint>' or 'current.<joint>' column; one joint at least must have what its "
+            f"drive measured. Found: {', '.join(log.columns)}"
+        )
+    for name in log.columns:
+        quantity, dot, joint = name.partition(".")
+        if dot and quantity in (VELOCITY, EFFORT, CURRENT) and joint not in robot_joints:
+            raise LogError(
+                f"{log.source}: column '{name}': robot '{robot_name}' has no joint "
+                f"'{joint}'{suggestion(joint, robot_joints)} Its joints are {listed}"
+            )

@@ -1,0 +1,39 @@
+"""Several logs of one machine as one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mjfriction.errors import LogError
+from mjfriction.record.log import Log
+
+
+def merge_logs(logs: Sequence[Log]) -> Log:
+    """Join logs of the same joints, each a segment (or several) of its own; columns that not all have are left out.
+
+    Raises :class:`LogError` when they have not the same joints.
+    """
+    first = logs[0]
+    if len(logs) == 1:
+        return first
+    for log in logs[1:]:
+        if set(log.joints) != set(first.joints):
+            raise LogError(
+                f"{log.source}: has joints {', '.join(log.joints)}, but {first.source} has {', '.join(first.joints)}; "
+                "diagnose logs of one robot together"
+            )
+    shared = [name for name in first.columns if all(name in log.columns for log in logs)]
+    segments, offset = [], 0
+    for log in logs:
+        numbered = np.cumsum(np.append(0, np.diff(log.segment) != 0))
+        segments.append(numbered + offset)
+        offset = int(segments[-1][-1]) + 1
+    return Log(
+        source=" + ".join(log.source for log in logs),
+        time=np.concatenate([log.time for log in logs]),
+        segment=np.concatenate(segments),
+        joints=first.joints,
+        columns={name: np.concatenate([log.columns[name] for log in logs]) for name in shared},
+    )

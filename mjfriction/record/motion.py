@@ -1,0 +1,193 @@
+"""The motion a log recorded: position, velocity and acceleration without phase lag, and what the drives reported."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import butter, sosfiltfilt
+
+from mjfriction.errors import LogError
+from mjfriction.record.log import CURRENT, EFFORT, POSITION, VELOCITY, Floats, Integers, Log
+from mjfriction.record.noise import noise_level
+from mjfriction.record.resample import Clock, Grid, even_grid, grid_segments, onto_grid, read_clock
+
+FILTER_ORDER = 4
+SHORTEST_PIECE = 60  # samples; shorter pieces are all edge
+EDGE_PERIODS = 3  # periods of the cutoff by which a piece is continued at both ends before it is filtered
+SETTLING_PERIODS = 1.5  # periods of the cutoff at each end of a piece that the filter's start and end touch
+AGREEMENT = 0.03  # measured velocity is believed when it is within this of the derivative of position
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What the joints did, on an even clock.
+
+    ``position``, ``velocity``, ``acceleration`` have shape (n, joints): rad, rad/s, rad/s² (m on sliding joints).
+    ``torque`` is what the drives reported, unfiltered, NaN where a joint has none; ``quantity`` says whether that is
+    ``"effort"`` (N·m, N) or ``"current"`` (A).  ``velocity_noise`` (joints,) is the standard deviation of the
+    estimated velocity.  ``settled`` (n,) is False near the ends of pieces.  ``columns`` are the log's other columns on
+    the same clock.
+    """
+
+    joints: tuple[str, ...]
+    time: Floats
+    piece: Integers
+    rate: float
+    cutoff: float
+    position: Floats
+    velocity: Floats
+    acceleration: Floats
+    velocity_noise: Floats
+    torque: Floats
+    quantity: tuple[str | None, ...]
+    settled: NDArray[np.bool_]
+    columns: dict[str, Floats]
+    clock: Clock
+    grids: tuple[Grid, ...]
+
+    @property
+    def moving(self) -> NDArray[np.bool_]:
+        """Whether each joint moves anywhere in the log, shape (joints,)."""
+        return np.ptp(self.position, axis=0) > 20.0 * self.velocity_noise / max(self.cutoff, 1.0)
+
+
+def raw_noise(log: Log, quantity: str, joint: str, clock: Clock) -> float:
+    """Return the white-noise level of one recorded column, 0 where it was not recorded."""
+    values = log.channel(quantity, joint)
+    return 0.0 if values is None else noise_level([values[first:past] for first, past in clock.pieces])
+
+
+def estimate_motion(log: Log, joints: Sequence[str], cutoff: float) -> Motion:
+    """Estimate velocity and acceleration of every joint by a filter that shifts nothing in time.
+
+    Position is filtered forward and backward by a Butterworth low-pass of fourth order at ``cutoff`` (Hz) and
+    differentiated by central differences of fourth order, piece by piece, so that nothing leaks across a gap or from
+    one segment into the next.  Where the log has a measured velocity that is quieter than the derivative of position
+    and agrees with it, velocity and acceleration come from that instead.
+
+    Raises :class:`LogError` when no piece of the log is long enough.
+    """
+    clock = read_clock(log)
+    grids = [even_grid(log, clock, piece) for piece in clock.pieces if piece[1] - piece[0] >= SHORTEST_PIECE]
+    if not grids:
+        raise LogError(
+            f"{log.source}: no stretch of {SHORTEST_PIECE} samples without a gap; record longer motions or a steadier log"
+        )
+    rate = 1.0 / clock.step
+    cutoff = min(cutoff, 0.45 * rate)
+    sos = butter(FILTER_ORDER, cutoff, fs=rate, output="sos")
+
+    def on_clock(values: Floats, *, smooth: bool) -> list[Floats]:
+        return [onto_grid(values, log.time, grid, smooth=smooth) for grid in grids]
+
+    edge = int(EDGE_PERIODS * rate / cutoff) + 12
+
+    def derivatives(pieces: list[Floats], order: int) -> list[list[Floats]]:
+        smooth = [_low_pass(sos, piece, edge) for piece in pieces]
+        return [_derivatives(values, rate, order, margin) for values, margin in smooth]
+
+    position, velocity, acceleration, noise, torque, quantity = [], [], [], [], [], []
+    for joint in joints:
+        measured = log.channel(POSITION, joint)
+        assert measured is not None, "check_joints lets no joint without a position pass"
+        kinematics = derivatives(on_clock(measured, smooth=True), 2)
+        smooth = [piece[0] for piece in kinematics]
+        rates = [piece[1:] for piece in kinematics]
+        # A differentiator in front of a low-pass of this cutoff passes (2π·cutoff)²/3 of the noise's power in band.
+        level = raw_noise(log, POSITION, joint, clock) * 2.0 * np.pi * cutoff * np.sqrt(2.0 * cutoff / rate / 3.0)
+        direct = log.channel(VELOCITY, joint)
+        if direct is not None:
+            direct_level = raw_noise(log, VELOCITY, joint, clock) * np.sqrt(2.0 * cutoff / rate)
+            candidates = derivatives(on_clock(direct, smooth=True), 1)
+            if direct_level < level and _agree([piece[0] for piece in candidates], [piece[0] for piece in rates]):
+                rates, level = candidates, direct_level
+        position.append(np.concatenate(smooth))
+        velocity.append(np.concatenate([piece[0] for piece in rates]))
+        acceleration.append(np.concatenate([piece[1] for piece in rates]))
+        noise.append(float(level))
+        measured_quantity = log.torque_quantity(joint)
+        quantity.append(measured_quantity)
+        reported = log.channel(measured_quantity, joint) if measured_quantity else None
+        torque.append(
+            np.concatenate(on_clock(reported, smooth=False))
+            if reported is not None
+            else np.full(position[-1].size, np.nan)
+        )
+    used = {f"{q}.{joint}" for q in (POSITION, VELOCITY, EFFORT, CURRENT) for joint in joints}
+    others = {
+        name: np.concatenate(on_clock(values, smooth=False))
+        for name, values in log.columns.items()
+        if name not in used
+    }
+    return Motion(
+        joints=tuple(joints),
+        time=np.concatenate([grid.time for grid in grids]),
+        piece=grid_segments(grids),
+        rate=rate,
+        cutoff=cutoff,
+        position=np.column_stack(position),
+        velocity=np.column_stack(velocity),
+        acceleration=np.column_stack(acceleration),
+        velocity_noise=np.array(noise),
+        torque=np.column_stack(torque),
+        quantity=tuple(quantity),
+        settled=np.concatenate([_settled(grid.time.size, rate, cutoff) for grid in grids]),
+        columns=others,
+        clock=clock,
+        grids=tuple(grids),
+    )
+
+
+def back_to_log(motion: Motion, log: Log, values: Floats) -> Floats:
+    """Return values on the motion's clock at the log's own rows, NaN in pieces too short to differentiate."""
+    out = np.full(log.time.size, np.nan)
+    start = 0
+    for grid in motion.grids:
+        stop = start + grid.time.size
+        piece = values[start:stop]
+        out[grid.rows] = np.interp(log.time[grid.rows], grid.time, piece) if grid.moved else piece
+        start = stop
+    return out
+
+
+def _low_pass(sos: Floats, piece: Floats, edge: int) -> tuple[Floats, int]:
+    # A log often starts or ends in the middle of a motion.  The piece is continued at both ends by the parabola through
+    # its own end, so that velocity and acceleration run on, and returned with that margin so that derivatives at the
+    # first and last sample are central ones too.
+    margin = min(edge, piece.size - 1)
+    before = _parabola(piece[: margin + 1][::-1])[::-1]
+    after = _parabola(piece[-margin - 1 :])
+    return sosfiltfilt(sos, np.concatenate([before, piece, after]), padlen=0), margin
+
+
+def _parabola(end: Floats) -> Floats:
+    steps = np.arange(end.size, dtype=np.float64)
+    basis = np.vander(steps - steps[-1], 3)
+    coefficients = np.linalg.lstsq(basis, end, rcond=None)[0]
+    return np.asarray(np.vander(steps[1:], 3) @ coefficients)
+
+
+def _derivatives(values: Floats, rate: float, order: int, margin: int) -> list[Floats]:
+    out = [values]
+    for _ in range(order):
+        previous = out[-1]
+        derivative = np.gradient(previous) * rate
+        derivative[2:-2] = (8.0 * (previous[3:-1] - previous[1:-3]) - (previous[4:] - previous[:-4])) * (rate / 12.0)
+        out.append(derivative)
+    return [array[margin : array.size - margin] for array in out]
+
+
+def _agree(candidate: list[Floats], reference: list[Floats]) -> bool:
+    a, b = np.concatenate(candidate), np.concatenate(reference)
+    return bool(np.sqrt(np.mean(np.square(a - b))) < AGREEMENT * np.sqrt(np.mean(np.square(b))))
+
+
+def _settled(count: int, rate: float, cutoff: float) -> NDArray[np.bool_]:
+    edge = min(int(np.ceil(SETTLING_PERIODS * rate / cutoff)), count // 2)
+    mask = np.ones(count, dtype=bool)
+    mask[:edge] = False
+    mask[count - edge :] = False
+    return mask

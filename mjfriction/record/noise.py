@@ -1,0 +1,36 @@
+"""How noisy a sampled signal is, told from the signal alone."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from mjfriction.record.log import Floats
+
+ORDER = 8  # differences of this order leave noise and next to nothing of a motion sampled well
+TRIMMED = 0.01  # share of the largest differences left out: jumps at reversals and single-sample glitches
+
+
+def noise_level(pieces: list[Floats]) -> float:
+    """Return the standard deviation of the white part of a signal.
+
+    The differences of order p of white noise have the variance C(2p, p)·σ²; a motion of frequency f sampled at rate r
+    leaves (2πf/r)^p of itself, so that p = 8 separates the two wherever the sampling is adequate.  ``pieces`` are
+    stretches sampled evenly, each of shape (n,).
+    """
+    differences = [np.diff(piece, n=ORDER) for piece in pieces if piece.size > 2 * ORDER]
+    if not differences:
+        return 0.0
+    squares = np.sort(np.square(np.concatenate(differences)))
+    kept = squares[: max(1, int(squares.size * (1.0 - TRIMMED)))]
+    # The mean of a normal variable's squares without their largest 1 %.
+    correction = 1.0 - 2.0 * _trimmed_share()
+    return math.sqrt(float(np.mean(kept)) * (1.0 - TRIMMED) / (correction * math.comb(2 * ORDER, ORDER)))
+
+
+def _trimmed_share() -> float:
+    # ∫_{a}^∞ x² φ(x) dx with P(|x| > a) = TRIMMED.
+    edge = 2.5758293035489004
+    density = math.exp(-0.5 * edge * edge) / math.sqrt(2.0 * math.pi)
+    return edge * density + 0.5 * TRIMMED

@@ -1,0 +1,95 @@
+"""From a table of columns, whatever file it came from, to a checked log."""
+
+from __future__ import annotations
+
+import numpy as np
+import pyarrow as pa
+
+from mjfriction.errors import LogError, suggestion
+from mjfriction.record.log import Floats, Integers, Log
+
+FEWEST_ROWS = 100
+
+
+def log_from_table(table: pa.Table, source: str) -> Log:
+    """Check a table against the log format and return it as a :class:`Log`.
+
+    Raises :class:`LogError` for an empty table, a table too short to differentiate, a missing or non-numeric time or
+    position column, NaN or infinite values, and time that does not increase within a segment.  Columns that are not
+    numbers are left out when the format does not speak of them.
+    """
+    names = table.schema.names
+    if table.num_rows == 0:
+        raise LogError(f"{source}: the table is empty; a log needs rows of 'time' and 'position.<joint>'")
+    if "time" not in names:
+        raise LogError(f"{source}: column 'time' is missing{suggestion('time', names)} Found: {_listed(names)}")
+    joints = tuple(name.removeprefix("position.") for name in names if name.startswith("position."))
+    if not joints:
+        raise LogError(f"{source}: no 'position.<joint>' column. Found: {_listed(names)}")
+    if table.num_rows < FEWEST_ROWS:
+        raise LogError(
+            f"{source}: {table.num_rows} rows are too few; a diagnosis needs at least {FEWEST_ROWS}, "
+            "and some tens of seconds of motion to say anything"
+        )
+    columns = {}
+    for name in names:
+        values = _numbers(table, name, source)
+        if values is not None:
+            columns[name] = values
+    time = columns.pop("time")
+    segment = _segment(columns.pop("segment", None), time, source)
+    _check_time(time, segment, source)
+    return Log(source=source, time=time, segment=segment, joints=joints, columns=columns)
+
+
+def _numbers(table: pa.Table, name: str, source: str) -> Floats | None:
+    column = table[name]
+    numeric = pa.types.is_floating(column.type) or pa.types.is_integer(column.type)
+    if not numeric:
+        if name == "time" or name == "segment" or "." in name:
+            text = next((value for value in column.to_pylist() if not _is_number(value)), None)
+            raise LogError(f"{source}: column '{name}' holds {text!r}, which is not a number")
+        return None
+    values = np.array(column.to_numpy(), dtype=np.float64)
+    bad = np.flatnonzero(~np.isfinite(values))
+    if bad.size:
+        raise LogError(
+            f"{source}: row {bad[0] + 1}, column '{name}' is {values[bad[0]]} ({bad.size} such rows); "
+            "drop those rows, or fill them if the gap is short"
+        )
+    return values
+
+
+def _is_number(value: object) -> bool:
+    try:
+        float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        return False
+    return True
+
+
+def _segment(values: Floats | None, time: Floats, source: str) -> Integers:
+    if values is None:
+        return np.zeros(time.size, dtype=np.int64)
+    if np.any(values != np.round(values)):
+        raise LogError(f"{source}: column 'segment' must hold whole numbers, one per motion")
+    return values.astype(np.int64)
+
+
+def _check_time(time: Floats, segment: Integers, source: str) -> None:
+    step = np.diff(time)
+    wrong = np.flatnonzero((step <= 0.0) & (np.diff(segment) == 0))
+    if wrong.size == 0:
+        return
+    row = int(wrong[0])
+    what = "is doubled" if step[row] == 0.0 else f"runs backwards (after {time[row]:.6g} s)"
+    raise LogError(
+        f"{source}: row {row + 2}: time {time[row + 1]:.6g} s {what} ({wrong.size} such rows); "
+        "time must increase; number separate motions in a 'segment' column, or drop the doubled rows"
+    )
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(names) if len(names) <= 12 else ", ".join(names[:12]) + f", … ({len(names)} columns)"
+
+

@@ -1,0 +1,90 @@
+"""A log on an even clock: split where samples are missing, evened out where the clock only jitters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from mjfriction.errors import LogError
+from mjfriction.record.log import Floats, Integers, Log
+
+GAP_STEPS = 4.0  # a step longer than this many ordinary ones is a gap, not jitter
+WORST_JITTER = 0.5  # spread of the steps, relative to the ordinary one, past which nothing can be differentiated
+EVEN = 1e-3  # spread up to which the samples are taken as even
+
+
+@dataclass(frozen=True)
+class Clock:
+    """When a log was sampled: contiguous pieces, the ordinary step and how far real steps stray from it.
+
+    ``pieces`` are (first row, row past the last); ``gaps`` are (row before, row after) of missing stretches.
+    """
+
+    step: float
+    jitter: float
+    pieces: tuple[tuple[int, int], ...]
+    gaps: tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True)
+class Grid:
+    """One contiguous piece of a log on an even grid: ``rows`` of the log it stands for, and the even ``time``."""
+
+    rows: slice
+    time: Floats
+    moved: bool
+
+
+def read_clock(log: Log) -> Clock:
+    """Find the log's ordinary step, its gaps and its jitter.
+
+    Raises :class:`LogError` when the steps are so uneven that velocity and acceleration cannot be estimated.
+    """
+    step = np.diff(log.time)
+    joined = np.diff(log.segment) == 0
+    ordinary = float(np.median(step[joined])) if np.any(joined) else float("nan")
+    if not np.isfinite(ordinary):
+        raise LogError(f"{log.source}: every row is a segment of its own; a segment needs many rows of one motion")
+    gap = joined & (step > GAP_STEPS * ordinary)
+    steady = step[joined & ~gap]
+    jitter = float(np.std(steady)) / ordinary if steady.size else 0.0
+    if jitter > WORST_JITTER:
+        raise LogError(
+            f"{log.source}: sampling is too irregular to differentiate: steps spread by {100 * jitter:.0f} % around "
+            f"{ordinary:.4g} s (at most {100 * WORST_JITTER:.0f} % is allowed); record on a steady clock"
+        )
+    cuts = np.flatnonzero(~joined | gap) + 1
+    bounds = [0, *cuts.tolist(), log.time.size]
+    pieces = tuple(zip(bounds[:-1], bounds[1:], strict=True))
+    gaps = tuple((int(row), int(row) + 1) for row in np.flatnonzero(gap))
+    return Clock(step=ordinary, jitter=jitter, pieces=pieces, gaps=gaps)
+
+
+def even_grid(log: Log, clock: Clock, piece: tuple[int, int]) -> Grid:
+    """Return the even grid of one piece: the log's own instants where they are even, else a grid at its mean rate."""
+    first, past = piece
+    time = log.time[first:past]
+    if time.size < 2:
+        return Grid(slice(first, past), time, moved=False)
+    count = max(2, round((time[-1] - time[0]) / clock.step) + 1)
+    even: Floats = np.linspace(time[0], time[-1], count)
+    moved = count != time.size or bool(np.max(np.abs(even - time)) > EVEN * clock.step)
+    return Grid(slice(first, past), even if moved else time, moved)
+
+
+def onto_grid(values: Floats, log_time: Floats, grid: Grid, *, smooth: bool) -> Floats:
+    """Return a column of the log on the grid: by cubic spline where it is smooth (positions), else linearly."""
+    piece = values[grid.rows]
+    if not grid.moved:
+        return piece
+    time = log_time[grid.rows]
+    if smooth and time.size >= 4:
+        return np.asarray(CubicSpline(time, piece)(grid.time), dtype=np.float64)
+    return np.interp(grid.time, time, piece)
+
+
+def grid_segments(grids: list[Grid]) -> Integers:
+    """Return the number of the grid each of the concatenated grid samples belongs to."""
+    return np.concatenate([np.full(grid.time.size, i, dtype=np.int64) for i, grid in enumerate(grids)])

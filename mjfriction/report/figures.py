@@ -1,0 +1,146 @@
+"""The pictures of the report page."""
+
+from __future__ import annotations
+
+import numpy as np
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
+from mjfriction.diagnose.diagnosis import Diagnosis, Finding
+from mjfriction.diagnose.structure import covariate_rows
+from mjfriction.record.log import Floats
+
+# Told apart by people who see colours differently, on light ground and on dark.
+BEFORE, AFTER, MEASURED, NOISE = "#d1495b", "#1b80c4", "#8a8d91", "#b7a26a"
+INK = "#7d8590"
+MOST_POINTS = 3000
+BINS = 40
+UNITS = {
+    "velocity": ("rad/s", "m/s"),
+    "position": ("rad", "m"),
+    "acceleration": ("rad/s²", "m/s²"),
+    "effort": ("N·m", "N"),
+    "time": ("s", "s"),
+}
+
+
+def error_bars(diagnosis: Diagnosis) -> go.Figure:
+    """Held-out RMS error of every joint before and after, beside the sensor's noise."""
+    joints = [error.joint for error in diagnosis.joints]
+    figure = go.Figure()
+    for name, colour, values in (
+        ("as stated", BEFORE, [error.rms_heldout_before for error in diagnosis.joints]),
+        ("extended", AFTER, [error.rms_heldout_after for error in diagnosis.joints]),
+        ("sensor noise", NOISE, [error.noise_floor for error in diagnosis.joints]),
+    ):
+        figure.add_bar(name=name, x=joints, y=values, marker_color=colour)
+    unit = " and ".join(sorted({error.unit for error in diagnosis.joints}))
+    figure.update_yaxes(title_text=f"RMS error, {unit}", rangemode="tozero")
+    return _styled(figure, 320)
+
+
+def residual_against_covariate(diagnosis: Diagnosis, finding: Finding) -> go.Figure:
+    """The residual of a finding's joint against what it depends on, before and after, with its mean in bins."""
+    gap = diagnosis.gap
+    joint = gap.robot.joints.index(finding.joint)
+    unit = abs(float(gap.per_reported[joint]))
+    values = covariate_rows(gap, joint, finding.covariate)
+    sides = (
+        ("as stated", BEFORE, gap.residual[:, joint] / unit),
+        ("extended, on motion not fitted", AFTER, diagnosis.heldout[:, joint] / unit),
+    )
+    figure = make_subplots(rows=1, cols=2, shared_yaxes=True, subplot_titles=[side[0] for side in sides])
+    kept = _thinned(values.size)
+    for k, (name, colour, residual) in enumerate(sides, start=1):
+        figure.add_scattergl(
+            x=values[kept],
+            y=residual[kept],
+            mode="markers",
+            marker={"size": 3, "color": colour, "opacity": 0.35},
+            name=name,
+            row=1,
+            col=k,
+        )
+        centre, mean = _binned(values, residual)
+        figure.add_scatter(
+            x=centre, y=mean, mode="lines", line={"color": INK, "width": 3}, name="mean", row=1, col=k
+        )
+    sliding = gap.body.sliding[joint]
+    figure.update_xaxes(title_text=f"{finding.covariate}, {UNITS[finding.covariate][sliding]}")
+    figure.update_yaxes(title_text=f"measured − predicted, {_joint_unit(diagnosis, joint)}", col=1)
+    figure.update_layout(showlegend=False)
+    return _styled(figure, 380)
+
+
+def time_course(diagnosis: Diagnosis, joint_name: str) -> go.Figure:
+    """Measured effort of a joint, and what the stated and the extended robot leave of it, along the log."""
+    gap = diagnosis.gap
+    joint = gap.robot.joints.index(joint_name)
+    unit = float(gap.per_reported[joint])
+    time = gap.chain.time
+    measured = gap.measured[:, joint] / unit
+    left = {
+        "stated": (BEFORE, gap.residual[:, joint] / unit),
+        "extended": (AFTER, diagnosis.heldout[:, joint] / unit),
+    }
+    figure = make_subplots(
+        rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.08, subplot_titles=("effort", "error")
+    )
+    kept = _thinned(time.size)
+    figure.add_scattergl(
+        x=time[kept], y=measured[kept], name="measured", line={"color": MEASURED, "width": 4}, row=1, col=1
+    )
+    for name, (colour, residual) in left.items():
+        predicted = measured - residual
+        figure.add_scattergl(x=time[kept], y=predicted[kept], name=name, line={"color": colour, "width": 1.3}, row=1, col=1)
+        figure.add_scattergl(
+            x=time[kept],
+            y=residual[kept],
+            name=f"measured − {name}",
+            line={"color": colour, "width": 1.3},
+            showlegend=False,
+            row=2,
+            col=1,
+        )
+    figure.update_yaxes(title_text=_joint_unit(diagnosis, joint))
+    figure.update_xaxes(title_text="time, s", row=2, col=1)
+    return _styled(figure, 520)
+
+
+def _joint_unit(diagnosis: Diagnosis, joint: int) -> str:
+    name = diagnosis.gap.robot.joints[joint]
+    return next(error.unit for error in diagnosis.joints if error.joint == name)
+
+
+def _thinned(count: int) -> slice:
+    return slice(None, None, max(1, -(-count // MOST_POINTS)))
+
+
+def _binned(values: Floats, residual: Floats) -> tuple[Floats, Floats]:
+    edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, BINS + 1)))
+    place = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
+    count = np.maximum(np.bincount(place, minlength=edges.size - 1), 1)
+    centre = np.bincount(place, values, minlength=edges.size - 1) / count
+    return centre, np.bincount(place, residual, minlength=edges.size - 1) / count
+
+
+def _styled(figure: go.Figure, height: int) -> go.Figure:
+    grid = {"gridcolor": "rgba(128,128,128,0.25)", "zerolinecolor": "rgba(128,128,128,0.5)"}
+    figure.update_xaxes(**grid)
+    figure.update_yaxes(**grid)
+    return figure.update_layout(
+        height=height,
+        margin={"l": 60, "r": 15, "t": 35, "b": 50},
+        paper_bgcolor="rgba(0,0,0,0)",
+        plot_bgcolor="rgba(0,0,0,0)",
+        font={"color": INK, "family": "system-ui, sans-serif", "size": 13},
+        legend={"orientation": "h", "y": 1.12},
+        barmode="group",
+    )
+
+
+def figure_html(figure: go.Figure, name: str) -> str:
+    """Return a figure as a piece of page; the plotting script itself is put into the page once."""
+    return str(figure.to_html(full_html=False, include_plotlyjs=False, div_id=name, config={"displaylogo": False, "responsive": True}))
+
+

@@ -1,0 +1,63 @@
+"""A folder of results that appears whole or not at all."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from mjfriction.errors import OutputError
+
+
+@contextlib.contextmanager
+def whole_folder(target: Path) -> Iterator[Path]:
+    """Give a hidden folder beside the target to write into; its files move into the target when all are there.
+
+    Raises :class:`OutputError` at once when the target cannot be written; leaves nothing behind on any failure.
+    """
+    target = target.absolute()
+    if target.exists() and not target.is_dir():
+        raise OutputError(f"{target}: is a file; give a folder to write the results to")
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if target.is_dir() and not os.access(target, os.W_OK | os.X_OK):
+            raise PermissionError(13, "no permission to write there")
+        draft = Path(tempfile.mkdtemp(prefix=f".{target.name}-", dir=target.parent))
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise OutputError(f"{target}: cannot be written: {reason.lower()}; give another folder with --out") from None
+    try:
+        yield draft
+        if target.is_dir():
+            for entry in sorted(draft.iterdir()):
+                os.replace(entry, target / entry.name)
+        else:
+            draft.chmod(0o755)
+            os.replace(draft, target)
+    finally:
+        shutil.rmtree(draft, ignore_errors=True)
+
+
+@contextlib.contextmanager
+def whole_file(target: Path) -> Iterator[Path]:
+    """Give a hidden path beside the target to write to; it takes the target's place when it is complete."""
+    target = target.absolute()
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise OutputError(f"{target}: cannot be written: {reason.lower()}; give another place with --out") from None
+    os.close(handle)
+    draft = Path(name)
+    try:
+        yield draft
+        draft.chmod(0o644)
+        os.replace(draft, target)
+    except OSError as error:
+        raise OutputError(f"{target}: cannot be written: {(error.strerror or str(error)).lower()}") from None
+    finally:
+        draft.unlink(missing_ok=True)

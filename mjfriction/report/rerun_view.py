@@ -1,0 +1,72 @@
+"""recording.rrd: the same pictures for Rerun, to scroll through in time."""
+
+from __future__ import annotations
+
+import uuid
+from pathlib import Path
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from mjfriction.diagnose.diagnosis import Diagnosis
+from mjfriction.record.log import Floats
+from mjfriction.report.result import Report
+
+NAMESPACE = uuid.UUID("6f1f2f0e-6f0c-4d4e-9d6b-6d6a66726963")
+
+
+def write_recording(diagnosis: Diagnosis, report: Report, path: Path) -> None:
+    """Write a recording of every examined joint: effort measured, stated and extended, both errors, and velocity."""
+    gap = diagnosis.gap
+    identity = uuid.uuid5(NAMESPACE, f"{gap.robot.name} {gap.log.source} {report.summary}")
+    stream = rr.RecordingStream("mjfriction", recording_id=identity, send_properties=False)
+    stream.save(path, default_blueprint=_blueprint(diagnosis))
+    stream.log("findings", rr.TextDocument(_findings_text(report), media_type="text/markdown"), static=True)
+    for joint in gap.examined:
+        name = gap.robot.joints[joint]
+        unit = float(gap.per_reported[joint])
+        measured = gap.measured[:, joint] / unit
+        stated, extended = gap.residual[:, joint] / unit, diagnosis.heldout[:, joint] / unit
+        series = {
+            f"{name}/effort/measured": measured,
+            f"{name}/effort/stated": measured - stated,
+            f"{name}/effort/extended": measured - extended,
+            f"{name}/error/stated": stated,
+            f"{name}/error/extended": extended,
+            f"{name}/velocity": gap.chain.rows(gap.motion.velocity[:, joint]),
+        }
+        for entity, values in series.items():
+            _send(stream, entity, gap.chain.time, values)
+    stream.flush()
+    stream.disconnect()
+
+
+def _send(stream: rr.RecordingStream, entity: str, time: Floats, values: Floats) -> None:
+    stream.send_columns(
+        entity, indexes=[rr.TimeColumn("log_time_s", duration=time)], columns=rr.Scalars.columns(scalars=np.asarray(values))
+    )
+
+
+def _blueprint(diagnosis: Diagnosis) -> rrb.Blueprint:
+    found = [finding.joint for finding in diagnosis.findings]
+    order = list(dict.fromkeys(found + [error.joint for error in diagnosis.joints]))
+    tabs = [
+        rrb.Vertical(
+            rrb.TimeSeriesView(origin=f"{name}/effort", name="effort"),
+            rrb.TimeSeriesView(origin=f"{name}/error", name="error"),
+            rrb.TimeSeriesView(origin=f"{name}/velocity", name="velocity"),
+            name=name,
+        )
+        for name in order
+    ]
+    text = rrb.TextDocumentView(origin="findings", name="findings")
+    return rrb.Blueprint(rrb.Horizontal(text, rrb.Tabs(*tabs), column_shares=[1, 3]), collapse_panels=True)
+
+
+def _findings_text(report: Report) -> str:
+    lines = [f"# {report.verdict}", report.summary]
+    for finding in report.findings:
+        lines += [f"## {finding.cause} at {finding.joint}", finding.evidence]
+        lines += [f"- {p.name} = {p.value:.4g} {'' if p.unit == '1' else p.unit}" for p in finding.parameters]
+    return "\n\n".join(lines)

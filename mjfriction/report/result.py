@@ -1,0 +1,201 @@
+"""report.json: the machine's version of a diagnosis."""
+
+from __future__ import annotations
+
+from importlib.metadata import version
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, PlainSerializer
+
+from mjfriction.diagnose.diagnosis import Diagnosis, Finding, Fitted
+from mjfriction.diagnose.structure import Structure
+
+SCHEMA = "mjfriction.report/1"
+
+# Seven digits: more than any log carries, and few enough that libraries' last bits do not show.
+Number = Annotated[float, PlainSerializer(lambda value: float(f"{value:.7g}"), return_type=float)]
+Interval = tuple[Number, Number]
+
+
+class Entry(BaseModel):
+    """A table of the report; unknown keys are refused when a report is read back."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class JointEntry(Entry):
+    """Errors of one joint; ``heldout`` is on motion the extended robot was not fitted to."""
+
+    joint: str
+    signal: Literal["effort", "current"]
+    unit: str
+    rms_before: Number
+    rms_after: Number
+    rms_heldout_before: Number
+    rms_heldout_after: Number
+    noise_floor: Number
+
+
+class ParameterEntry(Entry):
+    """A fitted quantity with its 95 % interval."""
+
+    name: str
+    value: Number
+    unit: str
+    ci95: Interval
+    meaning: str = ""
+
+
+class GainEntry(Entry):
+    """What one finding takes off the error of its joint, on motion not fitted."""
+
+    rms_before: Number
+    rms_after: Number
+    reduction: Number
+    ci95: Interval
+
+
+class FindingEntry(Entry):
+    """A named cause."""
+
+    cause: str
+    joint: str | None
+    confidence: Annotated[Number, Field(ge=0.0, le=1.0)]
+    alternatives: list[str]
+    parameters: list[ParameterEntry]
+    gain: GainEntry
+    evidence: str
+
+
+class DataProblem(Entry):
+    """A fault of the log itself, where it lies, and what was done about it."""
+
+    kind: str
+    where: str
+    action: str
+
+
+class AdjustmentEntry(Entry):
+    """A stated value that the extended robot holds moved, without that being a finding."""
+
+    what: str
+    joint: str
+    unit: str
+    stated: Number
+    fitted: Number
+    ci95: Interval
+
+
+class StructureEntry(Entry):
+    """Share of a joint's error that a smooth curve over one covariate predicts, before and after."""
+
+    joint: str
+    covariate: str
+    share_before: Number
+    share_after: Number
+
+
+class Report(Entry):
+    """The whole report."""
+
+    schema_: Literal["mjfriction.report/1"] = Field(SCHEMA, alias="schema")
+    verdict: Literal["explained", "consistent", "ambiguous", "unexplained", "bad_data"]
+    summary: str
+    joints: list[JointEntry]
+    findings: list[FindingEntry]
+    next_experiment: str | None = None
+    data_problems: list[DataProblem]
+    adjustments: list[AdjustmentEntry] = []
+    structure: list[StructureEntry] = []
+    not_examined: list[str] = []
+    made_by: dict[str, str] = {}
+
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+
+def make_report(diagnosis: Diagnosis) -> Report:
+    """Return the report of a diagnosis."""
+    return Report(
+        schema=SCHEMA,
+        verdict=diagnosis.verdict.value,
+        summary=diagnosis.summary,
+        joints=[JointEntry(**vars(error)) for error in diagnosis.joints],
+        findings=[_finding(finding) for finding in diagnosis.findings],
+        data_problems=_data_problems(diagnosis),
+        adjustments=[
+            AdjustmentEntry(
+                what=entry.what,
+                joint=entry.joint,
+                unit=entry.unit,
+                stated=entry.stated,
+                fitted=entry.fitted,
+                ci95=(entry.fitted - entry.half_width, entry.fitted + entry.half_width),
+            )
+            for entry in diagnosis.adjustments
+        ],
+        structure=_structure(diagnosis.structure_before, diagnosis.structure_after),
+        not_examined=list(diagnosis.not_examined),
+        made_by={name: version(name) for name in ("mjfriction", "mujoco", "pin", "numpy", "scipy")},
+    )
+
+
+def report_json(report: Report) -> str:
+    """Return a report as text, the same for the same report."""
+    return report.model_dump_json(by_alias=True, indent=2) + "\n"
+
+
+def _finding(finding: Finding) -> FindingEntry:
+    gain = finding.gain
+    return FindingEntry(
+        cause=finding.cause,
+        joint=finding.joint,
+        confidence=finding.confidence,
+        alternatives=list(finding.alternatives),
+        parameters=[_parameter(fitted) for fitted in finding.parameters],
+        gain=GainEntry(
+            rms_before=gain.before, rms_after=gain.after, reduction=gain.reduction, ci95=(gain.low, gain.high)
+        ),
+        evidence=finding.evidence,
+    )
+
+
+def _parameter(fitted: Fitted) -> ParameterEntry:
+    return ParameterEntry(
+        name=fitted.name,
+        value=fitted.value,
+        unit=fitted.unit,
+        ci95=(fitted.low, fitted.high),
+        meaning=fitted.meaning,
+    )
+
+
+def _structure(before: tuple[Structure, ...], after: tuple[Structure, ...]) -> list[StructureEntry]:
+    later = {(entry.joint, entry.covariate): entry.share for entry in after}
+    return [
+        StructureEntry(
+            joint=entry.joint,
+            covariate=entry.covariate,
+            share_before=entry.share,
+            share_after=later.get((entry.joint, entry.covariate), 0.0),
+        )
+        for entry in before
+    ]
+
+
+def _data_problems(diagnosis: Diagnosis) -> list[DataProblem]:
+    log, clock = diagnosis.gap.log, diagnosis.gap.motion.clock
+    problems = [
+        DataProblem(
+            kind="data.gap", where=f"{log.time[row]:.4g} s to {log.time[after]:.4g} s", action="split there"
+        )
+        for row, after in clock.gaps
+    ]
+    if any(grid.moved for grid in diagnosis.gap.motion.grids):
+        problems.append(
+            DataProblem(
+                kind="data.clock",
+                where=f"whole log: steps spread by {100 * clock.jitter:.2g} % around {clock.step:.4g} s",
+                action="interpolated to an even clock",
+            )
+        )
+    return problems

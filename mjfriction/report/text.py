@@ -1,0 +1,55 @@
+"""A diagnosis in a terminal, in 80 columns."""
+
+from __future__ import annotations
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from mjfriction.report.result import FindingEntry, Report
+
+WIDTH = 80
+COLOURS = {"explained": "green", "consistent": "green", "ambiguous": "yellow", "unexplained": "red", "bad_data": "red"}
+
+
+def print_report(report: Report, console: Console) -> None:
+    """Print verdict, joints and findings."""
+    console.print(Text(report.verdict.upper(), style=f"bold {COLOURS[report.verdict]}"), Text(report.summary), sep="\n")
+    console.print()
+    console.print(_joint_table(report))
+    for finding in report.findings:
+        console.print()
+        _print_finding(finding, console)
+    for problem in report.data_problems:
+        console.print(f"\n{problem.kind}: {problem.where}; {problem.action}")
+    if report.not_examined:
+        console.print(f"\nNot examined (no motion or no measurement): {', '.join(report.not_examined)}")
+
+
+def _joint_table(report: Report) -> Table:
+    table = Table(title="RMS error on motion not fitted", title_justify="left", box=None, padding=(0, 2, 0, 0))
+    table.add_column("joint", overflow="fold")
+    for name in ("before", "after", "sensor noise"):
+        table.add_column(name, justify="right")
+    table.add_column("unit")
+    for joint in report.joints:
+        table.add_row(
+            joint.joint,
+            f"{joint.rms_heldout_before:.3g}",
+            f"{joint.rms_heldout_after:.3g}",
+            f"{joint.noise_floor:.2g}",
+            joint.unit,
+        )
+    return table
+
+
+def _print_finding(finding: FindingEntry, console: Console) -> None:
+    place = f" at {finding.joint}" if finding.joint else ""
+    console.print(Text(f"{finding.cause}{place}", style="bold"), Text(f"(confidence {finding.confidence:.2f})"))
+    console.print(f"  {finding.evidence}")
+    for parameter in finding.parameters:
+        low, high = parameter.ci95
+        unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+        console.print(f"  {parameter.name} = {parameter.value:.4g}{unit}  (95 %: {low:.4g} to {high:.4g})")
+    if finding.alternatives:
+        console.print(f"  cannot be told on this motion from: {', '.join(finding.alternatives)}")

@@ -1,0 +1,19 @@
+"""The four files of a diagnosis, in one folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from mjfriction.diagnose.diagnosis import Diagnosis
+from mjfriction.report.html import report_html
+from mjfriction.report.rerun_view import write_recording
+from mjfriction.report.result import Report, report_json
+from mjfriction.robot.files import write_robot
+
+
+def write_results(diagnosis: Diagnosis, report: Report, folder: Path) -> None:
+    """Write report.json, report.html, recording.rrd and robot.toml with the model file it names."""
+    (folder / "report.json").write_text(report_json(report), encoding="utf-8")
+    (folder / "report.html").write_text(report_html(diagnosis, report), encoding="utf-8")
+    write_recording(diagnosis, report, folder / "recording.rrd")
+    write_robot(diagnosis.robot, folder, comment=f"Extended by mjfriction from {Path(diagnosis.gap.log.source).name}.\n{report.summary}")

@@ -1,0 +1,78 @@
+"""How much of a log's frequency range can be believed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mjfriction.body.inverse import inertia_at
+from mjfriction.body.model import Body
+from mjfriction.errors import LogError
+from mjfriction.record.log import POSITION, Floats, Log
+from mjfriction.record.motion import raw_noise
+from mjfriction.record.resample import read_clock
+from mjfriction.robot.effort import effort_per_reported
+from mjfriction.robot.robot import Robot
+
+HIGHEST = 100.0  # Hz; manipulators do nothing above it that rigid bodies and friction explain
+HARMONICS = 5.0  # the band must hold this many times the frequencies that the motion itself has
+MOTION_POWER = 0.999  # share of the velocity's power that counts as the motion
+NOISE_SHARE = 0.5  # what position noise, seen as inertia torque, may add relative to the effort's own noise
+EFFORT_SHARE = 0.003  # and what it may always add, relative to the effort itself
+
+
+def choose_cutoff(log: Log, robot: Robot, body: Body) -> float:
+    """Return the cutoff (Hz) for the position filter of a log.
+
+    Differentiated twice, white position noise σ_q leaves a low-pass of cutoff f as inertia torque of standard
+    deviation J·σ_q·(2πf)²·√(2f/5r) at sampling rate r; white effort noise leaves it as σ_τ·√(2f/r).  The cutoff is the
+    highest f at which, on every joint, the first stays under half of the second or under 0.3 % of the effort, whichever
+    is more; at most 100 Hz and a fifth of the rate, and at least five times the highest frequency of the motion itself.
+
+    Raises :class:`LogError` when no joint of the log moves.
+    """
+    clock = read_clock(log)
+    rate = 1.0 / clock.step
+    highest = min(HIGHEST, rate / 5.0)
+    longest = max(clock.pieces, key=lambda piece: piece[1] - piece[0])
+    positions = {joint: log.channel(POSITION, joint) for joint in robot.joints}
+    pose = np.array([np.mean(values) for values in positions.values() if values is not None])
+    inertia = inertia_at(body, pose)
+    cutoff, motion = highest, 0.0
+    for i, joint in enumerate(robot.table.joint):
+        values = positions[joint.name]
+        if values is None or np.ptp(values) == 0.0:
+            continue
+        motion = max(motion, _motion_frequency(values[longest[0] : longest[1]], rate))
+        quantity = log.torque_quantity(joint.name)
+        reported = log.channel(quantity, joint.name) if quantity else None
+        if reported is None:
+            continue
+        per_reported = abs(effort_per_reported(joint, quantity, robot.name))
+        position_noise = raw_noise(log, POSITION, joint.name, clock)
+        effort_noise = per_reported * raw_noise(log, quantity, joint.name, clock)
+        level = per_reported * float(np.std(reported)) * EFFORT_SHARE
+        frequency = np.linspace(1.0, highest, 200)
+        band = np.sqrt(2.0 * frequency / rate)
+        inertial = inertia[i] * position_noise * np.square(2.0 * np.pi * frequency) * band / np.sqrt(5.0)
+        quiet = inertial <= np.maximum(NOISE_SHARE * effort_noise * band, level)
+        cutoff = min(cutoff, float(frequency[quiet][-1]) if np.any(quiet) else 1.0)
+    if motion == 0.0:
+        raise LogError(
+            f"{log.source}: no joint moves: every position is constant; friction shows only in motion, "
+            "record the joints moving in both directions"
+        )
+    return min(highest, max(cutoff, HARMONICS * motion))
+
+
+def _motion_frequency(position: Floats, rate: float) -> float:
+    count = position.size
+    if count < 16 or np.ptp(position) == 0.0:
+        return 0.0
+    spectrum = np.fft.rfft((position - np.linspace(position[0], position[-1], count)) * np.hanning(count))
+    frequency = np.fft.rfftfreq(count, 1.0 / rate)
+    power = np.square(np.abs(spectrum))
+    floor = float(np.median(power[3 * power.size // 4 :]))
+    velocity_power = np.cumsum(np.maximum(power - floor, 0.0) * np.square(frequency))
+    if velocity_power[-1] <= 0.0:
+        return 0.0
+    return float(frequency[np.searchsorted(velocity_power, MOTION_POWER * velocity_power[-1])])

@@ -1,0 +1,95 @@
+"""What a robot says its drives would report along a motion: the balance of the model, joint by joint.
+
+    effort = rnea(q, q̇, q̈) + rotor_inertia·gear_ratio²·q̈ + friction(q̇)
+    reported = scale·effort + offset,      current = reported / (gear_ratio·torque_constant)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import ndtr
+
+from mjfriction.body.inverse import inverse_dynamics
+from mjfriction.body.model import Body
+from mjfriction.errors import RobotError
+from mjfriction.laws.catalog import find_law
+from mjfriction.laws.law import Floats
+from mjfriction.record.log import CURRENT
+from mjfriction.record.motion import Motion
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.schema import FrictionTerm, Joint
+
+
+@dataclass(frozen=True)
+class Effort:
+    """Predicted effort along a motion, each of shape (n, joints), N·m or N at the joint.
+
+    ``rigid``: links, payload, gravity and rotors; ``friction``; ``reported``: what the drive's sensor would say.
+    """
+
+    rigid: Floats
+    friction: Floats
+    reported: Floats
+
+
+def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
+    """Predict the effort of every joint along a motion.
+
+    At rest the direction of friction is not known from the motion; there the estimate is the mean over the velocity's
+    own uncertainty, which fades to zero as the joint stops.
+    """
+    rigid = inverse_dynamics(body, motion.position, motion.velocity, motion.acceleration)
+    friction = np.zeros_like(rigid)
+    reported = np.empty_like(rigid)
+    for i, joint in enumerate(robot.table.joint):
+        for term in joint.friction or ():
+            friction[:, i] += term_torque(
+                term, joint.actuator.gear_ratio, motion.velocity[:, i], motion.velocity_noise[i], rigid[:, i]
+            )
+        reported[:, i] = joint.effort_sensor.scale * (rigid[:, i] + friction[:, i]) + joint.effort_sensor.offset
+    return Effort(rigid, friction, reported)
+
+
+def term_torque(term: FrictionTerm, gear_ratio: float, velocity: Floats, noise: float, load: Floats) -> Floats:
+    """Return one friction law's torque at the joint along a motion, shape (n,).
+
+    ``noise`` is the standard deviation of the estimated velocity.  A law on the motor side reads gear_ratio·velocity
+    and load/gear_ratio, and its torque comes back through the gear.
+    """
+    law = find_law(term.law)
+    packed = law.pack(term.parameters)
+    ratio = gear_ratio if term.side == "motor" else 1.0
+
+    def torque(at: Floats) -> Floats:
+        return ratio * law.along(ratio * at, load / ratio, packed)
+
+    forward, speed = direction(velocity, noise)
+    return forward * torque(speed) + (1.0 - forward) * torque(-speed)
+
+
+def direction(velocity: Floats, noise: float) -> tuple[Floats, Floats]:
+    """Return the probability that the joint moves forward, and its speed (never quite 0), each of shape (n,)."""
+    tiny = max(noise, 1e-12)
+    return ndtr(velocity / tiny), np.maximum(np.abs(velocity), 1e-3 * tiny)
+
+
+def reported_unit(quantity: str | None, sliding: bool) -> str:
+    """Return the unit of a joint's reported quantity."""
+    return "A" if quantity == CURRENT else ("N" if sliding else "N·m")
+
+
+def effort_per_reported(joint: Joint, quantity: str | None, robot_name: str) -> float:
+    """Return what turns a log's reported quantity into effort at the joint: 1, or N·m per ampere.
+
+    Raises :class:`RobotError` when the log has currents and the robot no torque constant.
+    """
+    if quantity != CURRENT:
+        return 1.0
+    if joint.actuator.torque_constant is None:
+        raise RobotError(
+            f"robot '{robot_name}', joint '{joint.name}': the log has current.{joint.name} but the robot file no "
+            "actuator.torque_constant (N·m/A at the motor); add it"
+        )
+    return joint.actuator.gear_ratio * joint.actuator.torque_constant

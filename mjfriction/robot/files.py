@@ -1,0 +1,113 @@
+"""Robot files: reading with one-line messages, writing so that what is written reads back equal."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import tomllib
+import typing
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from mjfriction.errors import LawError, RobotError, suggestion
+from mjfriction.robot.robot import Robot, bundled_robots
+from mjfriction.robot.schema import RobotTable
+
+
+def read_robot(source: Path | str) -> Robot:
+    """Read a robot file, or one of the bundled robots by its name.
+
+    Raises :class:`RobotError`: file, key, what is allowed.
+    """
+    path = Path(source)
+    if not path.suffix and not path.exists():
+        bundled = bundled_robots()
+        if str(source) not in bundled:
+            raise RobotError(
+                f"robot '{source}' is neither a file nor a bundled robot{suggestion(str(source), bundled)} "
+                f"Bundled: {', '.join(bundled)}"
+            )
+        path = bundled[str(source)]
+    if not path.is_file():
+        raise RobotError(f"{path}: there is no such robot file")
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise RobotError(f"{path}: not valid TOML: {error}") from None
+    return Robot(_checked(table, path), path.resolve().parent)
+
+
+def write_robot(robot: Robot, folder: Path, *, comment: str = "") -> Path:
+    """Write ``robot.toml`` and the model file it names into a folder, and return the robot file's path.
+
+    A model of example-robot-data stays named as such; one that stands alone is copied beside; one that includes other
+    files is named by its absolute path.
+    """
+    table = robot.table
+    if not table.model.startswith("package://"):
+        original = robot.model_path.resolve()
+        if _stands_alone(original):
+            shutil.copyfile(original, folder / original.name)
+            table = table.model_copy(update={"model": original.name})
+        else:
+            table = table.model_copy(update={"model": str(original)})
+    data = table.model_dump(mode="json", exclude_defaults=True, exclude_none=True)
+    text = "".join(f"# {line}\n" for line in comment.splitlines()) + tomli_w.dumps(data, multiline_strings=False)
+    path = folder / "robot.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def _stands_alone(model: Path) -> bool:
+    text = model.read_text(encoding="utf-8", errors="replace")
+    if "<mujoco" in text:
+        return re.search(r"<include|\bfile\s*=", text) is None
+    return True  # a URDF's meshes are for the eye; masses and inertias stand in the file
+
+
+def _checked(table: dict[str, Any], path: Path) -> RobotTable:
+    try:
+        return RobotTable.model_validate(table)
+    except ValidationError as error:
+        raise RobotError(_one_line(error.errors()[0], table, path)) from None
+    except LawError as error:
+        raise RobotError(f"{path}: {error}") from None
+
+
+def _one_line(detail: ErrorDetails, table: dict[str, Any], path: Path) -> str:
+    where = _place(detail["loc"], table)
+    if detail["type"] == "extra_forbidden":
+        allowed = list(_model_at(detail["loc"][:-1]).model_fields)
+        key = str(detail["loc"][-1])
+        return f"{path}: {where}: unknown key '{key}'{suggestion(key, allowed)} Allowed: {', '.join(allowed)}"
+    given = "" if detail["type"] == "missing" else f" (given: {detail['input']!r})"
+    return f"{path}: {where}: {detail['msg'].removeprefix('Value error, ')}{given}"
+
+
+def _place(location: tuple[int | str, ...], table: dict[str, Any]) -> str:
+    # ('joint', 3, 'friction', 0, 'side') reads: joint 'elbow_joint': friction.side
+    words = [str(part) for part in location if not isinstance(part, int)]
+    if len(location) > 1 and location[0] == "joint" and isinstance(location[1], int):
+        joint = table["joint"][location[1]]
+        name = joint.get("name", f"number {location[1] + 1}") if isinstance(joint, dict) else f"number {location[1] + 1}"
+        return f"joint '{name}': {'.'.join(words[1:]) or 'table'}"
+    return ".".join(words) or "file"
+
+
+def _model_at(location: tuple[int | str, ...]) -> type[BaseModel]:
+    model: type[BaseModel] = RobotTable
+    for part in location:
+        if isinstance(part, str) and part in model.model_fields:
+            model = next(_models_in(model.model_fields[part].annotation), model)
+    return model
+
+
+def _models_in(annotation: Any) -> typing.Iterator[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for argument in typing.get_args(annotation):
+        yield from _models_in(argument)

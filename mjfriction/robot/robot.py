@@ -1,0 +1,98 @@
+"""A robot as every command speaks of it: the table of its file, and where that file's model lies."""
+
+from __future__ import annotations
+
+import sysconfig
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+
+from mjfriction.body.model import Body, Load, load_body
+from mjfriction.errors import RobotError, suggestion
+from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
+from mjfriction.robot.schema import FrictionTerm, Joint, RobotTable
+
+EXAMPLE_ROBOT_DATA = "package://example-robot-data/"
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A robot: ``table`` holds the keys of its file, ``folder`` is what a relative model path starts from."""
+
+    table: RobotTable
+    folder: Path
+
+    @property
+    def name(self) -> str:
+        """The robot's name."""
+        return self.table.name
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """The names of its joints, in the order of the file."""
+        return tuple(joint.name for joint in self.table.joint)
+
+    def joint(self, name: str) -> Joint:
+        """Return a joint's table; :class:`RobotError` names the nearest joint when there is none of that name."""
+        for joint in self.table.joint:
+            if joint.name == name:
+                return joint
+        raise RobotError(f"robot '{self.name}' has no joint '{name}'{suggestion(name, self.joints)}")
+
+    def with_joint(self, changed: Joint) -> Robot:
+        """Return the robot with one joint's table exchanged for another of the same name."""
+        joints = tuple(changed if joint.name == changed.name else joint for joint in self.table.joint)
+        return Robot(self.table.model_copy(update={"joint": joints}), self.folder)
+
+    @property
+    def model_path(self) -> Path:
+        """The model file, wherever the robot file's ``model`` key points."""
+        return resolve_model(self.table.model, self.folder)
+
+    def body(self) -> Body:
+        """Read the rigid bodies: the model file with this robot's gravity, payload and rotor inertias."""
+        payload = self.table.payload
+        return load_body(
+            self.model_path,
+            self.joints,
+            gravity=self.table.gravity,
+            payload=Load(payload.mass, payload.com, payload.parent) if payload else None,
+            link_scale=self.table.link_scale,
+            rotor_inertia=[
+                joint.actuator.rotor_inertia * joint.actuator.gear_ratio**2 for joint in self.table.joint
+            ],
+        )
+
+    def with_stated_friction(self, body: Body) -> Robot:
+        """Return the robot with the model file's damping and dry friction written out where a joint states no law."""
+        robot = self
+        for i, joint in enumerate(self.table.joint):
+            if joint.friction is None:
+                levels = {"coulomb": float(body.dry_friction[i]), "viscous": float(body.damping[i])}
+                term = FrictionTerm(law=COULOMB_VISCOUS.name, parameters=levels)
+                robot = robot.with_joint(joint.model_copy(update={"friction": (term,)}))
+        return robot
+
+
+def resolve_model(model: str, folder: Path) -> Path:
+    """Return the path a ``model`` key means.
+
+    Relative paths start from the robot file's folder; ``package://example-robot-data/…`` is looked up in the installed
+    example-robot-data.  Raises :class:`RobotError` for any other package, and when that one is not installed.
+    """
+    if not model.startswith("package://"):
+        return folder / model
+    if not model.startswith(EXAMPLE_ROBOT_DATA):
+        raise RobotError(f"model '{model}': the one package that can be named is {EXAMPLE_ROBOT_DATA}…")
+    share = Path(sysconfig.get_paths()["purelib"]) / "cmeel.prefix" / "share" / "example-robot-data" / "robots"
+    if not share.is_dir():
+        raise RobotError(f"model '{model}': example-robot-data is not installed; pip install example-robot-data")
+    return share / model.removeprefix(EXAMPLE_ROBOT_DATA)
+
+
+def bundled_robots() -> dict[str, Path]:
+    """Return the robot files that come with the package, by name."""
+    root = Path(str(files("mjfriction"))) / "bundled" / "robots"
+    if not root.is_dir():  # a source checkout keeps them at its top level
+        root = Path(str(files("mjfriction"))).parent / "robots"
+    return {folder.name: folder / "robot.toml" for folder in sorted(root.iterdir()) if (folder / "robot.toml").is_file()}

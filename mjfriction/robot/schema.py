@@ -1,0 +1,109 @@
+"""What a robot.toml may hold: the keys, their types and their bounds."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator
+
+from mjfriction.laws.catalog import find_law
+
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+NonNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Vector = tuple[Finite, Finite, Finite]
+
+
+def _as_list(value: Any) -> Any:
+    return [value] if isinstance(value, dict) else value
+
+
+class Table(BaseModel):
+    """A table of the file: unknown keys are refused, values cannot be changed once read."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Actuator(Table):
+    """The drive of a joint.
+
+    ``gear_ratio``: motor radians per joint radian (per metre on a sliding joint), negative where the motor turns
+    against the joint.  ``torque_constant``: N·m/A at the motor.  ``rotor_inertia``: kg·m² at the motor.
+    """
+
+    gear_ratio: Finite = 1.0
+    torque_constant: Positive | None = None
+    rotor_inertia: NonNegative = 0.0
+
+    @field_validator("gear_ratio")
+    @classmethod
+    def _turns(cls, value: float) -> float:
+        if value == 0.0:
+            raise ValueError("a gear ratio of 0 moves nothing; give motor radians per joint radian")
+        return value
+
+
+class EffortSensor(Table):
+    """What the drive reports: reported = ``scale`` · true effort + ``offset`` (N·m or N at the joint)."""
+
+    scale: Positive = 1.0
+    offset: Finite = 0.0
+
+
+class FrictionTerm(Table):
+    """One friction law on a joint; ``side`` is the side whose velocity and torque the law speaks of."""
+
+    law: str
+    side: Literal["joint", "motor"] = "joint"
+    parameters: dict[str, Finite]
+
+    @field_validator("law")
+    @classmethod
+    def _known(cls, value: str) -> str:
+        find_law(value)
+        return value
+
+    def model_post_init(self, context: Any, /) -> None:
+        """Check the parameters against the law's declarations."""
+        find_law(self.law).pack(self.parameters)
+
+
+class Joint(Table):
+    """One joint.  Several friction laws add up; without any, the model file's own damping and dry friction hold."""
+
+    name: str
+    actuator: Actuator = Actuator()
+    friction: Annotated[tuple[FrictionTerm, ...], BeforeValidator(_as_list)] | None = None
+    effort_sensor: EffortSensor = EffortSensor()
+
+
+class Payload(Table):
+    """A mass held by the arm: kg, and its centre (m) in the frame of the link named ``parent``."""
+
+    mass: NonNegative
+    com: Vector = (0.0, 0.0, 0.0)
+    parent: str
+
+
+class RobotTable(Table):
+    """A whole robot file.
+
+    ``link_scale``: for the link that a joint moves, named by the joint, its mass and inertia (a payload on it
+    included) as a multiple of the model's.
+    """
+
+    name: str
+    model: str
+    gravity: Vector | None = None
+    payload: Payload | None = None
+    link_scale: dict[str, Positive] = {}
+    joint: tuple[Joint, ...] = Field(min_length=1)
+
+    @field_validator("joint")
+    @classmethod
+    def _distinct(cls, value: tuple[Joint, ...]) -> tuple[Joint, ...]:
+        names = [joint.name for joint in value]
+        doubled = sorted({name for name in names if names.count(name) > 1})
+        if doubled:
+            raise ValueError(f"joint '{doubled[0]}' is listed twice; list every joint once")
+        return value
