@@ -20,31 +20,19 @@ def demo(out: Out = Path("demo_out"), json: Json = False) -> None:
     from importlib.resources import files
 
     from mjfriction.cli.diagnose import report_diagnosis
-
-    bundled = Path(str(files("mjfriction"))) / "bundled" / "demo"
-    robot = bundled / "robot.toml"
-    if not json:
-        typer.echo("A simulated UR5 was recorded for 30 s. Its elbow hides something that its robot file does not state.\n")
-    report_diagnosis([bundled / "log.parquet"], str(robot), out, seed=0, json=json)
-    if json:
-        return
-    before, after = (_errors(bundled / "other_motion.parquet", path) for path in (robot, out / "robot.toml"))
-    typer.echo("\nThe proof, on a second log of the same arm along another motion (RMS error, N·m):")
-    for joint, error in before.items():
-        typer.echo(f"  {joint:22s} stated {error:7.3f}   extended {after[joint]:7.3f}")
-
-
-def _errors(log: Path, robot: Path) -> dict[str, float]:
-    import numpy as np
-
+    from mjfriction.diagnose.gap import measure_gap
     from mjfriction.record.readers import read_log
     from mjfriction.robot.files import read_robot
-    from mjfriction.robot.predict import predict_log
 
-    measured = read_log(log)
-    predicted = predict_log(measured, read_robot(robot))
-    return {
-        name.partition(".")[2]: float(np.sqrt(np.nanmean(np.square(measured.columns[name] - values))))
-        for name, values in predicted.items()
-        if name != "time"
-    }
+    bundled = Path(str(files("mjfriction"))) / "bundled" / "demo"
+    robot = "ur5"
+    if not json:
+        typer.echo("A simulated UR5 was recorded for 30 s. Its elbow hides something that its robot file does not state.\n")
+    report_diagnosis([bundled / "log.parquet"], robot, out, seed=0, json=json)
+    if json:
+        return
+    stated, extended = (measure_gap(read_log(bundled / "other_motion.parquet"), read_robot(path)) for path in (robot, str(out / "robot.toml")))
+    typer.echo("\nThe proof, on a second log of the same arm along another motion (RMS error, N·m):")
+    for i, joint in enumerate(stated.robot.joints):
+        before, after = (gap.rms(gap.residual[:, i], i) for gap in (stated, extended))
+        typer.echo(f"  {joint:22s} stated {before:6.3f}   extended {after:6.3f}   noise {stated.noise_floor[i]:6.3f}")

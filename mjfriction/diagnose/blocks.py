@@ -22,10 +22,12 @@ SAME = 0.01  # two courses of the motion are the same when they differ by less t
 @dataclass(frozen=True)
 class Blocks:
     """``row`` (rows,) numbers the block each row is in; ``group`` (blocks,) numbers what each block may be exchanged
-    with: itself, or, where the motion repeats at least four times, everything in the same repetition."""
+    with: itself, or, where the motion repeats at least four times, everything in the same repetition; ``fold``
+    (blocks,) numbers the part in which a block is left out."""
 
     row: Integers
     group: Integers
+    fold: Integers
 
     @property
     def count(self) -> int:
@@ -41,10 +43,7 @@ class Blocks:
     def folds(self) -> list[NDArray[np.bool_]]:
         """Masks (blocks,) of the parts that are left out in turn: interleaved, so that each sees all of the log's
         course; where the motion repeats, the same stretch of every repetition, so that it has not been seen."""
-        within = self.count // self.groups
-        number = np.arange(self.count) % within if within >= FEWEST_FOLDS else np.arange(self.count)
-        number %= FOLDS
-        return [number == fold for fold in range(int(number.max()) + 1)]
+        return [self.fold == number for number in range(int(self.fold.max()) + 1)]
 
 
 def cut_blocks(chain: Chain, position: Floats, source: str) -> Blocks:
@@ -61,19 +60,17 @@ def cut_blocks(chain: Chain, position: Floats, source: str) -> Blocks:
             f"{source}: {total:.1f} s of usable motion are too short; at least "
             f"{FEWEST_BLOCKS * BLOCK_SECONDS:.0f} s are needed to fit on one part and prove on another"
         )
-    repeats = _repetitions(chain, position) if np.all(chain.piece == chain.piece[0]) else 1
-    if repeats < FEWEST_REPEATS:
-        row = _numbered(elapsed, count)
-        return Blocks(row, np.arange(count))
-    within = max(1, count // repeats)
-    return Blocks(_numbered(elapsed, within * repeats), np.repeat(np.arange(repeats), within))
+    period = _period(chain, position) if np.all(chain.piece == chain.piece[0]) else None
+    if period is None:
+        row = np.minimum((elapsed / total * count).astype(np.int64), count - 1)
+        return Blocks(row, np.arange(count), np.arange(count) % FOLDS)
+    within = max(FEWEST_FOLDS, round(count * period / total))
+    row = (elapsed / period * within).astype(np.int64)
+    number = np.arange(int(row[-1]) + 1)
+    return Blocks(row, np.minimum(number // within, round(total / period) - 1), number % within % FOLDS)
 
 
-def _numbered(elapsed: Floats, count: int) -> Integers:
-    return np.minimum((elapsed / elapsed[-1] * count).astype(np.int64), count - 1)
-
-
-def _repetitions(chain: Chain, position: Floats) -> int:
+def _period(chain: Chain, position: Floats) -> float | None:
     # The mean squared difference between the course and itself a lag later, from the autocorrelation.
     spread = np.std(position, axis=0)
     moving = spread > 1e-9
@@ -89,9 +86,8 @@ def _repetitions(chain: Chain, position: Floats) -> int:
     alike = np.flatnonzero(difference[first:] < SAME)
     alike = alike[lag[first + alike] < rows / 2]
     if first == 0 and difference[0] <= 10.0 * SAME or alike.size == 0:
-        return 1
+        return None
     start = first + int(alike[0])
     stop = start + int(np.argmax(np.append(difference[start:] >= SAME, True)))
-    period = lag[start + int(np.argmin(difference[start:stop]))]
-    repeats = rows / float(period)
-    return round(repeats) if abs(repeats - round(repeats)) < 0.1 else 1
+    rows_each = lag[start + int(np.argmin(difference[start:stop]))]
+    return float(rows_each * np.median(np.diff(chain.time))) if round(rows / rows_each) >= FEWEST_REPEATS else None

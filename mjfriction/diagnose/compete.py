@@ -12,8 +12,8 @@ from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.trial import Trial, try_out
 from mjfriction.record.log import Floats
 
-KIN_CHANCE = 0.01  # at which a cause's other half is taken along
-LEAST_KIN = 0.03  # of its partner's effort that a cause's other half must reach
+KIN_CHANCE = 0.05  # at which a cause's other half is taken along: that of its 95 % interval leaving out zero
+LEAST_KIN = 0.02  # of its partner's effort that a cause's other half must reach
 MOST_CAUSES = 12
 SHORT_LIST = 8
 
@@ -38,7 +38,7 @@ def compete(gap: Gap, nuisance: Nuisance, field: Candidates) -> Model:
         if not passing:
             break
         best = max(passing, key=lambda trial: trial.merit)
-        model = _reshaped(build_model(gap, nuisance, (*model.chosen, best.chosen)))
+        model = reshaped(build_model(gap, nuisance, (*model.chosen, best.chosen)))
     return _with_kin(_pruned(model, len(field)), field)
 
 
@@ -81,13 +81,15 @@ def _best_shape(model: Model, choice: Chosen) -> Chosen:
     return Chosen(choice.cause, choice.site.shaped(shape)) if found.fun < loss(start) else choice
 
 
-def _reshaped(model: Model) -> Model:
-    # A new cause moves the best shapes of the others: each in turn, the rest held.
+def reshaped(model: Model, joint: int | None = None) -> Model:
+    """Return the model with the shapes of its causes (of one joint's, if given) searched anew, each in turn.
+
+    A new cause, or a level held, moves the best shapes of the others.
+    """
     for i, choice in enumerate(model.chosen):
-        if choice.site.shape:
+        if choice.site.shape and joint in (None, choice.site.joint):
             better = _best_shape(model.without(choice), choice)
-            chosen = (*model.chosen[:i], better, *model.chosen[i + 1 :])
-            model = build_model(model.gap, model.nuisance, chosen)
+            model = build_model(model.gap, model.nuisance, (*model.chosen[:i], better, *model.chosen[i + 1 :]))
     return model
 
 
@@ -97,7 +99,7 @@ def _pruned(model: Model, count: int) -> Model:
         needless = [(trial.gain if trial else -np.inf, choice) for choice, trial in trials if not _stays(trial, count)]
         if not needless:
             return model
-        model = _reshaped(model.without(min(needless, key=lambda entry: entry[0])[1]))
+        model = reshaped(model.without(min(needless, key=lambda entry: entry[0])[1]))
     return model
 
 
@@ -113,7 +115,7 @@ def _with_kin(model: Model, field: Candidates) -> Model:
             present = other.key in {found.key for found in model.chosen}
             if other.cause.name not in choice.cause.kin or other.site != Site(choice.site.joint) or present:
                 continue
-            trial = try_out(model, other, model.gap.blocks.group)
+            trial = try_out(model, other, repeating=True)
             own = try_out(model.without(choice), choice)
             if trial and own and trial.chance < KIN_CHANCE and trial.effect > LEAST_KIN * own.effect:
                 model = build_model(model.gap, model.nuisance, (*model.chosen, other))

@@ -147,7 +147,8 @@ def _findings(settled: Settled, field: Candidates, heldout: Floats, seed: int) -
     for choice, without, own, width in found:
         joint = choice.site.joint
         per_reported = abs(float(model.gap.per_reported[joint]))
-        before = without.heldout_residual()[:, joint] / per_reported
+        clear = model.gap.clear[:, joint]
+        before = without.heldout_residual()[clear, joint] / per_reported
         stands = standing(model, choice, field)
         finding = Finding(
             cause=choice.cause.name,
@@ -155,7 +156,7 @@ def _findings(settled: Settled, field: Candidates, heldout: Floats, seed: int) -
             confidence=stands.confidence,
             alternatives=stands.alternatives,
             parameters=tuple(_fitted(model.gap, choice, own, width)),
-            gain=measure_gain(before, heldout[:, joint] / per_reported, model.gap.blocks.row, seed),
+            gain=measure_gain(before, heldout[clear, joint] / per_reported, model.gap.blocks.row[clear], seed),
             evidence=choice.cause.evidence(model.gap, choice.site, own),
             covariate=choice.cause.covariate,
         )
@@ -193,15 +194,15 @@ def _joint_error(gap: Gap, joint: int, residual_after: Floats, heldout: Floats) 
     unit = abs(float(gap.per_reported[joint]))
     quantity = gap.motion.quantity[joint]
     assert quantity is not None, "examined joints have a measurement"
-    before = _rms(gap.residual[:, joint]) / unit
+    before = gap.rms(gap.residual[:, joint], joint) / unit
     return JointError(
         joint=gap.robot.joints[joint],
         signal=quantity,
         unit=reported_unit(quantity, gap.body.sliding[joint]),
         rms_before=before,
-        rms_after=_rms(residual_after[:, joint]) / unit,
+        rms_after=gap.rms(residual_after[:, joint], joint) / unit,
         rms_heldout_before=before,
-        rms_heldout_after=_rms(heldout[:, joint]) / unit,
+        rms_heldout_after=gap.rms(heldout[:, joint], joint) / unit,
         noise_floor=float(gap.noise_floor[joint]) / unit,
     )
 
@@ -213,10 +214,10 @@ def _unexplained(gap: Gap, after: tuple[Structure, ...], heldout: Floats) -> lis
         worst = max((entry for entry in after if entry.joint == name), key=lambda entry: entry.share, default=None)
         if worst is None or worst.share < STRUCTURED:
             continue
-        left = _rms(heldout[:, joint])
-        explained = np.sqrt(max(0.0, _rms(gap.residual[:, joint]) ** 2 - left**2))
+        left = gap.rms(heldout[:, joint], joint)
+        explained = np.sqrt(max(0.0, gap.rms(gap.residual[:, joint], joint) ** 2 - left**2))
         size = np.sqrt(worst.share) * left
-        if size > max(LEAST_EFFORT * _rms(gap.measured[:, joint]), OUTWEIGHED * explained):
+        if size > max(LEAST_EFFORT * gap.rms(gap.measured[:, joint], joint), OUTWEIGHED * explained):
             out.append(worst)
     return out
 
@@ -259,7 +260,3 @@ def _summary(
             f"told from {' or '.join(unsure.alternatives)}."
         )
     return f"The model of '{robot}' lacks {named}; {gain}."
-
-
-def _rms(values: Floats) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))

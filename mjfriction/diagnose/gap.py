@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mjfriction.body.model import Body
 from mjfriction.diagnose.blocks import Blocks, cut_blocks
@@ -16,6 +17,8 @@ from mjfriction.robot.effort import Effort, direction, effort_per_reported, pred
 from mjfriction.robot.robot import Robot
 
 DOUBT_SPEED = 0.02  # of a joint's RMS speed: below it no law can be told from its own rounding at zero
+CLEAR = 0.1  # of a row's window that may be in doubt for the row to count as clear
+FEWEST_CLEAR = 0.2  # of a joint's rows; a joint that hardly moves is judged on all of them
 DOUBT_PERIODS = 0.6  # of the position filter's cutoff: how far a sign change is blurred
 
 
@@ -42,6 +45,7 @@ class Gap:
     noise_floor: Floats
     doubt: Floats
     doubt_speed: Floats
+    clear: NDArray[np.bool_]
     blocks: Blocks
     per_reported: Floats
 
@@ -50,10 +54,14 @@ class Gap:
         """The joints that have a measurement, as indices."""
         return tuple(i for i in range(len(self.robot.joints)) if np.isfinite(self.residual[0, i]))
 
+    def rms(self, values: Floats, joint: int) -> float:
+        """Return the RMS of a joint's rows (rows,) over those that are clear."""
+        return float(np.sqrt(np.mean(np.square(values[self.clear[:, joint]]))))
+
     def forward(self, joint: int) -> Floats:
-        """Return the direction of motion of a joint, −1 to 1, blurred by the velocity's own uncertainty, shape (n,)."""
-        probability, _ = direction(self.motion.velocity[:, joint], self.motion.velocity_noise[joint])
-        return 2.0 * probability - 1.0
+        """Return the direction of friction on a joint, −1 to 1 and between the two while it may be stuck, shape (n,)."""
+        forward, _ = direction(self.motion.velocity[:, joint], self.motion.velocity_noise[joint])
+        return 2.0 * forward - 1.0
 
 
 def measure_gap(log: Log, robot: Robot) -> Gap:
@@ -83,6 +91,10 @@ def measure_gap(log: Log, robot: Robot) -> Gap:
     doubt_speed = np.maximum(
         3.0 * motion.velocity_noise, DOUBT_SPEED * np.sqrt(np.mean(np.square(motion.velocity), axis=0))
     )
+    touched = _touched(motion, chain, doubt_speed)
+    doubt = touched * _friction_level(motion, effort, residual, doubt_speed)
+    clear = touched < CLEAR
+    clear[:, np.mean(clear, axis=0) < FEWEST_CLEAR] = True
     return Gap(
         robot=robot,
         body=body,
@@ -93,24 +105,33 @@ def measure_gap(log: Log, robot: Robot) -> Gap:
         measured=measured,
         residual=residual,
         noise_floor=np.array(noise) * chain.noise_gain,
-        doubt=_doubt(motion, effort, chain, residual, doubt_speed),
+        doubt=doubt,
+        clear=clear,
         doubt_speed=doubt_speed,
         blocks=cut_blocks(chain, chain.rows(motion.position), log.source),
         per_reported=per_reported,
     )
 
 
-def _doubt(motion: Motion, effort: Effort, chain: Chain, residual: Floats, doubt_speed: Floats) -> Floats:
-    out = np.empty_like(residual)
+def _touched(motion: Motion, chain: Chain, doubt_speed: Floats) -> Floats:
+    # How much of each row's window lies near a reversal or at rest.
     reach = int(np.ceil(DOUBT_PERIODS * motion.rate / motion.cutoff))
-    for i in range(residual.shape[1]):
-        velocity = motion.velocity[:, i]
-        near = np.abs(velocity) < doubt_speed[i]
+    out = []
+    for velocity, slow in zip(motion.velocity.T, doubt_speed, strict=True):
+        near = np.abs(velocity) < slow
         turns = np.flatnonzero(np.diff(np.sign(velocity)) != 0)
         for shift in range(-reach, reach + 1):
             near[np.clip(turns + shift, 0, near.size - 1)] = True
-        clear = np.abs(effort.friction[~near, i]) if not np.all(near) else np.abs(effort.friction[:, i])
-        # Where friction is not stated, the residual itself bounds how much of it there may be.
-        level = max(float(np.quantile(clear, 0.25)), float(np.sqrt(np.mean(np.square(residual[:, i])))))
-        out[:, i] = level * chain.touched(near)
+        out.append(chain.touched(near))
+    return np.column_stack(out)
+
+
+def _friction_level(motion: Motion, effort: Effort, residual: Floats, doubt_speed: Floats) -> Floats:
+    # What friction may be while its direction is unknown: what is stated at slow speed, or, where that is not stated,
+    # as much as the residual leaves room for.
+    out = np.sqrt(np.mean(np.square(np.nan_to_num(residual)), axis=0))
+    for i, slow in enumerate(doubt_speed):
+        moving = np.abs(motion.velocity[:, i]) > slow
+        if np.any(moving):
+            out[i] = max(out[i], float(np.quantile(np.abs(effort.friction[moving, i]), 0.25)))
     return out

@@ -94,13 +94,16 @@ class Normal:
         itself, so that noise coloured or uneven within groups is accounted for whatever its form (Liang and Zeger,
         Biometrika 73, 1986), with the small-sample factor groups/(groups − 1).
         """
-        total = self.gram.sum(axis=(0, 1)) + np.diag(self.precision)
-        inverse = _solve(total, np.eye(self.count))
+        inverse = _solve(self.gram.sum(axis=(0, 1)) + np.diag(self.precision), np.eye(self.count))
         by_block = self.moment.sum(axis=0) - self.gram.sum(axis=0) @ strengths
         count = int(groups[-1]) + 1
         score = np.zeros((count, self.count))
         np.add.at(score, groups, by_block)
         return np.asarray(inverse @ (score.T @ score) @ inverse * (count / (count - 1.0)))
+
+    def white_covariance(self) -> Floats:
+        """Return the covariance (p, p) of the strengths if the weighted rows carry white noise of deviation 1."""
+        return _solve(self.gram.sum(axis=(0, 1)) + np.diag(self.precision), np.eye(self.count))
 
     def without(self, columns: list[int]) -> Normal:
         """Return the equations with some regressors left out."""

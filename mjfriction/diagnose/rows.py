@@ -18,7 +18,7 @@ from mjfriction.record.log import Floats, Integers
 from mjfriction.record.motion import Motion
 
 BAND_SHARE = 0.5  # of the position filter's cutoff: where its gain is 1 to four digits, so that it adds no bias
-ROWS_PER_BAND = 2.5  # rows per second over the band's edge in Hz
+ROWS_PER_BAND = 2.0  # rows per second over the band's edge in Hz: as many as are independent under white noise
 TAPS_PER_ROW = 8
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
-from mjfriction.diagnose.compete import Candidates, contenders
+from mjfriction.diagnose.compete import Candidates, contenders, reshaped
 from mjfriction.diagnose.gap import Gap
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Nuisance
@@ -39,41 +39,45 @@ def settle(model: Model, field: Candidates) -> Settled:
     as much with fewer freedoms (a torque constant scales both levels alike), that cause takes its place and the level
     stays as stated.
     """
-    gap, nuisance = model.gap, model.nuisance
-    trials: dict[int, Trial] = {}
-    for level in nuisance.levels:
+    field_size = len(model.nuisance.levels)
+    change = _changes(model)
+    findings: list[Chosen] = []
+    for level in model.nuisance.levels:
         joint = level.site.joint
-        trial = try_out(_held(model, joint), Chosen(STATED_LEVELS, level.site))
-        if trial is not None and trial.chance < FALSE_ALARM and trial.gain > 0.0:
-            trials[joint] = trial
+        held = reshaped(build_model(model.gap, model.nuisance.without_level(joint), model.chosen), joint)
+        trial = try_out(held, Chosen(STATED_LEVELS, level.site))
+        if trial is None or trial.chance > FALSE_ALARM or trial.gain <= 0.0:
+            model = held
+        elif trial.passes(field_size) and change[joint] > _bar(change, joint):
+            rival = _simpler(held, trial, field)
+            if rival is None:
+                findings.append(trial.chosen)
+            else:
+                model = build_model(held.gap, held.nuisance, (*held.chosen, rival))
+    if not _links_help(model):
+        model = build_model(model.gap, Nuisance(model.nuisance.levels, ()), model.chosen)
+    return Settled(_admissible(model), tuple(findings))
+
+
+def _admissible(model: Model) -> Model:
+    # Holding levels moves what is left; a cause that is not physical any more explains nothing.
+    for choice, place in zip(model.chosen, model.places, strict=True):
+        if not choice.cause.admissible(model.gap, choice.site, model.strengths[place]):
+            return _admissible(model.without(choice))
+    return model
+
+
+def _changes(model: Model) -> dict[int, float]:
     full = model.strengths
-    change = {
-        level.site.joint: _relative(gap, level.site, full[2 * i : 2 * i + 2]) for i, level in enumerate(nuisance.levels)
+    return {
+        level.site.joint: _relative(model.gap, level.site, full[2 * i : 2 * i + 2])
+        for i, level in enumerate(model.nuisance.levels)
     }
-    chosen = model.chosen
-    findings = []
-    for joint, trial in list(trials.items()):
-        if not trial.passes(len(nuisance.levels)) or change[joint] <= _bar(change, joint):
-            continue
-        rival = _simpler(model, trial, field)
-        if rival is None:
-            findings.append(trial.chosen)
-        else:
-            chosen = (*chosen, rival)
-            del trials[joint]
-    levels = tuple(level for level in nuisance.levels if level.site.joint in trials)
-    links = nuisance.links if _links_help(model) else ()
-    return Settled(build_model(gap, Nuisance(levels, links), chosen), tuple(findings))
 
 
-def _held(model: Model, joint: int) -> Model:
-    return build_model(model.gap, model.nuisance.without_level(joint), model.chosen)
-
-
-def _simpler(model: Model, own: Trial, field: Candidates) -> Chosen | None:
-    joint = own.chosen.site.joint
-    here = [choice for choice in field if choice.site.joint == joint]
-    rivals = [trial for trial in contenders(_held(model, joint), here) if trial.passes(len(field))]
+def _simpler(held: Model, own: Trial, field: Candidates) -> Chosen | None:
+    here = [choice for choice in field if choice.site.joint == own.chosen.site.joint]
+    rivals = [trial for trial in contenders(held, here) if trial.passes(len(field))]
     best = max(rivals, key=lambda trial: trial.merit, default=None)
     return best.chosen if best is not None and best.merit > own.merit else None
 
@@ -98,5 +102,5 @@ def _bar(change: dict[int, float], joint: int) -> float:
     others = [value for other, value in change.items() if other != joint]
     if len(others) < 2:
         return LEAST_CHANGE_ROUGH
-    typical = float(np.median(others))
+    typical = float(np.quantile(others, 0.75))
     return LEAST_CHANGE if typical < EXACT else max(LEAST_CHANGE_ROUGH, OUTLYING * typical)

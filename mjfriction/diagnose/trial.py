@@ -8,7 +8,7 @@ import numpy as np
 from scipy.stats import f as fisher
 
 from mjfriction.diagnose.model import Chosen, Model, cause_block
-from mjfriction.record.log import Floats, Integers
+from mjfriction.record.log import Floats
 
 FALSE_ALARM = 0.003  # stated chance that a log without any cause yields one, from noise alone
 LEAST_SHARE = 0.01  # of a joint's remaining error that a cause must take away on motion not fitted
@@ -21,8 +21,8 @@ class Trial:
 
     ``improvement`` (blocks,) is the weighted squared error it takes off each block when fitted to the others,
     ``error`` (blocks,) what was there before, both at the joints it touches; ``effect`` is its RMS effort relative to
-    the joint's.  ``wald`` is θᵀC⁻¹θ/k of its k = ``count`` strengths θ, C being their covariance clustered over
-    ``groups`` groups of blocks.
+    the joint's.  ``wald`` is θᵀC⁻¹θ/k of its k = ``count`` strengths θ, C being their covariance, the larger
+    of the one clustered over blocks, which leave ``freedoms``, and the one for white noise.
     """
 
     chosen: Chosen
@@ -31,7 +31,7 @@ class Trial:
     effect: float
     wald: float
     count: int
-    groups: int
+    freedoms: int
 
     @property
     def gain(self) -> float:
@@ -41,8 +41,8 @@ class Trial:
     @property
     def merit(self) -> float:
         """The gain less what every freedom, the searched shape included, is worth on noise alone."""
-        freedoms = self.count + len(self.chosen.site.shape)
-        return self.gain - freedoms * float(np.log(self.improvement.size))
+        fitted = self.count + len(self.chosen.site.shape)
+        return self.gain - fitted * float(np.log(self.improvement.size))
 
     @property
     def share(self) -> float:
@@ -51,8 +51,8 @@ class Trial:
 
     @property
     def chance(self) -> float:
-        """The probability of strengths so far from zero if there is no such effect (F over the groups)."""
-        return float(fisher.sf(self.wald, self.count, max(1, self.groups - self.count)))
+        """The probability of strengths so far from zero if there is no such effect (F test)."""
+        return float(fisher.sf(self.wald, self.count, max(1, self.freedoms - self.count + 1)))
 
     def passes(self, candidates: int) -> bool:
         """Return whether the effect is beyond chance among so many candidates, and large enough to matter."""
@@ -63,10 +63,11 @@ class Trial:
         )
 
 
-def try_out(model: Model, choice: Chosen, groups: Integers | None = None) -> Trial | None:
+def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial | None:
     """Measure a candidate's held-out improvement over a model; None when what is fitted with it is not physical.
 
-    ``groups`` (blocks,) says which blocks count as one when chance is judged; by default each counts for itself.
+    With ``repeating``, chance is judged over the repetitions of the motion where it repeats, else over the blocks: what
+    a repeated motion leaves alike each time is then no noise, and there are few repetitions to judge by.
     """
     gap, system = model.gap, model.system
     columns, precision = cause_block(gap, choice)
@@ -80,9 +81,16 @@ def try_out(model: Model, choice: Chosen, groups: Integers | None = None) -> Tri
         return None
     before = system.normal.heldout_errors(gap.blocks.folds)[touched].sum(axis=0)
     after = normal.heldout_errors(gap.blocks.folds)[touched].sum(axis=0)
-    groups = np.arange(gap.blocks.count) if groups is None else groups
-    covariance = normal.covariance(fitted, groups)[-precision.size :, -precision.size :]
-    wald = float(strengths @ np.linalg.pinv(covariance) @ strengths) / precision.size
+    groups = gap.blocks.group if repeating else np.arange(gap.blocks.count)
+    covariances = [normal.covariance(fitted, groups)]
+    if int(groups[-1]) + 1 == gap.blocks.count:
+        # Where few blocks carry most of the information the clustered covariance is too small; where noise is coloured
+        # the one for white noise is.  The effect must stand out against both.  (Over repetitions there is no second:
+        # white noise would count in what they leave alike.)
+        covariances.append(normal.white_covariance())
+    own = slice(-precision.size, None)
+    walds = [strengths @ np.linalg.pinv(covariance[own, own]) @ strengths for covariance in covariances]
+    wald = float(min(walds)) / precision.size
     effort = columns[choice.site.joint] @ strengths
     effect = float(np.linalg.norm(effort) / np.linalg.norm(gap.measured[:, choice.site.joint]))
-    return Trial(choice, before - after, before, effect, wald, precision.size, int(groups[-1]) + 1)
+    return Trial(choice, before - after, before, effect, wald, precision.size, int(groups[-1]))

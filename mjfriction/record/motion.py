@@ -17,8 +17,9 @@ from mjfriction.record.resample import Clock, Grid, even_grid, grid_segments, on
 FILTER_ORDER = 4
 SHORTEST_PIECE = 60  # samples; shorter pieces are all edge
 EDGE_PERIODS = 3  # periods of the cutoff by which a piece is continued at both ends before it is filtered
-SETTLING_PERIODS = 1.5  # periods of the cutoff at each end of a piece that the filter's start and end touch
-AGREEMENT = 0.03  # measured velocity is believed when it is within this of the derivative of position
+SETTLING_PERIODS = 3.0  # periods of the cutoff at each end of a piece that the filter's start and end touch
+AGREEMENT = 0.03  # measured velocity is believed when its gain is within this of the derivative of position
+LATEST = 0.1  # periods of the cutoff by which it may come late
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,7 @@ def estimate_motion(log: Log, joints: Sequence[str], cutoff: float) -> Motion:
         if direct is not None:
             direct_level = raw_noise(log, VELOCITY, joint, clock) * np.sqrt(2.0 * cutoff / rate)
             candidates = derivatives(on_clock(direct, smooth=True), 1)
-            if direct_level < level and _agree([piece[0] for piece in candidates], [piece[0] for piece in rates]):
+            if direct_level < level and _agree(candidates, rates, cutoff):
                 rates, level = candidates, direct_level
         position.append(np.concatenate(smooth))
         velocity.append(np.concatenate([piece[0] for piece in rates]))
@@ -154,20 +155,19 @@ def back_to_log(motion: Motion, log: Log, values: Floats) -> Floats:
 
 
 def _low_pass(sos: Floats, piece: Floats, edge: int) -> tuple[Floats, int]:
-    # A log often starts or ends in the middle of a motion.  The piece is continued at both ends by the parabola through
+    # A log often starts or ends in the middle of a motion.  The piece is continued at both ends by the cubic through
     # its own end, so that velocity and acceleration run on, and returned with that margin so that derivatives at the
     # first and last sample are central ones too.
     margin = min(edge, piece.size - 1)
-    before = _parabola(piece[: margin + 1][::-1])[::-1]
-    after = _parabola(piece[-margin - 1 :])
+    before = _continued(piece[: margin + 1][::-1])[::-1]
+    after = _continued(piece[-margin - 1 :])
     return sosfiltfilt(sos, np.concatenate([before, piece, after]), padlen=0), margin
 
 
-def _parabola(end: Floats) -> Floats:
-    steps = np.arange(end.size, dtype=np.float64)
-    basis = np.vander(steps - steps[-1], 3)
-    coefficients = np.linalg.lstsq(basis, end, rcond=None)[0]
-    return np.asarray(np.vander(steps[1:], 3) @ coefficients)
+def _continued(end: Floats) -> Floats:
+    window = end[end.size // 2 :]
+    coefficients = np.polyfit(np.arange(1 - window.size, 1), window, 3)
+    return np.asarray(np.polyval(coefficients, np.arange(1, end.size)))
 
 
 def _derivatives(values: Floats, rate: float, order: int, margin: int) -> list[Floats]:
@@ -180,9 +180,13 @@ def _derivatives(values: Floats, rate: float, order: int, margin: int) -> list[F
     return [array[margin : array.size - margin] for array in out]
 
 
-def _agree(candidate: list[Floats], reference: list[Floats]) -> bool:
-    a, b = np.concatenate(candidate), np.concatenate(reference)
-    return bool(np.sqrt(np.mean(np.square(a - b))) < AGREEMENT * np.sqrt(np.mean(np.square(b))))
+def _agree(candidate: list[list[Floats]], reference: list[list[Floats]], cutoff: float) -> bool:
+    # Gain and lag of the measured velocity, from the differentiated position, in which noise averages out.
+    velocity, acceleration = (np.concatenate([piece[k] for piece in candidate]) for k in (0, 1))
+    difference = np.concatenate([piece[0] for piece in reference]) - velocity
+    gain = np.mean(difference * velocity) / max(float(np.mean(np.square(velocity))), 1e-300)
+    lag = np.mean(difference * acceleration) / max(float(np.mean(np.square(acceleration))), 1e-300)
+    return bool(abs(gain) < AGREEMENT and abs(lag) < LATEST / cutoff)
 
 
 def _settled(count: int, rate: float, cutoff: float) -> NDArray[np.bool_]:

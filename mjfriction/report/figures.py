@@ -141,6 +141,6 @@ def _styled(figure: go.Figure, height: int) -> go.Figure:
 
 def figure_html(figure: go.Figure, name: str) -> str:
     """Return a figure as a piece of page; the plotting script itself is put into the page once."""
-    return str(figure.to_html(full_html=False, include_plotlyjs=False, div_id=name, config={"displaylogo": False, "responsive": True}))
+    return str(figure.to_html(full_html=False, include_plotlyjs=False, div_id=name, config={"displayModeBar": False, "responsive": True}))
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from mjfriction.body.inverse import inertia_at
 from mjfriction.body.model import Body
 from mjfriction.errors import LogError
-from mjfriction.record.log import POSITION, Floats, Log
+from mjfriction.record.log import POSITION, VELOCITY, Floats, Log
 from mjfriction.record.motion import raw_noise
 from mjfriction.record.resample import read_clock
 from mjfriction.robot.effort import effort_per_reported
@@ -16,8 +16,9 @@ from mjfriction.robot.robot import Robot
 HIGHEST = 100.0  # Hz; manipulators do nothing above it that rigid bodies and friction explain
 HARMONICS = 5.0  # the band must hold this many times the frequencies that the motion itself has
 MOTION_POWER = 0.999  # share of the velocity's power that counts as the motion
+ABOVE_NOISE = 30.0  # times the noise's power in a bin from which on the bin is taken as motion
 NOISE_SHARE = 0.5  # what position noise, seen as inertia torque, may add relative to the effort's own noise
-EFFORT_SHARE = 0.003  # and what it may always add, relative to the effort itself
+EFFORT_SHARE = 0.01  # and what it may always add, relative to the effort itself
 
 
 def choose_cutoff(log: Log, robot: Robot, body: Body) -> float:
@@ -26,7 +27,7 @@ def choose_cutoff(log: Log, robot: Robot, body: Body) -> float:
     Differentiated twice, white position noise σ_q leaves a low-pass of cutoff f as inertia torque of standard
     deviation J·σ_q·(2πf)²·√(2f/5r) at sampling rate r; white effort noise leaves it as σ_τ·√(2f/r).  The cutoff is the
     highest f at which, on every joint, the first stays under half of the second or under 0.3 % of the effort, whichever
-    is more; at most 100 Hz and a fifth of the rate, and at least five times the highest frequency of the motion itself.
+    is more (a measured velocity needs one differentiation less, and counts where it is quieter); at most 100 Hz and a fifth of the rate, and at least five times the highest frequency of the motion itself.
 
     Raises :class:`LogError` when no joint of the log moves.
     """
@@ -49,11 +50,17 @@ def choose_cutoff(log: Log, robot: Robot, body: Body) -> float:
             continue
         per_reported = abs(effort_per_reported(joint, quantity, robot.name))
         position_noise = raw_noise(log, POSITION, joint.name, clock)
+        recorded = log.channel(VELOCITY, joint.name) is not None
+        velocity_noise = raw_noise(log, VELOCITY, joint.name, clock) if recorded else None
         effort_noise = per_reported * raw_noise(log, quantity, joint.name, clock)
         level = per_reported * float(np.std(reported)) * EFFORT_SHARE
         frequency = np.linspace(1.0, highest, 200)
         band = np.sqrt(2.0 * frequency / rate)
-        inertial = inertia[i] * position_noise * np.square(2.0 * np.pi * frequency) * band / np.sqrt(5.0)
+        angular = 2.0 * np.pi * frequency
+        jitter = position_noise * np.square(angular) * band / np.sqrt(5.0)
+        if velocity_noise is not None:
+            jitter = np.minimum(jitter, velocity_noise * angular * band / np.sqrt(3.0))
+        inertial = inertia[i] * jitter
         quiet = inertial <= np.maximum(NOISE_SHARE * effort_noise * band, level)
         cutoff = min(cutoff, float(frequency[quiet][-1]) if np.any(quiet) else 1.0)
     if motion == 0.0:
@@ -72,7 +79,8 @@ def _motion_frequency(position: Floats, rate: float) -> float:
     frequency = np.fft.rfftfreq(count, 1.0 / rate)
     power = np.square(np.abs(spectrum))
     floor = float(np.median(power[3 * power.size // 4 :]))
-    velocity_power = np.cumsum(np.maximum(power - floor, 0.0) * np.square(frequency))
+    # The power of noise in one bin is exponentially distributed: next to none of it reaches so far above its median.
+    velocity_power = np.cumsum(np.where(power > ABOVE_NOISE * floor, power, 0.0) * np.square(frequency))
     if velocity_power[-1] <= 0.0:
         return 0.0
     return float(frequency[np.searchsorted(velocity_power, MOTION_POWER * velocity_power[-1])])

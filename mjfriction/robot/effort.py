@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import ndtr
 
 from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.body.model import Body
@@ -20,6 +19,8 @@ from mjfriction.record.log import CURRENT
 from mjfriction.record.motion import Motion
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import FrictionTerm, Joint
+
+SURE = 3.0  # deviations of the velocity's noise beyond which the direction of motion is known
 
 
 @dataclass(frozen=True)
@@ -37,8 +38,7 @@ class Effort:
 def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
     """Predict the effort of every joint along a motion.
 
-    At rest the direction of friction is not known from the motion; there the estimate is the mean over the velocity's
-    own uncertainty, which fades to zero as the joint stops.
+    At rest friction is not known from the motion; :func:`direction` says what is taken.
     """
     rigid = inverse_dynamics(body, motion.position, motion.velocity, motion.acceleration)
     friction = np.zeros_like(rigid)
@@ -70,9 +70,19 @@ def term_torque(term: FrictionTerm, gear_ratio: float, velocity: Floats, noise: 
 
 
 def direction(velocity: Floats, noise: float) -> tuple[Floats, Floats]:
-    """Return the probability that the joint moves forward, and its speed (never quite 0), each of shape (n,)."""
+    """Return how far friction points against forward motion, 0 to 1, and the joint's speed (never quite 0), each (n,).
+
+    Where the velocity is within three deviations of its noise the joint may be stuck.  Friction then passes from its
+    value before to its value after as the drive pulls over, taken as evenly in time; before the first and after the
+    last motion it is taken as none.
+    """
     tiny = max(noise, 1e-12)
-    return ndtr(velocity / tiny), np.maximum(np.abs(velocity), 1e-3 * tiny)
+    sure = np.abs(velocity) > SURE * tiny
+    if not np.any(sure):
+        return np.full(velocity.size, 0.5), np.maximum(np.abs(velocity), tiny)
+    sample = np.arange(velocity.size)
+    forward = np.interp(sample, sample[sure], (velocity[sure] > 0.0).astype(np.float64), left=0.5, right=0.5)
+    return forward, np.maximum(np.abs(velocity), tiny)
 
 
 def reported_unit(quantity: str | None, sliding: bool) -> str:

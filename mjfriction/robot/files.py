@@ -73,7 +73,9 @@ def _checked(table: dict[str, Any], path: Path) -> RobotTable:
     try:
         return RobotTable.model_validate(table)
     except ValidationError as error:
-        raise RobotError(_one_line(error.errors()[0], table, path)) from None
+        # A misspelt key is both unknown and missing; the first says more.
+        worst = min(error.errors(), key=lambda detail: detail["type"] != "extra_forbidden")
+        raise RobotError(_one_line(worst, table, path)) from None
     except LawError as error:
         raise RobotError(f"{path}: {error}") from None
 

@@ -92,7 +92,7 @@ def resolve_model(model: str, folder: Path) -> Path:
 
 def bundled_robots() -> dict[str, Path]:
     """Return the robot files that come with the package, by name."""
-    root = Path(str(files("mjfriction"))) / "bundled" / "robots"
-    if not root.is_dir():  # a source checkout keeps them at its top level
-        root = Path(str(files("mjfriction"))).parent / "robots"
+    package = Path(str(files("mjfriction")))
+    shipped = package / "bundled" / "robots"  # in a wheel; a source checkout keeps them at its top level
+    root = shipped if shipped.is_dir() else package.parent / "robots"
     return {folder.name: folder / "robot.toml" for folder in sorted(root.iterdir()) if (folder / "robot.toml").is_file()}

@@ -58,6 +58,7 @@ class Machine:
     hidden: Mapping[int, Effect] = field(default_factory=dict)
     noise: float = 0.2  # of the Coulomb level, on effort
     encoder_bits: int = 18
+    position_noise: float = 0.0  # rad
     velocity: str = "none"  # "none", "clean" or "noisy" measured velocity
 
 
@@ -116,7 +117,8 @@ def record(machine: Machine, seed: int, seconds: float = 40.0, rate: float = 250
         torque = rigid[:, j] + friction
         if j in machine.hidden:
             torque = torque + machine.hidden[j](Instant(time, q[:, j], v[:, j], a[:, j], rigid[:, j], friction))
-        columns[f"position.{joint}"] = np.round(q[:, j] / step) * step
+        sensed = q[:, j] + machine.position_noise * rng.normal(size=time.size)
+        columns[f"position.{joint}"] = np.round(sensed / step) * step
         if machine.velocity != "none":
             columns[f"velocity.{joint}"] = v[:, j] + (0.02 if machine.velocity == "noisy" else 0.0) * rng.normal(size=time.size)
         columns[f"effort.{joint}"] = torque + machine.noise * machine.coulomb[j] * rng.normal(size=time.size)

@@ -1,0 +1,146 @@
+"""The command as a user meets it: exit statuses, one line on standard error, nothing left behind."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet
+import pytest
+
+from mjfriction.record.readers import read_log
+from scripts.make_schema import schema
+from tests.hidden.machine import UR5_JOINTS, Machine, record, robot_toml
+
+
+def mjfriction(*words: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", "from mjfriction.cli.main import run; run()", *map(str, words)]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=120)
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, np.ndarray], str]:
+    machine = Machine(hidden={2: lambda i: 2.0 * np.abs(i.v)})
+    return record(machine, seed=2, seconds=20.0), robot_toml(machine)
+
+
+def place(folder: Path, good: tuple[dict[str, np.ndarray], str], **changed: object) -> tuple[Path, Path]:
+    table, robot = dict(good[0]), good[1]
+    table |= changed.pop("table", {})  # type: ignore[call-overload]
+    robot = str(changed.pop("robot", robot))
+    rows = changed.pop("rows", None)
+    pyarrow.parquet.write_table(pa.table({k: v[:rows] for k, v in table.items() if v is not None}), folder / "log.parquet")
+    (folder / "robot.toml").write_text(robot, encoding="utf-8")
+    return folder / "log.parquet", folder / "robot.toml"
+
+
+def test_diagnose_then_predict(tmp_path: Path, good: tuple[dict[str, np.ndarray], str]) -> None:
+    log, robot = place(tmp_path, good)
+    out = tmp_path / "out"
+    run = mjfriction("diagnose", log, "--robot", robot, "--out", out)
+    assert run.returncode == 0, run.stderr
+    assert run.stderr == ""
+    assert run.stdout.startswith("EXPLAINED")
+    assert max(len(line) for line in run.stdout.splitlines()) <= 80
+    assert {path.name for path in out.iterdir()} == {
+        "report.json", "report.html", "recording.rrd", "robot.toml", "ur5_robot.urdf"
+    }  # fmt: skip
+    errors = []
+    for source in (robot, out / "robot.toml"):
+        run = mjfriction("predict", log, "--robot", source, "--out", tmp_path / "p.parquet", "--json")
+        assert run.returncode == 0, run.stderr
+        errors.append(json.loads(run.stdout)["columns"]["effort.elbow_joint"]["rms_error"])
+    assert errors[1] < 0.9 * errors[0]
+    predicted = pyarrow.parquet.read_table(tmp_path / "p.parquet")
+    assert predicted.schema.names == ["time", *(f"effort.{joint}" for joint in UR5_JOINTS)]
+    assert predicted.num_rows == read_log(log).time.size
+
+
+def test_json_is_the_report(tmp_path: Path, good: tuple[dict[str, np.ndarray], str]) -> None:
+    log, robot = place(tmp_path, good)
+    run = mjfriction("diagnose", log, log, "--robot", robot, "--out", tmp_path / "out", "--json")
+    assert run.returncode == 0, run.stderr
+    jsonschema.validate(json.loads(run.stdout), json.loads(schema()))
+    assert run.stdout == (tmp_path / "out" / "report.json").read_text(encoding="utf-8")
+
+
+def test_demo_names_the_hidden_cause_and_proves_it(tmp_path: Path) -> None:
+    run = mjfriction("demo", "--out", "here", cwd=tmp_path)
+    assert run.returncode == 0, run.stderr
+    assert "friction.stribeck at elbow_joint" in run.stdout
+    report = json.loads((tmp_path / "here/report.json").read_text(encoding="utf-8"))
+    assert [finding["cause"] for finding in report["findings"]] == ["friction.stribeck"]
+    proof = next(line.split() for line in run.stdout.splitlines()[-6:] if "elbow_joint" in line)
+    assert float(proof[4]) < 0.5 * float(proof[2])
+
+
+constant = {f"position.{joint}": np.zeros(5000) for joint in UR5_JOINTS}
+WRONG = {
+    "missing file": ({}, ("absent.parquet", None), "absent.parquet: there is no such file"),
+    "empty table": ({"rows": 0}, (None, None), "the table is empty"),
+    "two rows only": ({"rows": 2}, (None, None), "2 rows are too few"),
+    "missing time": ({"table": {"time": None}}, (None, None), "column 'time' is missing"),
+    "doubled time": ({"table": {"time": np.repeat(np.arange(2500) * 0.008, 2)}}, (None, None), "row 2: time 0 s is doubled"),
+    "NaN": ({"table": {"position.elbow_joint": np.full(5000, np.nan)}}, (None, None), "row 1, column 'position.elbow_joint' is nan"),
+    "unknown joint": ({"table": {"position.elbow_jont": np.zeros(5000)}}, (None, None), "no joint 'elbow_jont'; did you mean 'elbow_joint'"),
+    "constant position": ({"table": constant}, (None, None), "every position is constant"),
+    "another robot": ({}, (None, "linear_axis"), "this looks like a log of another robot"),
+    "misspelt key": ({"robot": 'nam = "x"'}, (None, None), "unknown key 'nam'; did you mean 'name'?"),
+    "model that does not parse": (
+        {"robot": 'name = "x"\nmodel = "log.parquet"\n[[joint]]\nname = "a"\n'},
+        (None, None),
+        "log.parquet: not well-formed XML",
+    ),
+    "unwritable folder": ({}, (None, None, "robot.toml/below"), "cannot be written"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_wrong_input_is_one_line_and_leaves_nothing(
+    name: str, tmp_path: Path, good: tuple[dict[str, np.ndarray], str]
+) -> None:
+    changed, (other_log, other_robot, *other_out), message = WRONG[name]
+    log, robot = place(tmp_path, good, **changed)
+    before = sorted(tmp_path.iterdir())
+    out = tmp_path / (other_out[0] if other_out else "out")
+    run = mjfriction("diagnose", tmp_path / (other_log or log.name), "--robot", other_robot or robot, "--out", out)
+    assert run.returncode == 2, (run.stdout, run.stderr)
+    assert run.stdout == ""
+    assert run.stderr.startswith("mjfriction: ")
+    assert run.stderr.count("\n") == 1
+    assert message in run.stderr
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["diagnos"], "No such command 'diagnos'"),
+        (["diagnose", "--robt", "x"], "No such option: --robt"),
+        (["diagnose", "a.csv", "--robot", "ur5"], "Missing option '--out'"),
+        (["predict", "a.csv", "--robot", "ur5", "--out", "p.csv"], "ends in .parquet"),
+        (["view", "nowhere"], "there is no such recording"),
+    ],
+)
+def test_wrong_words_are_one_line(words: list[str], message: str, tmp_path: Path) -> None:
+    run = mjfriction(*words, cwd=tmp_path)
+    assert run.returncode == 2
+    assert run.stderr.count("\n") == 1
+    assert message in run.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("verb", ["diagnose", "predict", "demo", "view"])
+def test_every_verb_shows_an_example(verb: str) -> None:
+    run = mjfriction(verb, "--help")
+    assert run.returncode == 0
+    assert f"Example: mjfriction {verb}" in run.stdout
+
+
+def test_version() -> None:
+    assert mjfriction("--version").stdout.startswith("mjfriction 0.")

@@ -1,0 +1,15 @@
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+
+@pytest.fixture(scope="session")
+def data() -> Path:
+    """The folder of real measured logs; tests that use it skip where it is absent."""
+    place = os.environ.get("MJFRICTION_DATA")
+    if not place or not Path(place).is_dir():
+        pytest.skip("real measured logs are absent: MJFRICTION_DATA does not name their folder")
+    return Path(place)

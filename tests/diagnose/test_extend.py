@@ -1,0 +1,43 @@
+"""The extended robot says the same as the fit it came from, and is again a robot file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mjfriction.diagnose.diagnosis import diagnose
+from mjfriction.record.readers import read_log
+from mjfriction.robot.effort import predict_effort
+from mjfriction.robot.files import read_robot, write_robot
+from tests.hidden.machine import Instant, Machine, write_case
+
+
+def everything(i: Instant) -> np.ndarray:
+    return 3.0 * np.sign(i.v) * np.exp(-((i.v / 0.15) ** 2)) + 3.0 * np.abs(i.v) + 0.6
+
+
+@pytest.mark.parametrize("off", [0.0, 0.05])
+def test_the_robot_file_predicts_what_the_fit_left(off: float, tmp_path: Path) -> None:
+    log_path, robot_path = write_case(tmp_path, Machine(hidden={2: everything}), seed=3, off=off)
+    diagnosis = diagnose(read_log(log_path), read_robot(robot_path))
+    assert len(diagnosis.findings) >= 2
+    robot = read_robot(write_robot(diagnosis.robot, tmp_path))
+    gap = diagnosis.gap
+    again = gap.measured - gap.chain.rows(predict_effort(robot, robot.body(), gap.motion).reported)
+    np.testing.assert_allclose(again, diagnosis.residual_after, atol=1e-4 * np.abs(gap.measured).max())
+
+
+def test_a_scaled_sensor_scales_what_lies_before_it(tmp_path: Path) -> None:
+    machine = Machine(hidden={1: lambda i: 0.15 * (i.rigid + i.friction)})
+    log_path, robot_path = write_case(tmp_path, machine, seed=3)
+    diagnosis = diagnose(read_log(log_path), read_robot(robot_path))
+    assert diagnosis.robot.joint("shoulder_lift_joint").effort_sensor.scale == pytest.approx(1.15, abs=0.01)
+
+
+def test_diagnosing_the_extended_robot_finds_nothing_more(tmp_path: Path) -> None:
+    log_path, robot_path = write_case(tmp_path, Machine(hidden={2: everything}), seed=3)
+    log = read_log(log_path)
+    first = diagnose(log, read_robot(robot_path))
+    assert diagnose(log, first.robot).findings == ()

@@ -1,0 +1,137 @@
+"""An effect is hidden in a machine of other code; the diagnosis must name it, at its joint, within its interval."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet
+import pytest
+
+import mjfriction.diagnose.diagnosis as module
+from mjfriction.diagnose.diagnosis import Diagnosis, diagnose
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from mjfriction.robot.predict import predict_log
+from tests.hidden.closed_loop import record_closed_loop
+from tests.hidden.machine import UR5_JOINTS, Instant, Machine, record, write_case
+
+
+@dataclass(frozen=True)
+class Case:
+    cause: str
+    joint: int
+    effect: Callable[[Instant], np.ndarray]
+    parameters: dict[str, float]
+
+
+CASES = [
+    Case(
+        "friction.stribeck",
+        2,
+        lambda i: 3.0 * np.sign(i.v) * np.exp(-((i.v / 0.15) ** 2)),
+        {"stribeck_excess": 3.0, "stribeck_velocity": 0.15, "stribeck_exponent": 2.0},
+    ),
+    Case("friction.viscous_nonlinear", 3, lambda i: -0.6 * i.v * np.abs(i.v), {"quadratic": -0.6}),
+    Case("friction.asymmetry", 1, lambda i: 4.0 * np.abs(i.v), {"viscous_asymmetry": 4.0}),
+    Case("drive.offset", 4, lambda i: np.full(i.v.shape, -0.5), {"offset": -0.5}),
+    Case("drive.rotor_inertia", 5, lambda i: 0.3 * i.a, {"rotor_inertia": 0.3}),
+    Case("drive.torque_constant", 1, lambda i: 0.12 * (i.rigid + i.friction), {"factor": 1.12}),
+    Case(
+        "friction.coulomb_viscous",
+        0,
+        lambda i: 2.5 * np.sign(i.v) - 2.0 * i.v,
+        {"coulomb": 11.5, "viscous": 9.0},
+    ),
+]
+every_case = pytest.mark.parametrize("case", CASES, ids=[case.cause for case in CASES])
+
+
+def run(folder: Path, machine: Machine, seed: int, *, off: float = 0.0) -> Diagnosis:
+    log, robot = write_case(folder, machine, seed, off=off)
+    return diagnose(read_log(log), read_robot(robot))
+
+
+def names(diagnosis: Diagnosis) -> list[tuple[str, str]]:
+    return [(finding.cause, finding.joint) for finding in diagnosis.findings]
+
+
+@every_case
+def test_the_cause_is_named_with_its_size(case: Case, tmp_path: Path) -> None:
+    diagnosis = run(tmp_path, Machine(hidden={case.joint: case.effect}), seed=21)
+    assert names(diagnosis) == [(case.cause, UR5_JOINTS[case.joint])]
+    (finding,) = diagnosis.findings
+    assert finding.confidence > 0.9
+    assert finding.alternatives == ()
+    assert diagnosis.verdict is module.Verdict.EXPLAINED
+    for fitted in finding.parameters:
+        true = case.parameters[fitted.name]
+        # Twice the interval: seven cases at 95 % would miss one in three runs for no fault.
+        assert abs(fitted.value - true) < 2.0 * (fitted.high - fitted.value), fitted
+        assert abs(fitted.value - true) < 0.25 * abs(true), fitted
+    assert finding.gain.low > 0.05
+
+
+@every_case
+def test_without_the_cause_among_the_candidates_it_is_not_found(
+    case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    machine = Machine(hidden={case.joint: case.effect})
+    with_it = run(tmp_path, machine, seed=21)
+    kept = tuple(cause for cause in module.STRUCTURAL if cause.name != case.cause)
+    monkeypatch.setattr(module, "STRUCTURAL", kept)
+    monkeypatch.setattr("mjfriction.diagnose.stated.LEAST_CHANGE", np.inf)
+    without_it = run(tmp_path, machine, seed=21)
+    assert (case.cause, UR5_JOINTS[case.joint]) not in names(without_it)
+    if case.cause not in ("friction.coulomb_viscous", "drive.torque_constant"):
+        # Levels are refitted with every candidate, and a scaled effort is nearly scaled links and levels: what can be
+        # fitted without those names does not show in the error.
+        left = [d.joints[case.joint].rms_heldout_after for d in (with_it, without_it)]
+        assert left[1] > 1.05 * left[0]
+
+
+@every_case
+def test_the_extended_robot_predicts_motion_it_was_not_fitted_to(case: Case, tmp_path: Path) -> None:
+    machine = Machine(hidden={case.joint: case.effect})
+    diagnosis = run(tmp_path, machine, seed=21)
+    other_log, robot_path = write_case(tmp_path / "other", machine, seed=22)
+    exact = record(Machine(hidden=machine.hidden, noise=0.0), seed=22)[f"effort.{UR5_JOINTS[case.joint]}"]
+    log = read_log(other_log)
+    name = f"effort.{UR5_JOINTS[case.joint]}"
+    speed = np.abs(np.gradient(log.columns[name.replace("effort", "position")], 1.0 / 250.0))
+    moving = speed > 0.08
+    errors = [
+        float(np.sqrt(np.mean((predict_log(log, robot)[name] - exact)[moving] ** 2)))
+        for robot in (read_robot(robot_path), diagnosis.robot)
+    ]
+    assert errors[1] < 0.5 * errors[0]
+
+
+def test_two_effects_are_both_found_when_stated_friction_is_a_few_percent_off(tmp_path: Path) -> None:
+    hidden = {2: CASES[0].effect, 1: CASES[2].effect}
+    diagnosis = run(tmp_path, Machine(hidden=hidden), seed=33, off=0.03)
+    assert set(names(diagnosis)) == {("friction.stribeck", "elbow_joint"), ("friction.asymmetry", "shoulder_lift_joint")}
+
+
+def test_what_no_cause_fits_is_unexplained_and_placed(tmp_path: Path) -> None:
+    # A torque that depends on position alone, and not as any cause known here does.
+    diagnosis = run(tmp_path, Machine(hidden={2: lambda i: 3.0 * np.cos(5.0 * i.q)}), seed=8)
+    assert diagnosis.verdict is module.Verdict.UNEXPLAINED
+    assert ("elbow_joint", "position") in {(entry.joint, entry.covariate) for entry in diagnosis.remaining}
+
+
+def test_care_for_reversals_is_what_gets_the_size_right(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # A simulated arm whose elbow sticks and breaks loose; rows near that, believed like all others, halve the level.
+    log = tmp_path / "log.parquet"
+    pyarrow.parquet.write_table(record_closed_loop(7, fading=2, excess=3.5, over=0.12), log)
+
+    def excess() -> float:
+        diagnosis = diagnose(read_log(log), read_robot("ur5"))
+        assert names(diagnosis) == [("friction.stribeck", "elbow_joint")]
+        return diagnosis.findings[0].parameters[0].value
+
+    assert excess() == pytest.approx(3.5, rel=0.1)
+    monkeypatch.setattr("mjfriction.diagnose.gap._touched", lambda motion, chain, _: chain.rows(0.0 * motion.position))
+    assert excess() < 0.7 * 3.5

@@ -1,0 +1,118 @@
+"""Block-wise normal equations against plain least squares on the rows."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mjfriction.diagnose.regression import Rows, System
+
+JOINTS, ROWS, BLOCKS = 2, 600, 20
+
+
+def problem(seed: int = 0) -> tuple[Rows, list[dict[int, np.ndarray]], list[np.ndarray]]:
+    rng = np.random.default_rng(seed)
+    rows = Rows(
+        target=rng.normal(size=(ROWS, JOINTS)),
+        weight=rng.uniform(0.5, 2.0, (ROWS, JOINTS)),
+        block=np.repeat(np.arange(BLOCKS), ROWS // BLOCKS),
+    )
+    columns = [{0: rng.normal(size=(ROWS, 2))}, {0: rng.normal(size=(ROWS, 1)), 1: rng.normal(size=(ROWS, 1))}]
+    return rows, columns, [np.zeros(2), np.zeros(1)]
+
+
+def stacked(rows: Rows, columns: list[dict[int, np.ndarray]], kept: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    widths = [next(iter(block.values())).shape[1] for block in columns]
+    left, right = [], []
+    for joint in range(JOINTS):
+        parts = [b.get(joint, np.zeros((ROWS, w))) for b, w in zip(columns, widths, strict=True)]
+        weight = rows.weight[kept, joint]
+        left.append(np.hstack(parts)[kept] * weight[:, None])
+        right.append(rows.target[kept, joint] * weight)
+    return np.vstack(left), np.concatenate(right)
+
+
+def test_strengths_errors_and_held_out_errors_are_those_of_the_rows() -> None:
+    rows, columns, precisions = problem()
+    system = System(rows, columns, precisions)
+    every = np.ones(BLOCKS, dtype=bool)
+    a, y = stacked(rows, columns, np.ones(ROWS, dtype=bool))
+    expected = np.linalg.lstsq(a, y, rcond=None)[0]
+    strengths = system.normal.strengths(every)
+    np.testing.assert_allclose(strengths, expected, rtol=1e-6)
+    assert system.normal.errors(strengths).sum() == pytest.approx(np.sum((y - a @ expected) ** 2), rel=1e-9)
+    fold = np.arange(BLOCKS) % 4 == 1
+    a, y = stacked(rows, columns, ~fold[rows.block])
+    elsewhere = np.linalg.lstsq(a, y, rcond=None)[0]
+    b, z = stacked(rows, columns, fold[rows.block])
+    held = system.normal.heldout_errors([fold])
+    assert held[:, fold].sum() == pytest.approx(np.sum((z - b @ elsewhere) ** 2), rel=1e-6)
+
+
+def test_screening_and_extending_agree_with_a_fit_of_everything() -> None:
+    rows, columns, precisions = problem()
+    candidate = {1: np.random.default_rng(9).normal(size=(ROWS, 2))}
+    system = System(rows, columns, precisions)
+    full = System(rows, [*columns, candidate], [*precisions, np.zeros(2)]).normal
+    every = np.ones(BLOCKS, dtype=bool)
+    strengths, gain = system.screen(candidate)
+    np.testing.assert_allclose(strengths, full.strengths(every)[-2:], rtol=1e-6)
+    before = system.normal.errors(system.normal.strengths(every)).sum()
+    assert gain == pytest.approx(before - full.errors(full.strengths(every)).sum(), rel=1e-6)
+    extended = system.extended(candidate, np.zeros(2))
+    np.testing.assert_allclose(extended.gram, full.gram)
+    np.testing.assert_allclose(extended.moment, full.moment)
+
+
+def test_a_column_the_model_holds_already_gains_nothing() -> None:
+    rows, columns, precisions = problem()
+    strengths, gain = System(rows, columns, precisions).screen({0: 3.0 * columns[0][0][:, [1]]})
+    assert strengths.tolist() == [0.0]
+    assert gain == 0.0
+
+
+def test_a_prior_pulls_towards_zero() -> None:
+    rows, columns, _ = problem()
+    every = np.ones(BLOCKS, dtype=bool)
+    free = System(rows, columns, [np.zeros(2), np.zeros(1)]).normal.strengths(every)
+    held = System(rows, columns, [np.zeros(2), np.array([1e9])]).normal.strengths(every)
+    assert abs(held[2]) < 1e-5 * abs(free[2])
+
+
+def covered(coloured: float, draws: int = 400) -> float:
+    """Share of 95 % intervals of a slope of 1 that hold it, under AR(1) noise."""
+    rng = np.random.default_rng(2)
+    block = np.repeat(np.arange(40), 25)
+    course = np.sin(np.arange(1000) * 0.02)[:, None]
+    hits = 0
+    for _ in range(draws):
+        white = rng.normal(size=1000)
+        noise = np.empty(1000)
+        noise[0] = white[0]
+        for i in range(1, 1000):
+            noise[i] = coloured * noise[i - 1] + white[i]
+        rows = Rows(course + noise[:, None], np.ones((1000, 1)), block)
+        normal = System(rows, [{0: course}], [np.zeros(1)]).normal
+        strengths = normal.strengths(np.ones(40, dtype=bool))
+        deviation = np.sqrt(normal.covariance(strengths, np.arange(40))[0, 0])
+        hits += abs(strengths[0] - 1.0) < 2.02 * deviation
+    return hits / draws
+
+
+def test_intervals_cover_under_white_and_under_coloured_noise() -> None:
+    assert 0.91 < covered(0.0) < 0.98
+    assert 0.88 < covered(0.8) < 0.98
+
+
+def test_what_repeats_alike_is_no_noise() -> None:
+    rng = np.random.default_rng(3)
+    block = np.repeat(np.arange(40), 25)
+    repetition = np.arange(40) // 5
+    course = np.tile(np.sin(np.arange(125) * 0.2), 8)[:, None]
+    misfit = np.tile(np.cos(np.arange(125) * 0.1), 8)[:, None]
+    rows = Rows(course + misfit + 0.1 * rng.normal(size=(1000, 1)), np.ones((1000, 1)), block)
+    normal = System(rows, [{0: course}], [np.zeros(1)]).normal
+    strengths = normal.strengths(np.ones(40, dtype=bool))
+    repeated = np.sqrt(normal.covariance(strengths, repetition)[0, 0])
+    assert repeated == pytest.approx(0.1 / np.sqrt(np.sum(course**2)), rel=0.6)
+    assert np.sqrt(normal.covariance(strengths, np.arange(40))[0, 0]) > 2.0 * repeated

@@ -1,0 +1,84 @@
+"""The measurement chain and the blocks it is cut into."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mjfriction.diagnose.blocks import cut_blocks
+from mjfriction.diagnose.rows import make_chain
+from mjfriction.errors import LogError
+from mjfriction.record.log import Log
+from mjfriction.record.motion import Motion, estimate_motion
+
+
+def motion_of(time: np.ndarray, position: np.ndarray, segment: np.ndarray | None = None) -> Motion:
+    segment = np.zeros(time.size, dtype=np.int64) if segment is None else segment
+    log = Log("test", time, segment, ("a",), {"position.a": position, "effort.a": position})
+    return estimate_motion(log, ["a"], 25.0)
+
+
+def test_the_chain_is_linear_without_lag_and_passes_the_band() -> None:
+    time = np.arange(5000) / 250.0
+    motion = motion_of(time, np.sin(2.0 * np.pi * time))
+    chain = make_chain(motion, "test")
+    for frequency in (0.5, 2.0, 5.0):
+        slow = np.sin(2.0 * np.pi * frequency * time + 0.4)
+        np.testing.assert_allclose(chain.rows(slow), np.sin(2.0 * np.pi * frequency * chain.time + 0.4), atol=0.02)
+    fast = np.sin(2.0 * np.pi * 60.0 * time)
+    assert np.abs(chain.rows(fast)).max() < 1e-2
+    two = np.column_stack([slow, fast])
+    np.testing.assert_allclose(chain.rows(two)[:, 0], chain.rows(slow))
+    np.testing.assert_allclose(chain.rows(2.0 * slow - fast), 2.0 * chain.rows(slow) - chain.rows(fast), atol=1e-12)
+
+
+def test_white_noise_stays_white_and_shrinks_as_said() -> None:
+    time = np.arange(60000) / 250.0
+    chain = make_chain(motion_of(time, np.sin(time)), "test")
+    noise = chain.rows(np.random.default_rng(0).normal(size=time.size))
+    assert np.std(noise) == pytest.approx(chain.noise_gain, rel=0.03)
+    assert abs(np.mean(noise[1:] * noise[:-1])) < 0.12 * np.var(noise)
+
+
+def test_no_window_reaches_across_a_gap() -> None:
+    time = np.arange(4000) / 250.0 + np.where(np.arange(4000) < 2000, 0.0, 5.0)
+    motion = motion_of(time, np.sin(time))
+    chain = make_chain(motion, "test")
+    step = np.where(np.arange(4000) < 2000, 0.0, 100.0)
+    values = chain.rows(step)
+    assert set(np.round(values, 6)) == {0.0, 100.0}
+
+
+def test_touched_is_the_share_of_the_window() -> None:
+    time = np.arange(2000) / 250.0
+    chain = make_chain(motion_of(time, np.sin(time)), "test")
+    assert chain.touched(np.zeros(2000, dtype=bool)).max() == 0.0
+    np.testing.assert_allclose(chain.touched(np.ones(2000, dtype=bool)), 1.0)
+
+
+def test_blocks_follow_time_and_repetitions() -> None:
+    time = np.arange(10000) / 250.0
+    free = motion_of(time, np.sin(time) + np.sin(np.sqrt(2.0) * time))
+    chain = make_chain(free, "test")
+    blocks = cut_blocks(chain, chain.rows(free.position), "test")
+    assert blocks.count == blocks.groups == 39
+    assert np.all(np.diff(blocks.row) >= 0)
+    masks = blocks.folds
+    assert np.sum(masks, axis=0).tolist() == [1] * blocks.count
+    again = motion_of(time, np.sin(2.0 * np.pi * time / 5.0) + 0.3 * np.sin(4.0 * np.pi * time / 5.0))
+    chain = make_chain(again, "test")
+    repeated = cut_blocks(chain, chain.rows(again.position), "test")
+    assert repeated.groups == 8
+    # The same stretch of every repetition is left out at once, so that held-out motion has not been seen.
+    phase = (chain.time - chain.time[0]) % 5.0
+    for mask in repeated.folds:
+        seen = set(np.round(phase[mask[repeated.row]]))
+        assert len(seen) <= 3
+
+
+def test_too_short_a_motion_is_refused() -> None:
+    time = np.arange(1500) / 250.0
+    motion = motion_of(time, np.sin(time))
+    chain = make_chain(motion, "run.csv")
+    with pytest.raises(LogError, match=r"run.csv: 5\.\d s of usable motion are too short; at least 8 s"):
+        cut_blocks(chain, chain.rows(motion.position), "run.csv")

@@ -1,0 +1,143 @@
+"""Pinocchio, as the package uses it, against MuJoCo."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from mjfriction.body.inverse import inertia_at, inverse_dynamics, link_torques
+from mjfriction.body.model import Load, load_body
+from mjfriction.errors import RobotError
+from mjfriction.robot.files import read_robot
+from mjfriction.robot.robot import bundled_robots
+from tests.hidden.machine import UR5, UR5_JOINTS, mujoco_model, rigid_torque
+
+MIXED = """
+<mujoco><option gravity="0 1 -9"/><compiler angle="radian"/><worldbody>
+  <body name="l1" pos="0 0 .1" euler="0.1 0.2 0">
+    <joint name="turn" axis="0 0 1" armature="0.3" damping="0.5" frictionloss="0.7" ref="0.2"/>
+    <inertial pos="0.1 0 0" mass="2" fullinertia="0.1 0.12 0.14 0.01 0.02 0.015"/>
+    <body name="l2" pos="0.3 0 .1" quat="0.9 0.1 0.3 0.1">
+      <joint name="slide" type="slide" axis="1 0.3 0" armature="0.1" pos="0.1 0 0"/>
+      <geom type="box" size="0.1 0.1 0.2" pos="0.1 0 0.1" mass="1.5"/>
+      <body name="l3" pos="0.3 0 .1">
+        <joint name="tip" axis="1 0.3 0" pos="0.1 0 0.2"/><geom type="capsule" size="0.05 0.2" density="800"/>
+      </body></body></body></worldbody></mujoco>"""
+
+
+def states(joints: int, count: int = 50) -> tuple[np.ndarray, ...]:
+    rng = np.random.default_rng(4)
+    return tuple(rng.normal(size=(count, joints)) for _ in range(3))
+
+
+def agree(path: Path, joints: tuple[str, ...], armature: np.ndarray | None = None) -> None:
+    model = mujoco_model(path)
+    if armature is not None:
+        model.dof_armature[:] += armature
+    order = [model.joint(name).dofadr[0] for name in joints]
+    q, v, a = states(len(joints))
+    body = load_body(path, joints, rotor_inertia=armature)
+    mine = inverse_dynamics(body, q, v, a)
+    full = np.zeros((3, q.shape[0], model.nv))
+    for k, values in enumerate((q, v, a)):
+        full[k][:, order] = values
+    model.dof_damping[:] = 0.0
+    theirs = rigid_torque(model, *full)[:, order]
+    np.testing.assert_allclose(mine, theirs, rtol=1e-9, atol=1e-9 * np.abs(theirs).max())
+    still = np.zeros_like(q)
+    gravity = rigid_torque(model, full[0], 0.0 * full[1], 0.0 * full[2])[:, order]
+    np.testing.assert_allclose(inverse_dynamics(body, q, still, still), gravity, atol=1e-9 * max(np.abs(gravity).max(), 1.0))
+    data = mujoco.MjData(model)
+    data.qpos[:] = full[0][0]
+    mujoco.mj_forward(model, data)
+    mass = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, mass)
+    np.testing.assert_allclose(inertia_at(body, q[0]), np.diag(mass)[order], rtol=1e-9)
+
+
+def test_urdf_arm_agrees() -> None:
+    agree(UR5, UR5_JOINTS)
+    agree(UR5, UR5_JOINTS, armature=np.array([0.5, 0.4, 0.3, 0.2, 0.1, 0.05]))
+
+
+def test_joints_may_come_in_any_order() -> None:
+    order = [3, 0, 5, 1, 4, 2]
+    q, v, a = states(6)
+    straight = inverse_dynamics(load_body(UR5, UR5_JOINTS), q, v, a)
+    body = load_body(UR5, [UR5_JOINTS[i] for i in order])
+    np.testing.assert_allclose(inverse_dynamics(body, q[:, order], v[:, order], a[:, order]), straight[:, order], rtol=1e-12)
+
+
+def test_mjcf_with_slides_own_gravity_and_armature_agrees(tmp_path: Path) -> None:
+    path = tmp_path / "mixed.xml"
+    path.write_text(MIXED)
+    agree(path, ("turn", "slide", "tip"))
+    body = load_body(path, ("turn", "slide", "tip"))
+    assert body.sliding == (False, True, False)
+    assert body.damping[0] == 0.5
+    assert body.dry_friction[0] == 0.7
+
+
+
+@pytest.mark.parametrize("name", sorted(bundled_robots()))
+def test_every_bundled_robot_agrees(name: str) -> None:
+    robot = read_robot(name)
+    agree(robot.model_path, robot.joints)
+
+
+def test_links_sum_to_the_whole() -> None:
+    q, v, a = states(6)
+    body = load_body(UR5, UR5_JOINTS)
+    np.testing.assert_allclose(link_torques(body, q, v, a).sum(axis=2), inverse_dynamics(body, q, v, a), rtol=1e-9, atol=1e-9)
+
+
+def test_payload_is_a_mass_at_the_flange() -> None:
+    # Held still with the arm stretched out along x, 2 kg at the flange weighs on the shoulder with its lever arm.
+    still = np.zeros((1, 6))
+    bare = load_body(UR5, UR5_JOINTS)
+    loaded = load_body(UR5, UR5_JOINTS, payload=Load(2.0, (0.0, 0.0, 0.0), "wrist_3_link"))
+    model = mujoco_model(UR5)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    lever = data.body("wrist_3_link").xpos - data.joint("shoulder_lift_joint").xanchor
+    torque = (inverse_dynamics(loaded, still, still, still) - inverse_dynamics(bare, still, still, still))[0, 1]
+    axis = data.joint("shoulder_lift_joint").xaxis
+    assert torque == pytest.approx(-np.dot(np.cross(lever, [0.0, 0.0, -2.0 * 9.81]), axis), rel=1e-9)
+
+
+def test_scaling_a_link_scales_its_share() -> None:
+    q, v, a = states(6, 5)
+    body = load_body(UR5, UR5_JOINTS)
+    scaled = load_body(UR5, UR5_JOINTS, link_scale={"elbow_joint": 1.3})
+    share = link_torques(body, q, v, a)[:, :, body.links.index("elbow_joint")]
+    difference = inverse_dynamics(scaled, q, v, a) - inverse_dynamics(body, q, v, a)
+    np.testing.assert_allclose(difference, 0.3 * share, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("<robot name='x'><link></robot>", "not well-formed XML: mismatched tag: line 1"),
+        ("<robot name='x'></robot>", "cannot be read as URDF"),
+        ("<sdf/>", "root element is <sdf>"),
+    ],
+)
+def test_a_model_that_does_not_parse_is_one_line(tmp_path: Path, text: str, message: str, capfd: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "bad.urdf"
+    path.write_text(text)
+    with pytest.raises(RobotError, match=message) as caught:
+        load_body(path, ["a"])
+    assert "\n" not in str(caught.value)
+    assert capfd.readouterr().err == ""
+
+
+def test_unknown_names_suggest_the_nearest() -> None:
+    with pytest.raises(RobotError, match="did you mean 'elbow_joint'"):
+        load_body(UR5, ["elbow_jont"])
+    with pytest.raises(RobotError, match="payload parent 'wrist_3_lin' is no link.*wrist_3_link"):
+        load_body(UR5, UR5_JOINTS, payload=Load(1.0, (0, 0, 0), "wrist_3_lin"))
+    with pytest.raises(RobotError, match="no such model file"):
+        load_body(Path("nowhere.urdf"), ["a"])

@@ -1,0 +1,50 @@
+"""A real prismatic axis, EMPS, against the figures published for it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.signal import decimate
+
+from mjfriction.diagnose.diagnosis import Diagnosis, diagnose
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot, write_robot
+from mjfriction.robot.predict import predict_log
+from mjfriction.robot.robot import Robot
+
+
+@pytest.fixture(scope="module")
+def estimation(data: Path) -> Diagnosis:
+    return diagnose(read_log(data / "emps/estimation.parquet"), read_robot(data / "emps/robot.toml"))
+
+
+def relative_error(log_path: Path, robot: Robot) -> float:
+    """100·‖y − ŷ‖/‖y‖ of the force, decimated by ten as the data set's authors do."""
+    log = read_log(log_path)
+    measured, predicted = (decimate(values["effort.axis"], 10) for values in (log.columns, predict_log(log, robot)))
+    return float(100.0 * np.linalg.norm(measured - predicted) / np.linalg.norm(measured))
+
+
+def test_the_directions_differ_and_there_is_no_stribeck(estimation: Diagnosis) -> None:
+    assert {finding.cause for finding in estimation.findings} == {"friction.asymmetry", "drive.offset"}
+    asymmetry = next(f for f in estimation.findings if f.cause == "friction.asymmetry").parameters[0]
+    # Published: F_v+ = 166.7, F_v− = 240.4 N·s/m, half their difference −36.9.
+    assert asymmetry.low < -36.9 < asymmetry.high
+
+
+def test_error_falls_on_the_held_out_part(estimation: Diagnosis) -> None:
+    (axis,) = estimation.joints
+    assert axis.rms_heldout_after < 0.5 * axis.rms_heldout_before
+
+
+@pytest.mark.parametrize(("run", "published"), [("estimation", 3.112), ("pulses", 5.34)])
+def test_force_error_is_the_published_one(
+    run: str, published: float, estimation: Diagnosis, data: Path, tmp_path: Path
+) -> None:
+    log = data / f"emps/{run}.parquet"
+    stated = relative_error(log, read_robot(data / "emps/robot.toml"))
+    extended = relative_error(log, read_robot(write_robot(estimation.robot, tmp_path)))
+    assert extended < stated - 2.0
+    assert extended == pytest.approx(published, abs=0.3)

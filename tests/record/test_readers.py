@@ -1,0 +1,128 @@
+"""What a log must hold, and what is said when it does not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.csv
+import pyarrow.parquet
+import pytest
+
+from mjfriction.errors import LogError
+from mjfriction.record.log import check_joints
+from mjfriction.record.merge import merge_logs
+from mjfriction.record.readers import read_log
+
+
+def columns(rows: int = 200) -> dict[str, np.ndarray]:
+    time = np.arange(rows) * 0.01
+    return {"time": time, "position.a": np.sin(time), "effort.a": np.cos(time)}
+
+
+def write(folder: Path, table: dict[str, object], name: str = "log.parquet") -> Path:
+    path = folder / name
+    if path.suffix == ".csv":
+        pyarrow.csv.write_csv(pa.table(table), path)
+    else:
+        pyarrow.parquet.write_table(pa.table(table), path)
+    return path
+
+
+@pytest.mark.parametrize("name", ["log.csv", "log.parquet", "LOG.PARQUET"])
+def test_formats_read_alike(tmp_path: Path, name: str) -> None:
+    table = columns() | {"note": ["x"] * 200, "temperature.a": np.full(200, 30)}
+    path = tmp_path / name
+    written = write(tmp_path, table, name.lower())
+    written.rename(path)
+    log = read_log(path)
+    assert log.joints == ("a",)
+    np.testing.assert_allclose(log.time, table["time"], rtol=1e-12)
+    np.testing.assert_allclose(log.columns["effort.a"], table["effort.a"], rtol=1e-12)
+    assert log.columns["temperature.a"].dtype == np.float64
+    assert "note" not in log.columns
+    assert log.segment.tolist() == [0] * 200
+
+
+def nan_at_row(row: int) -> dict[str, np.ndarray]:
+    table = columns()
+    table["position.a"] = table["position.a"].copy()
+    table["position.a"][row] = np.nan
+    return table
+
+
+def doubled(row: int) -> dict[str, np.ndarray]:
+    table = columns()
+    table["time"] = table["time"].copy()
+    table["time"][row] = table["time"][row - 1]
+    return table
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ({k: v[:0] for k, v in columns().items()}, "the table is empty"),
+        ({k: v[:2] for k, v in columns().items()}, "2 rows are too few"),
+        ({k: v for k, v in columns().items() if k != "time"}, "column 'time' is missing.*Found: position.a, effort.a"),
+        ({"tme" if k == "time" else k: v for k, v in columns().items()}, "did you mean 'tme'"),
+        ({k: v for k, v in columns().items() if k != "position.a"}, "no 'position.<joint>' column"),
+        (doubled(50), "row 51: time 0.49 s is doubled"),
+        (columns() | {"time": columns()["time"][::-1]}, "runs backwards"),
+        (nan_at_row(7), "row 8, column 'position.a' is nan"),
+        (columns() | {"effort.a": ["12 Nm"] * 200}, "column 'effort.a' holds '12 Nm', which is not a number"),
+        (columns() | {"segment": np.full(200, 0.5)}, "'segment' must hold whole numbers"),
+    ],
+)
+def test_a_wrong_table_is_named(tmp_path: Path, table: dict[str, np.ndarray], message: str) -> None:
+    with pytest.raises(LogError, match=message) as caught:
+        read_log(write(tmp_path, table))
+    assert "\n" not in str(caught.value)
+
+
+def test_a_wrong_file_is_named(tmp_path: Path) -> None:
+    with pytest.raises(LogError, match="no such file"):
+        read_log(tmp_path / "absent.csv")
+    with pytest.raises(LogError, match="cannot read a '.xlsx' file as a log; allowed are .csv, .parquet"):
+        read_log(tmp_path / "log.xlsx")
+    broken = tmp_path / "broken.parquet"
+    broken.write_bytes(b"not parquet")
+    with pytest.raises(LogError, match="not a readable Parquet table"):
+        read_log(broken)
+
+
+def test_time_may_start_again_in_a_new_segment(tmp_path: Path) -> None:
+    table = columns()
+    table["time"] = np.tile(table["time"][:100], 2)
+    table["segment"] = np.repeat([4, 9], 100)
+    assert read_log(write(tmp_path, table)).segment.tolist() == [4] * 100 + [9] * 100
+
+
+def test_joints_are_held_against_the_robot(tmp_path: Path) -> None:
+    log = read_log(write(tmp_path, columns()))
+    check_joints(log, "arm", ("a",))
+    with pytest.raises(LogError, match="log of another robot: it has joints a, robot 'arm' has left, right"):
+        check_joints(log, "arm", ("left", "right"))
+    with pytest.raises(LogError, match="'position.b' is missing"):
+        check_joints(log, "arm", ("a", "b"))
+    two = read_log(write(tmp_path, columns() | {"position.elbw": columns()["time"]}))
+    with pytest.raises(LogError, match="no joint 'elbw'; did you mean 'elbow'"):
+        check_joints(two, "arm", ("a", "elbow"))
+    silent = read_log(write(tmp_path, {k: v for k, v in columns().items() if k != "effort.a"}))
+    with pytest.raises(LogError, match=r"no 'effort.<joint>' or 'current.<joint>' column"):
+        check_joints(silent, "arm", ("a",))
+    stray = read_log(write(tmp_path, columns() | {"effort.b": columns()["time"]}))
+    with pytest.raises(LogError, match="column 'effort.b': robot 'arm' has no joint 'b'"):
+        check_joints(stray, "arm", ("a",))
+
+
+def test_logs_of_one_robot_join_as_segments(tmp_path: Path) -> None:
+    one = read_log(write(tmp_path, columns(), "one.parquet"))
+    two = read_log(write(tmp_path, columns(150) | {"extra": np.zeros(150)}, "two.csv"))
+    both = merge_logs([one, two])
+    assert both.segment.tolist() == [0] * 200 + [1] * 150
+    assert both.time.size == 350
+    assert "extra" not in both.columns
+    other = read_log(write(tmp_path, {"time": one.time, "position.b": one.time, "effort.b": one.time}, "o.csv"))
+    with pytest.raises(LogError, match="diagnose logs of one robot together"):
+        merge_logs([one, other])

@@ -1,0 +1,115 @@
+"""The report: its schema, its page and its recording."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import jsonschema
+import pytest
+
+from mjfriction.diagnose.diagnosis import Diagnosis, diagnose
+from mjfriction.errors import OutputError
+from mjfriction.record.readers import read_log
+from mjfriction.report.folder import whole_file, whole_folder
+from mjfriction.report.html import report_html
+from mjfriction.report.result import Report, make_report, report_json
+from mjfriction.report.write import write_results
+from mjfriction.robot.files import read_robot
+from scripts.make_schema import schema
+from tests.hidden.machine import Machine, write_case
+
+PACKAGE = Path(__file__).resolve().parents[2] / "mjfriction"
+
+EXAMPLE = """
+{ "schema": "mjfriction.report/1", "verdict": "explained", "summary": "one sentence",
+  "joints": [ { "joint": "elbow_joint", "signal": "effort", "unit": "N·m", "rms_before": 3.1, "rms_after": 0.62,
+                "rms_heldout_before": 3.0, "rms_heldout_after": 0.64, "noise_floor": 0.6 } ],
+  "findings": [ { "cause": "friction.load", "joint": "elbow_joint", "confidence": 0.99, "alternatives": [],
+                  "parameters": [ { "name": "load", "value": 0.121, "unit": "1", "ci95": [0.117, 0.125] } ],
+                  "gain": { "rms_before": 3.0, "rms_after": 0.64, "reduction": 0.79, "ci95": [0.77, 0.80] },
+                  "evidence": "one sentence: where in the data it shows" } ],
+  "next_experiment": null,
+  "data_problems": [ { "kind": "data.gap", "where": "12.48 s to 12.61 s", "action": "split there" } ] }"""
+
+
+@pytest.fixture(scope="module")
+def diagnosis(tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
+    machine = Machine(hidden={2: lambda i: 2.0 * abs(i.v)})
+    log, robot = write_case(tmp_path_factory.mktemp("case"), machine, seed=2, seconds=20.0)
+    return diagnose(read_log(log), read_robot(robot))
+
+
+def test_the_schema_ships_and_is_the_models_own() -> None:
+    assert (PACKAGE / "report/report.schema.json").read_text(encoding="utf-8") == schema()
+
+
+def test_a_report_keeps_to_the_schema_and_reads_back(diagnosis: Diagnosis) -> None:
+    text = report_json(make_report(diagnosis))
+    jsonschema.validate(json.loads(text), json.loads(schema()))
+    assert Report.model_validate_json(text).findings[0].cause == "friction.asymmetry"
+
+
+def test_the_documented_example_is_a_report() -> None:
+    jsonschema.validate(json.loads(EXAMPLE), json.loads(schema()))
+    assert Report.model_validate_json(EXAMPLE).verdict == "explained"
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(json.loads(EXAMPLE.replace("explained", "solved")), json.loads(schema()))
+
+
+def test_the_page_holds_all_it_shows(diagnosis: Diagnosis) -> None:
+    page = report_html(diagnosis, make_report(diagnosis))
+    without_script = re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL)
+    assert not re.search(r"(src|href)=\"(?!data:)", without_script)
+    assert "friction.asymmetry" in without_script
+    figures = [m for m in re.findall(r'<div id="([a-z0-9-]+)" class="plotly-graph-div"', page)]
+    assert figures == ["errors", "finding-0", "course-0"]
+    for joint in diagnosis.joints:
+        assert joint.joint in without_script
+
+
+def test_equal_inputs_give_equal_bytes(diagnosis: Diagnosis, tmp_path: Path) -> None:
+    again = diagnose(diagnosis.gap.log, diagnosis.gap.robot)
+    for name, result in (("one", diagnosis), ("two", again)):
+        (tmp_path / name).mkdir()
+        write_results(result, make_report(result), tmp_path / name)
+    names = sorted(path.name for path in (tmp_path / "one").iterdir())
+    assert {"report.json", "report.html", "recording.rrd", "robot.toml"} <= set(names)
+    for name in names:
+        if name != "recording.rrd":  # Rerun numbers its chunks by the clock
+            assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes(), name
+
+
+def test_results_appear_whole_or_not_at_all(tmp_path: Path) -> None:
+    target = tmp_path / "out"
+
+    def fail_half_way() -> None:
+        with whole_folder(target) as folder:
+            (folder / "report.json").write_text("{")
+            raise RuntimeError("half way")
+
+    with pytest.raises(RuntimeError):
+        fail_half_way()
+    assert list(tmp_path.iterdir()) == []
+    with whole_folder(target) as folder:
+        (folder / "a").write_text("new")
+        assert not target.exists()
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+    (target / "mine").write_text("kept")
+    with whole_folder(target) as folder:
+        (folder / "a").write_text("newer")
+    assert {path.name: path.read_text() for path in target.iterdir()} == {"a": "newer", "mine": "kept"}
+    with whole_file(tmp_path / "table.parquet") as draft:
+        draft.write_text("x")
+        assert not (tmp_path / "table.parquet").exists()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["out", "table.parquet"]
+
+
+def test_a_place_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    for place in (tmp_path / "file", tmp_path / "file" / "below"):
+        with pytest.raises(OutputError, match=r"give a"), whole_folder(place):
+            pass
+    with pytest.raises(OutputError, match="cannot be written"), whole_file(tmp_path / "file" / "p.parquet"):
+        pass

@@ -1,0 +1,59 @@
+"""The balance of the robot file, against MuJoCo's inverse dynamics and the laws written out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mjfriction.errors import RobotError
+from mjfriction.record.readers import read_log
+from mjfriction.robot.effort import direction
+from mjfriction.robot.files import read_robot
+from mjfriction.robot.predict import predict_log
+from tests.hidden.machine import Machine, write_case
+
+
+def test_prediction_is_what_a_noiseless_machine_reports(tmp_path: Path) -> None:
+    machine = Machine(noise=0.0, encoder_bits=26)
+    log_path, robot_path = write_case(tmp_path, machine, seed=1, seconds=15.0)
+    log, robot = read_log(log_path), read_robot(robot_path)
+    predicted = predict_log(log, robot)
+    assert set(predicted) == {"time"} | {name for name in log.columns if name.startswith("effort.")}
+    for name, values in predicted.items():
+        if name == "time":
+            continue
+        # Apart from reversals, where the filter blurs what changes at once.
+        measured = log.columns[name]
+        reversing = np.abs(np.gradient(log.columns[name.replace("effort", "position")], 1.0 / 250.0)) < 0.1
+        moving = ~np.convolve(reversing, np.ones(25), "same").astype(bool)
+        error = measured[moving] - values[moving]
+        assert np.mean(moving) > 0.4
+        assert np.sqrt(np.mean(error**2)) < 2e-3 * np.sqrt(np.mean(measured**2))
+
+
+def test_currents_go_through_ratio_and_constant(tmp_path: Path) -> None:
+    log_path, robot_path = write_case(tmp_path, Machine(), seed=1, seconds=10.0)
+    log, robot = read_log(log_path), read_robot(robot_path)
+    columns = {name.replace("effort.elbow", "current.elbow"): values for name, values in log.columns.items()}
+    in_amperes = replace(log, columns=columns)
+    with pytest.raises(RobotError, match=r"the log has current.elbow_joint but the robot file no actuator.torque_constant"):
+        predict_log(in_amperes, robot)
+    elbow = robot.joint("elbow_joint")
+    drive = elbow.actuator.model_copy(update={"gear_ratio": -50.0, "torque_constant": 0.1})
+    driven = robot.with_joint(elbow.model_copy(update={"actuator": drive}))
+    current = predict_log(in_amperes, driven)["current.elbow_joint"]
+    np.testing.assert_allclose(-5.0 * current, predict_log(log, robot)["effort.elbow_joint"], rtol=1e-2, atol=1e-2)
+
+
+def test_friction_passes_over_while_a_joint_is_stuck() -> None:
+    velocity = np.array([0.5, 0.2, 0.001, -0.001, 0.0, -0.2, -0.5])
+    forward, speed = direction(velocity, 0.01)
+    np.testing.assert_allclose(forward, [1.0, 1.0, 0.75, 0.5, 0.25, 0.0, 0.0])
+    assert np.all(speed > 0.0)
+    at_rest, _ = direction(np.zeros(5), 0.01)
+    assert at_rest.tolist() == [0.5] * 5
+    starting, _ = direction(np.array([0.0, 0.0, 0.3]), 0.01)
+    assert starting.tolist() == [0.5, 0.5, 1.0]
