@@ -2,7 +2,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test check lock clean
+.PHONY: demo test check docs lock clean
 
 demo: $(READY)
 	$(BIN)/mjfriction demo --out demo_out
@@ -15,6 +15,9 @@ check: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
+docs: $(READY)
+	$(BIN)/python -m scripts.make_docs
+
 # The lock carries hashes and no index address: pip takes the packages from wherever this machine is set up to.
 $(READY): requirements.lock pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed, this is " + sys.version.split()[0] + "; try make PYTHON=python3.11" if sys.version_info < (3, 11) else 0)'
@@ -26,7 +29,7 @@ $(READY): requirements.lock pyproject.toml
 # Needs uv on the path; the options keep every index address out of the file.
 lock:
 	uv pip compile pyproject.toml --group dev --universal --python-version 3.11 --generate-hashes \
-	  --no-header --no-annotate --output-file requirements.lock
+	  --no-emit-index-url --no-emit-find-links --no-header --no-annotate --output-file requirements.lock
 
 clean:
 	rm -rf .venv demo_out .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -1,0 +1,1 @@
+"""Chores that regenerate what the project ships."""

@@ -9,7 +9,9 @@ from mjfriction.report.result import Report
 
 
 def schema() -> str:
-    return json.dumps(Report.model_json_schema(by_alias=True, mode="serialization"), indent=2, ensure_ascii=False) + "\n"
+    return (
+        json.dumps(Report.model_json_schema(by_alias=True, mode="serialization"), indent=2, ensure_ascii=False) + "\n"
+    )
 
 
 if __name__ == "__main__":

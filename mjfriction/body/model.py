@@ -61,8 +61,8 @@ def load_body(
     """Read a model file and make the robot's rigid bodies of it.
 
     Joints of the model that are not asked for (a gripper's fingers) are locked at their zero.  ``gravity`` (m/s²)
-    replaces the model's own; ``link_scale`` multiplies the mass and
-    inertia of the link that a joint moves, its payload included; ``rotor_inertia`` (kg·m² or kg at the joint, per asked joint) is added to the model's.
+    replaces the model's own; ``link_scale`` multiplies the mass and inertia of the link that a joint moves, its payload
+    included; ``rotor_inertia`` (kg·m² or kg at the joint, per asked joint) is added to the model's.
 
     Raises :class:`RobotError` when the file is missing or does not parse, when a joint is unknown or has more than one
     axis, and when the payload's parent is unknown.

@@ -27,11 +27,16 @@ def demo(out: Out = Path("demo_out"), json: Json = False) -> None:
     bundled = Path(str(files("mjfriction"))) / "bundled" / "demo"
     robot = "ur5"
     if not json:
-        typer.echo("A simulated UR5 was recorded for 30 s. Its elbow hides something that its robot file does not state.\n")
+        typer.echo(
+            "A simulated UR5 was recorded for 30 s. Its elbow hides something that its robot file does not state.\n"
+        )
     report_diagnosis([bundled / "log.parquet"], robot, out, seed=0, json=json)
     if json:
         return
-    stated, extended = (measure_gap(read_log(bundled / "other_motion.parquet"), read_robot(path)) for path in (robot, str(out / "robot.toml")))
+    stated, extended = (
+        measure_gap(read_log(bundled / "other_motion.parquet"), read_robot(path))
+        for path in (robot, str(out / "robot.toml"))
+    )
     typer.echo("\nThe proof, on a second log of the same arm along another motion (RMS error, N·m):")
     for i, joint in enumerate(stated.robot.joints):
         before, after = (gap.rms(gap.residual[:, i], i) for gap in (stated, extended))

@@ -8,7 +8,9 @@ from typing import Annotated
 import typer
 
 LogPath = Annotated[Path, typer.Argument(metavar="LOG", help="Log file, CSV or Parquet.", show_default=False)]
-LogPaths = Annotated[list[Path], typer.Argument(metavar="LOG...", help="Log files of one robot, CSV or Parquet.", show_default=False)]
+LogPaths = Annotated[
+    list[Path], typer.Argument(metavar="LOG...", help="Log files of one robot, CSV or Parquet.", show_default=False)
+]
 RobotSource = Annotated[
     str, typer.Option("--robot", metavar="R", help="A robot.toml, or the name of a bundled robot.", show_default=False)
 ]

@@ -20,7 +20,8 @@ MOST_CONFIDENT = 0.99
 @dataclass(frozen=True)
 class Standing:
     """How a chosen cause stands among its rivals: the ``alternatives`` it cannot be told from, and the probability
-    (``confidence``) that it is the right name."""
+    (``confidence``) that it is the right name.
+    """
 
     alternatives: tuple[str, ...]
     confidence: float

@@ -23,7 +23,8 @@ SAME = 0.01  # two courses of the motion are the same when they differ by less t
 class Blocks:
     """``row`` (rows,) numbers the block each row is in; ``group`` (blocks,) numbers what each block may be exchanged
     with: itself, or, where the motion repeats at least four times, everything in the same repetition; ``fold``
-    (blocks,) numbers the part in which a block is left out."""
+    (blocks,) numbers the part in which a block is left out.
+    """
 
     row: Integers
     group: Integers
@@ -42,7 +43,8 @@ class Blocks:
     @property
     def folds(self) -> list[NDArray[np.bool_]]:
         """Masks (blocks,) of the parts that are left out in turn: interleaved, so that each sees all of the log's
-        course; where the motion repeats, the same stretch of every repetition, so that it has not been seen."""
+        course; where the motion repeats, the same stretch of every repetition, so that it has not been seen.
+        """
         return [self.fold == number for number in range(int(self.fold.max()) + 1)]
 
 
@@ -85,7 +87,7 @@ def _period(chain: Chain, position: Floats) -> float | None:
     first = np.argmax(difference > 10.0 * SAME)  # leave the trivial likeness of neighbouring rows
     alike = np.flatnonzero(difference[first:] < SAME)
     alike = alike[lag[first + alike] < rows / 2]
-    if first == 0 and difference[0] <= 10.0 * SAME or alike.size == 0:
+    if (first == 0 and difference[0] <= 10.0 * SAME) or alike.size == 0:
         return None
     start = first + int(alike[0])
     stop = start + int(np.argmax(np.append(difference[start:] >= SAME, True)))

@@ -43,7 +43,7 @@ def compete(gap: Gap, nuisance: Nuisance, field: Candidates) -> Model:
 
 
 def contenders(model: Model, field: Candidates) -> list[Trial]:
-    """Try every candidate that is not in the model yet, each at its best shape; return the short list, tried in full."""
+    """Try every candidate not in the model yet, each at its best shape; return the short list, tried in full."""
     present = {choice.key for choice in model.chosen}
     best: dict[tuple[str, int], tuple[float, Chosen]] = {}
     for choice in field:

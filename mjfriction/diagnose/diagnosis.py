@@ -79,7 +79,8 @@ class JointError:
 @dataclass(frozen=True)
 class Diagnosis:
     """Everything a diagnosis found.  ``residual_after`` and ``heldout`` (rows, joints) are what the extended model
-    leaves, fitted to everything and fitted elsewhere; ``remaining`` names structure no cause explains."""
+    leaves, fitted to everything and fitted elsewhere; ``remaining`` names structure no cause explains.
+    """
 
     gap: Gap
     verdict: Verdict
@@ -123,9 +124,7 @@ def diagnose(log: Log, robot: Robot, *, seed: int = 0) -> Diagnosis:
         structure_before=tuple(find_structure(gap, np.nan_to_num(gap.residual))),
         structure_after=after,
         remaining=remaining,
-        not_examined=tuple(
-            joint for i, joint in enumerate(gap.robot.joints) if i not in gap.examined or not moving[i]
-        ),
+        not_examined=tuple(joint for i, joint in enumerate(gap.robot.joints) if i not in gap.examined or not moving[i]),
         robot=extend_robot(model),
         residual_after=model.residual(),
         heldout=heldout,

@@ -59,7 +59,7 @@ class Gap:
         return float(np.sqrt(np.mean(np.square(values[self.clear[:, joint]]))))
 
     def forward(self, joint: int) -> Floats:
-        """Return the direction of friction on a joint, −1 to 1 and between the two while it may be stuck, shape (n,)."""
+        """Return the direction of friction on a joint, −1 to 1, between the two while it may be stuck, (n,)."""
         forward, _ = direction(self.motion.velocity[:, joint], self.motion.velocity_noise[joint])
         return 2.0 * forward - 1.0
 
@@ -134,4 +134,4 @@ def _friction_level(motion: Motion, effort: Effort, residual: Floats, doubt_spee
         moving = np.abs(motion.velocity[:, i]) > slow
         if np.any(moving):
             out[i] = max(out[i], float(np.quantile(np.abs(effort.friction[moving, i]), 0.25)))
-    return out
+    return np.asarray(out)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +18,8 @@ STEP = 1e-3  # relative step of a shape parameter for its tangent
 @dataclass(frozen=True)
 class HalfWidths:
     """Half-widths of 95 % intervals: of the nuisances' strengths, and for every chosen cause of its strengths and then
-    its shape parameters."""
+    its shape parameters.
+    """
 
     nuisance: Floats
     causes: tuple[Floats, ...]
@@ -43,7 +45,7 @@ def half_widths(model: Model) -> HalfWidths:
     deviation = np.sqrt(np.maximum(np.diag(full.covariance(fitted, gap.blocks.group)), 0.0))
     half = deviation * float(student.ppf(0.975, gap.blocks.groups - 1))
     ends = nuisance.count + np.cumsum([0, *sizes])
-    return HalfWidths(half[: nuisance.count], tuple(half[a:b] for a, b in zip(ends[:-1], ends[1:], strict=True)))
+    return HalfWidths(half[: nuisance.count], tuple(half[a:b] for a, b in itertools.pairwise(ends)))
 
 
 def _tangents(model: Model, choice: Chosen, own: Columns, strengths: Floats) -> tuple[Columns, Floats]:

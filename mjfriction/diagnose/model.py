@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,7 +54,7 @@ class Model:
         ends = [self.nuisance.count]
         for choice in self.chosen:
             ends.append(ends[-1] + len(choice.cause.quantities(self.gap, choice.site)))
-        return [slice(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+        return [slice(a, b) for a, b in itertools.pairwise(ends)]
 
     def residual(self) -> Floats:
         """Return what the model, fitted on everything, leaves: (rows, joints), N·m or N."""
@@ -128,4 +129,4 @@ def _weighted_rows(gap: Gap, noise: Floats) -> Rows:
 
 
 def _rms(values: Floats) -> Floats:
-    return np.sqrt(np.mean(np.square(values), axis=0))
+    return np.asarray(np.sqrt(np.mean(np.square(values), axis=0)))

@@ -49,12 +49,12 @@ class Nuisance:
     @property
     def columns(self) -> list[Columns]:
         """All columns, in order."""
-        return [entry.columns for entry in (*self.levels, *self.links)]
+        return [*(level.columns for level in self.levels), *(link.columns for link in self.links)]
 
     @property
     def precisions(self) -> list[Floats]:
         """What is known beforehand of all strengths, in order."""
-        return [entry.precision for entry in (*self.levels, *self.links)]
+        return [*(level.precision for level in self.levels), *(link.precision for link in self.links)]
 
     @property
     def count(self) -> int:

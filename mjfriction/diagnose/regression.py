@@ -7,6 +7,7 @@ without going back to the rows.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -35,7 +36,7 @@ class Rows:
     @property
     def joints(self) -> int:
         """How many joints."""
-        return self.target.shape[1]
+        return int(self.target.shape[1])
 
     @property
     def blocks(self) -> int:
@@ -46,7 +47,7 @@ class Rows:
         """Return leftᵀ·right summed within blocks: (rows, a), (rows, b) → (blocks, a, b)."""
         starts = np.searchsorted(self.block, np.arange(self.blocks))
         bounds = [*starts.tolist(), self.block.size]
-        return np.stack([left[a:b].T @ right[a:b] for a, b in zip(bounds[:-1], bounds[1:], strict=True)])
+        return np.stack([left[a:b].T @ right[a:b] for a, b in itertools.pairwise(bounds)])
 
 
 @dataclass(frozen=True)
@@ -135,9 +136,7 @@ class System:
         self.target = rows.target * rows.weight
         gram = np.stack([rows.products(base, base) for base in self.base])
         moment = np.stack([rows.products(base, self.target[:, [j]])[:, :, 0] for j, base in enumerate(self.base)])
-        power = np.stack(
-            [rows.products(self.target[:, [j]], self.target[:, [j]])[:, 0, 0] for j in range(rows.joints)]
-        )
+        power = np.stack([rows.products(self.target[:, [j]], self.target[:, [j]])[:, 0, 0] for j in range(rows.joints)])
         self.normal = Normal(gram, moment, power, np.concatenate(precisions) if precisions else np.empty(0))
 
     def residual(self, strengths: Floats) -> Floats:
@@ -148,7 +147,8 @@ class System:
 
     def screen(self, candidate: Columns) -> tuple[Floats, float]:
         """Return a candidate's strengths (k,) and its gain: by how much it lowers the weighted squared error, fitted
-        together with everything in the model."""
+        together with everything in the model.
+        """
         count = next(iter(candidate.values())).shape[1]
         cross = np.zeros((self.normal.count, count))
         own = np.zeros((count, count))

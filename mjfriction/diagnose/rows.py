@@ -7,6 +7,7 @@ are, so that a sign change blurs alike in data and model, and thinned white nois
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,7 +69,7 @@ def make_chain(motion: Motion, source: str) -> Chain:
     spans, centres = [], []
     change = np.flatnonzero(np.diff(motion.settled.astype(np.int8)) | np.diff(motion.piece)) + 1
     bounds = [0, *change.tolist(), motion.time.size]
-    for start, past in zip(bounds[:-1], bounds[1:], strict=True):
+    for start, past in itertools.pairwise(bounds):
         if motion.settled[start] and past - start > taps.size + thinning:
             first = -(-(taps.size - 1) // thinning)
             count = (past - start - 1) // thinning + 1

@@ -57,9 +57,7 @@ class Trial:
     def passes(self, candidates: int) -> bool:
         """Return whether the effect is beyond chance among so many candidates, and large enough to matter."""
         return (
-            self.chance < FALSE_ALARM / max(candidates, 1)
-            and self.share > LEAST_SHARE
-            and self.effect > LEAST_EFFECT
+            self.chance < FALSE_ALARM / max(candidates, 1) and self.share > LEAST_SHARE and self.effect > LEAST_EFFECT
         )
 
 

@@ -9,9 +9,9 @@ from mjfriction.laws.law import Floats, Law, kernel, positive
 def steady(v: float, load: float, p: Floats) -> float:
     """F_c⁺ + F_v⁺·v for v > 0 and −F_c⁻ + F_v⁻·v for v < 0, with p = (F_c⁺, F_c⁻, F_v⁺, F_v⁻)."""
     if v > 0.0:
-        return p[0] + p[2] * v
+        return float(p[0] + p[2] * v)
     if v < 0.0:
-        return -p[1] + p[3] * v
+        return float(-p[1] + p[3] * v)
     return 0.0
 
 

@@ -9,7 +9,7 @@ from mjfriction.laws.law import Floats, Law, kernel, positive
 @kernel
 def steady(v: float, load: float, p: Floats) -> float:
     """F_c·sgn v + F_v·v, with p = (F_c, F_v)."""
-    return p[0] * sign(v) + p[1] * v
+    return float(p[0] * sign(v) + p[1] * v)
 
 
 @kernel

@@ -10,7 +10,7 @@ from mjfriction.parameter import Parameter
 @kernel
 def steady(v: float, load: float, p: Floats) -> float:
     """F_c·sgn v + F_v·v + F_q·v·|v|, with p = (F_c, F_v, F_q)."""
-    return p[0] * sign(v) + p[1] * v + p[2] * v * abs(v)
+    return float(p[0] * sign(v) + p[1] * v + p[2] * v * abs(v))
 
 
 @kernel

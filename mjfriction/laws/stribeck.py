@@ -10,7 +10,7 @@ from mjfriction.parameter import Parameter
 @kernel
 def steady(v: float, load: float, p: Floats) -> float:
     """(F_c + (F_s − F_c)·exp(−|v/v_s|^δ))·sgn v + F_v·v, with p = (F_c, F_s, v_s, δ, F_v)."""
-    return stribeck_level(v, p[0], p[1], p[2], p[3]) * sign(v) + p[4] * v
+    return float(stribeck_level(v, p[0], p[1], p[2], p[3]) * sign(v) + p[4] * v)
 
 
 @kernel
@@ -43,4 +43,3 @@ STRIBECK = Law(
     advance=advance,
     orderings=(Ordering("static", "coulomb"),),
 )
-

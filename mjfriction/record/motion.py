@@ -52,7 +52,7 @@ class Motion:
     @property
     def moving(self) -> NDArray[np.bool_]:
         """Whether each joint moves anywhere in the log, shape (joints,)."""
-        return np.ptp(self.position, axis=0) > 20.0 * self.velocity_noise / max(self.cutoff, 1.0)
+        return np.asarray(np.ptp(self.position, axis=0) > 20.0 * self.velocity_noise / max(self.cutoff, 1.0))
 
 
 def raw_noise(log: Log, quantity: str, joint: str, clock: Clock) -> float:
@@ -75,7 +75,8 @@ def estimate_motion(log: Log, joints: Sequence[str], cutoff: float) -> Motion:
     grids = [even_grid(log, clock, piece) for piece in clock.pieces if piece[1] - piece[0] >= SHORTEST_PIECE]
     if not grids:
         raise LogError(
-            f"{log.source}: no stretch of {SHORTEST_PIECE} samples without a gap; record longer motions or a steadier log"
+            f"{log.source}: no stretch of {SHORTEST_PIECE} samples without a gap; "
+            "record longer motions or a steadier log"
         )
     rate = 1.0 / clock.step
     cutoff = min(cutoff, 0.45 * rate)
@@ -119,9 +120,7 @@ def estimate_motion(log: Log, joints: Sequence[str], cutoff: float) -> Motion:
         )
     used = {f"{q}.{joint}" for q in (POSITION, VELOCITY, EFFORT, CURRENT) for joint in joints}
     others = {
-        name: np.concatenate(on_clock(values, smooth=False))
-        for name, values in log.columns.items()
-        if name not in used
+        name: np.concatenate(on_clock(values, smooth=False)) for name, values in log.columns.items() if name not in used
     }
     return Motion(
         joints=tuple(joints),

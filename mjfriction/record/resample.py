@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,7 +58,7 @@ def read_clock(log: Log) -> Clock:
         )
     cuts = np.flatnonzero(~joined | gap) + 1
     bounds = [0, *cuts.tolist(), log.time.size]
-    pieces = tuple(zip(bounds[:-1], bounds[1:], strict=True))
+    pieces = tuple(itertools.pairwise(bounds))
     gaps = tuple((int(row), int(row) + 1) for row in np.flatnonzero(gap))
     return Clock(step=ordinary, jitter=jitter, pieces=pieces, gaps=gaps)
 

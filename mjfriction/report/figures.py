@@ -62,9 +62,7 @@ def residual_against_covariate(diagnosis: Diagnosis, finding: Finding) -> go.Fig
             col=k,
         )
         centre, mean = _binned(values, residual)
-        figure.add_scatter(
-            x=centre, y=mean, mode="lines", line={"color": INK, "width": 3}, name="mean", row=1, col=k
-        )
+        figure.add_scatter(x=centre, y=mean, mode="lines", line={"color": INK, "width": 3}, name="mean", row=1, col=k)
     sliding = gap.body.sliding[joint]
     figure.update_xaxes(title_text=f"{finding.covariate}, {UNITS[finding.covariate][sliding]}")
     figure.update_yaxes(title_text=f"measured − predicted, {_joint_unit(diagnosis, joint)}", col=1)
@@ -83,16 +81,16 @@ def time_course(diagnosis: Diagnosis, joint_name: str) -> go.Figure:
         "stated": (BEFORE, gap.residual[:, joint] / unit),
         "extended": (AFTER, diagnosis.heldout[:, joint] / unit),
     }
-    figure = make_subplots(
-        rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.08, subplot_titles=("effort", "error")
-    )
+    figure = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.08, subplot_titles=("effort", "error"))
     kept = _thinned(time.size)
     figure.add_scattergl(
         x=time[kept], y=measured[kept], name="measured", line={"color": MEASURED, "width": 4}, row=1, col=1
     )
     for name, (colour, residual) in left.items():
         predicted = measured - residual
-        figure.add_scattergl(x=time[kept], y=predicted[kept], name=name, line={"color": colour, "width": 1.3}, row=1, col=1)
+        figure.add_scattergl(
+            x=time[kept], y=predicted[kept], name=name, line={"color": colour, "width": 1.3}, row=1, col=1
+        )
         figure.add_scattergl(
             x=time[kept],
             y=residual[kept],
@@ -141,6 +139,8 @@ def _styled(figure: go.Figure, height: int) -> go.Figure:
 
 def figure_html(figure: go.Figure, name: str) -> str:
     """Return a figure as a piece of page; the plotting script itself is put into the page once."""
-    return str(figure.to_html(full_html=False, include_plotlyjs=False, div_id=name, config={"displayModeBar": False, "responsive": True}))
-
-
+    return str(
+        figure.to_html(
+            full_html=False, include_plotlyjs=False, div_id=name, config={"displayModeBar": False, "responsive": True}
+        )
+    )

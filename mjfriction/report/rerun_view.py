@@ -44,7 +44,9 @@ def write_recording(diagnosis: Diagnosis, report: Report, path: Path) -> None:
 
 def _send(stream: rr.RecordingStream, entity: str, time: Floats, values: Floats) -> None:
     stream.send_columns(
-        entity, indexes=[rr.TimeColumn("log_time_s", duration=time)], columns=rr.Scalars.columns(scalars=np.asarray(values))
+        entity,
+        indexes=[rr.TimeColumn("log_time_s", duration=time)],
+        columns=rr.Scalars.columns(scalars=np.asarray(values)),
     )
 
 

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, PlainSerializer
 from mjfriction.diagnose.diagnosis import Diagnosis, Finding, Fitted
 from mjfriction.diagnose.structure import Structure
 
-SCHEMA = "mjfriction.report/1"
+SCHEMA: Literal["mjfriction.report/1"] = "mjfriction.report/1"
 
 # Seven digits: more than any log carries, and few enough that libraries' last bits do not show.
 Number = Annotated[float, PlainSerializer(lambda value: float(f"{value:.7g}"), return_type=float)]
@@ -98,7 +98,7 @@ class StructureEntry(Entry):
 class Report(Entry):
     """The whole report."""
 
-    schema_: Literal["mjfriction.report/1"] = Field(SCHEMA, alias="schema")
+    schema_: Literal["mjfriction.report/1"] = Field(default=SCHEMA, alias="schema")
     verdict: Literal["explained", "consistent", "ambiguous", "unexplained", "bad_data"]
     summary: str
     joints: list[JointEntry]
@@ -116,7 +116,6 @@ class Report(Entry):
 def make_report(diagnosis: Diagnosis) -> Report:
     """Return the report of a diagnosis."""
     return Report(
-        schema=SCHEMA,
         verdict=diagnosis.verdict.value,
         summary=diagnosis.summary,
         joints=[JointEntry(**vars(error)) for error in diagnosis.joints],
@@ -185,9 +184,7 @@ def _structure(before: tuple[Structure, ...], after: tuple[Structure, ...]) -> l
 def _data_problems(diagnosis: Diagnosis) -> list[DataProblem]:
     log, clock = diagnosis.gap.log, diagnosis.gap.motion.clock
     problems = [
-        DataProblem(
-            kind="data.gap", where=f"{log.time[row]:.4g} s to {log.time[after]:.4g} s", action="split there"
-        )
+        DataProblem(kind="data.gap", where=f"{log.time[row]:.4g} s to {log.time[after]:.4g} s", action="split there")
         for row, after in clock.gaps
     ]
     if any(grid.moved for grid in diagnosis.gap.motion.grids):

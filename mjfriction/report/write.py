@@ -16,4 +16,8 @@ def write_results(diagnosis: Diagnosis, report: Report, folder: Path) -> None:
     (folder / "report.json").write_text(report_json(report), encoding="utf-8")
     (folder / "report.html").write_text(report_html(diagnosis, report), encoding="utf-8")
     write_recording(diagnosis, report, folder / "recording.rrd")
-    write_robot(diagnosis.robot, folder, comment=f"Extended by mjfriction from {Path(diagnosis.gap.log.source).name}.\n{report.summary}")
+    write_robot(
+        diagnosis.robot,
+        folder,
+        comment=f"Extended by mjfriction from {Path(diagnosis.gap.log.source).name}.\n{report.summary}",
+    )

@@ -26,8 +26,9 @@ def choose_cutoff(log: Log, robot: Robot, body: Body) -> float:
 
     Differentiated twice, white position noise σ_q leaves a low-pass of cutoff f as inertia torque of standard
     deviation J·σ_q·(2πf)²·√(2f/5r) at sampling rate r; white effort noise leaves it as σ_τ·√(2f/r).  The cutoff is the
-    highest f at which, on every joint, the first stays under half of the second or under 0.3 % of the effort, whichever
-    is more (a measured velocity needs one differentiation less, and counts where it is quieter); at most 100 Hz and a fifth of the rate, and at least five times the highest frequency of the motion itself.
+    highest f at which, on every joint, the first stays under half of the second or under 1 % of the effort, whichever
+    is more.  A measured velocity needs one differentiation less, and counts where it is quieter.  The cutoff is at most
+    100 Hz and a fifth of the rate, and at least five times the highest frequency of the motion itself.
 
     Raises :class:`LogError` when no joint of the log moves.
     """
@@ -46,7 +47,7 @@ def choose_cutoff(log: Log, robot: Robot, body: Body) -> float:
         motion = max(motion, _motion_frequency(values[longest[0] : longest[1]], rate))
         quantity = log.torque_quantity(joint.name)
         reported = log.channel(quantity, joint.name) if quantity else None
-        if reported is None:
+        if quantity is None or reported is None:
             continue
         per_reported = abs(effort_per_reported(joint, quantity, robot.name))
         position_noise = raw_noise(log, POSITION, joint.name, clock)

@@ -1,7 +1,7 @@
 """What a robot says its drives would report along a motion: the balance of the model, joint by joint.
 
-    effort = rnea(q, q̇, q̈) + rotor_inertia·gear_ratio²·q̈ + friction(q̇)
-    reported = scale·effort + offset,      current = reported / (gear_ratio·torque_constant)
+effort = rnea(q, q̇, q̈) + rotor_inertia·gear_ratio²·q̈ + friction(q̇)
+reported = scale·effort + offset,      current = reported / (gear_ratio·torque_constant)
 """
 
 from __future__ import annotations

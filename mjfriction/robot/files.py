@@ -95,7 +95,9 @@ def _place(location: tuple[int | str, ...], table: dict[str, Any]) -> str:
     words = [str(part) for part in location if not isinstance(part, int)]
     if len(location) > 1 and location[0] == "joint" and isinstance(location[1], int):
         joint = table["joint"][location[1]]
-        name = joint.get("name", f"number {location[1] + 1}") if isinstance(joint, dict) else f"number {location[1] + 1}"
+        name = (
+            joint.get("name", f"number {location[1] + 1}") if isinstance(joint, dict) else f"number {location[1] + 1}"
+        )
         return f"joint '{name}': {'.'.join(words[1:]) or 'table'}"
     return ".".join(words) or "file"
 

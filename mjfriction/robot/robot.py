@@ -58,9 +58,7 @@ class Robot:
             gravity=self.table.gravity,
             payload=Load(payload.mass, payload.com, payload.parent) if payload else None,
             link_scale=self.table.link_scale,
-            rotor_inertia=[
-                joint.actuator.rotor_inertia * joint.actuator.gear_ratio**2 for joint in self.table.joint
-            ],
+            rotor_inertia=[joint.actuator.rotor_inertia * joint.actuator.gear_ratio**2 for joint in self.table.joint],
         )
 
     def with_stated_friction(self, body: Body) -> Robot:
@@ -95,4 +93,6 @@ def bundled_robots() -> dict[str, Path]:
     package = Path(str(files("mjfriction")))
     shipped = package / "bundled" / "robots"  # in a wheel; a source checkout keeps them at its top level
     root = shipped if shipped.is_dir() else package.parent / "robots"
-    return {folder.name: folder / "robot.toml" for folder in sorted(root.iterdir()) if (folder / "robot.toml").is_file()}
+    return {
+        folder.name: folder / "robot.toml" for folder in sorted(root.iterdir()) if (folder / "robot.toml").is_file()
+    }

@@ -63,7 +63,7 @@ class FrictionTerm(Table):
         find_law(value)
         return value
 
-    def model_post_init(self, context: Any, /) -> None:
+    def model_post_init(self, _context: Any, /) -> None:
         """Check the parameters against the law's declarations."""
         find_law(self.law).pack(self.parameters)
 

@@ -112,7 +112,10 @@ def test_the_extended_robot_predicts_motion_it_was_not_fitted_to(case: Case, tmp
 def test_two_effects_are_both_found_when_stated_friction_is_a_few_percent_off(tmp_path: Path) -> None:
     hidden = {2: CASES[0].effect, 1: CASES[2].effect}
     diagnosis = run(tmp_path, Machine(hidden=hidden), seed=33, off=0.03)
-    assert set(names(diagnosis)) == {("friction.stribeck", "elbow_joint"), ("friction.asymmetry", "shoulder_lift_joint")}
+    assert set(names(diagnosis)) == {
+        ("friction.stribeck", "elbow_joint"),
+        ("friction.asymmetry", "shoulder_lift_joint"),
+    }
 
 
 def test_what_no_cause_fits_is_unexplained_and_placed(tmp_path: Path) -> None:

@@ -75,7 +75,9 @@ def mujoco_model(path: Path) -> mujoco.MjModel:
     return mujoco.MjModel.from_xml_string(ET.tostring(root, encoding="unicode"))
 
 
-def multisine(seed: int, joints: int, seconds: float, rate: float, reach: float = 0.7) -> tuple[Array, Array, Array, Array]:
+def multisine(
+    seed: int, joints: int, seconds: float, rate: float, reach: float = 0.7
+) -> tuple[Array, Array, Array, Array]:
     """Return time and q, v, a (n, joints) of a smooth motion of five sines a joint, exact in all derivatives."""
     rng = np.random.default_rng(seed)
     time = np.arange(int(seconds * rate)) / rate
@@ -120,7 +122,9 @@ def record(machine: Machine, seed: int, seconds: float = 40.0, rate: float = 250
         sensed = q[:, j] + machine.position_noise * rng.normal(size=time.size)
         columns[f"position.{joint}"] = np.round(sensed / step) * step
         if machine.velocity != "none":
-            columns[f"velocity.{joint}"] = v[:, j] + (0.02 if machine.velocity == "noisy" else 0.0) * rng.normal(size=time.size)
+            columns[f"velocity.{joint}"] = v[:, j] + (0.02 if machine.velocity == "noisy" else 0.0) * rng.normal(
+                size=time.size
+            )
         columns[f"effort.{joint}"] = torque + machine.noise * machine.coulomb[j] * rng.normal(size=time.size)
     return columns
 
@@ -130,13 +134,19 @@ def robot_toml(machine: Machine, *, off: float = 0.0, seed: int = 0) -> str:
     rng = np.random.default_rng([seed, 2])
     lines = ['name = "hidden"', f'model = "{machine.model}"']
     for j, joint in enumerate(machine.joints):
-        coulomb, viscous = (np.array([machine.coulomb[j], machine.viscous[j]]) * (1.0 + off * rng.normal(size=2))).tolist()
+        coulomb, viscous = (
+            np.array([machine.coulomb[j], machine.viscous[j]]) * (1.0 + off * rng.normal(size=2))
+        ).tolist()
         lines += ["[[joint]]", f'name = "{joint}"']
-        lines += [f'friction = {{ law = "coulomb_viscous", parameters = {{ coulomb = {coulomb}, viscous = {viscous} }} }}']
+        lines += [
+            f'friction = {{ law = "coulomb_viscous", parameters = {{ coulomb = {coulomb}, viscous = {viscous} }} }}'
+        ]
     return "\n".join(lines) + "\n"
 
 
-def write_case(folder: Path, machine: Machine, seed: int, *, off: float = 0.0, seconds: float = 40.0, rate: float = 250.0) -> tuple[Path, Path]:
+def write_case(
+    folder: Path, machine: Machine, seed: int, *, off: float = 0.0, seconds: float = 40.0, rate: float = 250.0
+) -> tuple[Path, Path]:
     """Write ``log.parquet`` and ``robot.toml`` of a machine and return their paths."""
     folder.mkdir(parents=True, exist_ok=True)
     log, robot = folder / "log.parquet", folder / "robot.toml"

@@ -49,7 +49,9 @@ def agree(path: Path, joints: tuple[str, ...], armature: np.ndarray | None = Non
     np.testing.assert_allclose(mine, theirs, rtol=1e-9, atol=1e-9 * np.abs(theirs).max())
     still = np.zeros_like(q)
     gravity = rigid_torque(model, full[0], 0.0 * full[1], 0.0 * full[2])[:, order]
-    np.testing.assert_allclose(inverse_dynamics(body, q, still, still), gravity, atol=1e-9 * max(np.abs(gravity).max(), 1.0))
+    np.testing.assert_allclose(
+        inverse_dynamics(body, q, still, still), gravity, atol=1e-9 * max(np.abs(gravity).max(), 1.0)
+    )
     data = mujoco.MjData(model)
     data.qpos[:] = full[0][0]
     mujoco.mj_forward(model, data)
@@ -68,7 +70,9 @@ def test_joints_may_come_in_any_order() -> None:
     q, v, a = states(6)
     straight = inverse_dynamics(load_body(UR5, UR5_JOINTS), q, v, a)
     body = load_body(UR5, [UR5_JOINTS[i] for i in order])
-    np.testing.assert_allclose(inverse_dynamics(body, q[:, order], v[:, order], a[:, order]), straight[:, order], rtol=1e-12)
+    np.testing.assert_allclose(
+        inverse_dynamics(body, q[:, order], v[:, order], a[:, order]), straight[:, order], rtol=1e-12
+    )
 
 
 def test_mjcf_with_slides_own_gravity_and_armature_agrees(tmp_path: Path) -> None:
@@ -81,7 +85,6 @@ def test_mjcf_with_slides_own_gravity_and_armature_agrees(tmp_path: Path) -> Non
     assert body.dry_friction[0] == 0.7
 
 
-
 @pytest.mark.parametrize("name", sorted(bundled_robots()))
 def test_every_bundled_robot_agrees(name: str) -> None:
     robot = read_robot(name)
@@ -91,7 +94,9 @@ def test_every_bundled_robot_agrees(name: str) -> None:
 def test_links_sum_to_the_whole() -> None:
     q, v, a = states(6)
     body = load_body(UR5, UR5_JOINTS)
-    np.testing.assert_allclose(link_torques(body, q, v, a).sum(axis=2), inverse_dynamics(body, q, v, a), rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(
+        link_torques(body, q, v, a).sum(axis=2), inverse_dynamics(body, q, v, a), rtol=1e-9, atol=1e-9
+    )
 
 
 def test_payload_is_a_mass_at_the_flange() -> None:
@@ -125,7 +130,9 @@ def test_scaling_a_link_scales_its_share() -> None:
         ("<sdf/>", "root element is <sdf>"),
     ],
 )
-def test_a_model_that_does_not_parse_is_one_line(tmp_path: Path, text: str, message: str, capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_model_that_does_not_parse_is_one_line(
+    tmp_path: Path, text: str, message: str, capfd: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "bad.urdf"
     path.write_text(text)
     with pytest.raises(RobotError, match=message) as caught:

@@ -63,7 +63,7 @@ def test_the_page_holds_all_it_shows(diagnosis: Diagnosis) -> None:
     without_script = re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL)
     assert not re.search(r"(src|href)=\"(?!data:)", without_script)
     assert "friction.asymmetry" in without_script
-    figures = [m for m in re.findall(r'<div id="([a-z0-9-]+)" class="plotly-graph-div"', page)]
+    figures = list(re.findall(r'<div id="([a-z0-9-]+)" class="plotly-graph-div"', page))
     assert figures == ["errors", "finding-0", "course-0"]
     for joint in diagnosis.joints:
         assert joint.joint in without_script

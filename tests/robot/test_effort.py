@@ -39,7 +39,9 @@ def test_currents_go_through_ratio_and_constant(tmp_path: Path) -> None:
     log, robot = read_log(log_path), read_robot(robot_path)
     columns = {name.replace("effort.elbow", "current.elbow"): values for name, values in log.columns.items()}
     in_amperes = replace(log, columns=columns)
-    with pytest.raises(RobotError, match=r"the log has current.elbow_joint but the robot file no actuator.torque_constant"):
+    with pytest.raises(
+        RobotError, match=r"the log has current.elbow_joint but the robot file no actuator.torque_constant"
+    ):
         predict_log(in_amperes, robot)
     elbow = robot.joint("elbow_joint")
     drive = elbow.actuator.model_copy(update={"gear_ratio": -50.0, "torque_constant": 0.1})

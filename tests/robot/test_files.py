@@ -67,7 +67,7 @@ def test_what_is_written_reads_back_equal(tmp_path, names, terms, ratio, offset,
 
 def test_a_packaged_model_keeps_its_name_and_one_that_includes_others_its_place(tmp_path: Path) -> None:
     ur5 = read_robot("ur5")
-    assert read_robot(write_robot(ur5, tmp_path)) .table == ur5.table
+    assert read_robot(write_robot(ur5, tmp_path)).table == ur5.table
     scene = tmp_path / "scene.xml"
     scene.write_text('<mujoco><include file="arm.xml"/></mujoco>')
     robot = Robot(ur5.table.model_copy(update={"model": "scene.xml"}), tmp_path)
@@ -78,15 +78,25 @@ def test_a_packaged_model_keeps_its_name_and_one_that_includes_others_its_place(
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (("gear_ratio =", "gear_ration ="), r"joint 'elbow_joint': actuator.gear_ration: unknown key 'gear_ration'; did you mean 'gear_ratio'.*Allowed: gear_ratio, torque_constant, rotor_inertia"),
+        (
+            ("gear_ratio =", "gear_ration ="),
+            r"joint 'elbow_joint': actuator.gear_ration: unknown key 'gear_ration'; did you mean 'gear_ratio'.*"
+            "Allowed: gear_ratio, torque_constant, rotor_inertia",
+        ),
         (("friction =", "fricton ="), "unknown key 'fricton'; did you mean 'friction'"),
         (('name = "arm"', 'nam = "arm"'), "unknown key 'nam'|name: Field required"),
         (("gear_ratio = 101.0", "gear_ratio = 0.0"), "a gear ratio of 0 moves nothing"),
         (("gear_ratio = 101.0", 'gear_ratio = "big"'), r"gear_ratio: .*number.*given: 'big'"),
         (("torque_constant = 0.12", "torque_constant = -1.0"), "torque_constant: .*greater than 0.*given: -1.0"),
         (("coulomb = 10.0", "coulomb = -10.0"), "parameter 'coulomb' = -10 N·m: allowed is at least 0"),
-        (("coulomb = 10.0", "colomb = 10.0"), "law 'coulomb_viscous' has no parameter 'colomb'; did you mean 'coulomb'"),
-        (("coulomb_viscous", "coulomb_viscos"), "unknown friction law 'coulomb_viscos'; did you mean 'coulomb_viscous'"),
+        (
+            ("coulomb = 10.0", "colomb = 10.0"),
+            "law 'coulomb_viscous' has no parameter 'colomb'; did you mean 'coulomb'",
+        ),
+        (
+            ("coulomb_viscous", "coulomb_viscos"),
+            "unknown friction law 'coulomb_viscos'; did you mean 'coulomb_viscous'",
+        ),
         (('side = "joint"', 'side = "load"'), "friction.side: .*'joint' or 'motor'"),
         (("[[joint]]", "[[joint"), "not valid TOML"),
     ],

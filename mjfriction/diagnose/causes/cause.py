@@ -48,7 +48,9 @@ class Cause(ABC):
     shape_parameters: ClassVar[tuple[Parameter, ...]] = ()
     covariate: ClassVar[str] = "velocity"
     before_sensor: ClassVar[bool] = True  # whether the change passes the effort sensor's scale, as all torques do
-    kin: ClassVar[tuple[str, ...]] = ()  # causes that are the other half of the same thing, asked for once this is found
+    kin: ClassVar[
+        tuple[str, ...]
+    ] = ()  # causes that are the other half of the same thing, asked for once this is found
 
     def sites(self, gap: Gap) -> list[Site]:
         """Return where the cause may sit, with a starting grid of shapes: by default every examined, moving joint."""

@@ -46,7 +46,7 @@ def _numbers(table: pa.Table, name: str, source: str) -> Floats | None:
     column = table[name]
     numeric = pa.types.is_floating(column.type) or pa.types.is_integer(column.type)
     if not numeric:
-        if name == "time" or name == "segment" or "." in name:
+        if name in {"time", "segment"} or "." in name:
             text = next((value for value in column.to_pylist() if not _is_number(value)), None)
             raise LogError(f"{source}: column '{name}' holds {text!r}, which is not a number")
         return None
@@ -91,5 +91,3 @@ def _check_time(time: Floats, segment: Integers, source: str) -> None:
 
 def _listed(names: list[str]) -> str:
     return ", ".join(names) if len(names) <= 12 else ", ".join(names[:12]) + f", … ({len(names)} columns)"
-
-
