@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
-from mjfriction.diagnose.compete import Candidates, contenders
+from mjfriction.diagnose.compete import Field, contenders
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.trial import Trial, try_out
 from mjfriction.record.log import Floats
@@ -27,7 +27,7 @@ class Standing:
     confidence: float
 
 
-def standing(model: Model, target: Chosen, field: Candidates) -> Standing:
+def standing(model: Model, target: Chosen, field: Field) -> Standing:
     """Take a cause out of the model, let all others try in its place, and compare on motion not fitted.
 
     The difference of two held-out errors in units of the noise is twice the logarithm of how much likelier the data
@@ -41,7 +41,11 @@ def standing(model: Model, target: Chosen, field: Candidates) -> Standing:
     own = try_out(without, target)
     if own is None:
         return Standing((), 0.5)
-    here = [choice for choice in field if choice.site.joint == joint and choice.key != target.key]
+    here = tuple(
+        entrant
+        for entrant in field
+        if entrant.joint == joint and entrant.key != target.key and target.cause.name not in entrant.cause.contains
+    )
     repeated = redundancy(model.residual()[:, joint] * model.system.rows.weight[:, joint])
     odds = {
         rival.chosen.cause.name: math.exp(min(0.0, -0.5 * (own.merit - rival.merit) / repeated))

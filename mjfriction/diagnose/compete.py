@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.optimize import minimize
 
@@ -16,16 +18,41 @@ KIN_CHANCE = 0.05  # at which a cause's other half is taken along: that of its 9
 LEAST_KIN = 0.02  # of its partner's effort that a cause's other half must reach
 MOST_CAUSES = 12
 SHORT_LIST = 8
+SCREENED_ROWS = 1500  # enough to rank shapes by
 
-Candidates = list[Chosen]
+@dataclass(frozen=True)
+class Entrant:
+    """A cause on a joint, with every shape of its starting grid."""
+
+    cause: Cause
+    joint: int
+    sites: tuple[Site, ...]
+
+    @property
+    def key(self) -> tuple[str, int]:
+        """The cause's name and its joint."""
+        return self.cause.name, self.joint
 
 
-def candidates(gap: Gap, causes: tuple[Cause, ...]) -> Candidates:
-    """Return every cause at every place it may sit, with every shape of its starting grid."""
-    return [Chosen(cause, site) for cause in causes for site in cause.sites(gap)]
+Field = tuple[Entrant, ...]
 
 
-def compete(gap: Gap, nuisance: Nuisance, field: Candidates) -> Model:
+def make_field(gap: Gap, causes: tuple[Cause, ...]) -> Field:
+    """Return every cause at every joint it may sit on."""
+    entrants = []
+    for cause in causes:
+        sites = cause.sites(gap)
+        for joint in dict.fromkeys(site.joint for site in sites):
+            entrants.append(Entrant(cause, joint, tuple(site for site in sites if site.joint == joint)))
+    return tuple(entrants)
+
+
+def size(field: Field) -> int:
+    """Return how many candidates a field holds, every shape counted: how often chance may strike."""
+    return sum(len(entrant.sites) for entrant in field)
+
+
+def compete(gap: Gap, nuisance: Nuisance, field: Field) -> Model:
     """Choose the causes that the log shows, strongest first.
 
     Forward: of the candidates whose strengths are beyond chance (Wald's test with block-clustered covariance, at a
@@ -34,35 +61,36 @@ def compete(gap: Gap, nuisance: Nuisance, field: Candidates) -> Model:
     """
     model = build_model(gap, nuisance, ())
     while len(model.chosen) < MOST_CAUSES:
-        passing = [trial for trial in contenders(model, field) if trial.passes(len(field))]
+        passing = [trial for trial in contenders(model, field) if trial.passes(size(field))]
         if not passing:
             break
         best = max(passing, key=lambda trial: trial.merit)
         model = reshaped(build_model(gap, nuisance, (*model.chosen, best.chosen)))
-    return _with_kin(_pruned(model, len(field)), field)
+    return _with_kin(_pruned(model, size(field)), field)
 
 
-def contenders(model: Model, field: Candidates) -> list[Trial]:
+def contenders(model: Model, field: Field) -> list[Trial]:
     """Try every candidate not in the model yet, each at its best shape; return the short list, tried in full."""
     present = {choice.key for choice in model.chosen}
-    best: dict[tuple[str, int], tuple[float, Chosen]] = {}
-    for choice in field:
-        if choice.key not in present:
-            gain = _gain(model, choice)
-            if choice.key not in best or gain > best[choice.key][0]:
-                best[choice.key] = (gain, choice)
-    ranked = sorted(best.values(), key=lambda entry: -entry[0])[:SHORT_LIST]
+    every = max(1, model.gap.blocks.row.size // SCREENED_ROWS)
+    best = []
+    for entrant in field:
+        if entrant.key in present:
+            continue
+        strengths, gains = model.system.screen(entrant.cause.screening(model.gap, entrant.sites, every), every)
+        for i in np.argsort(-gains):
+            if entrant.cause.admissible(model.gap, entrant.sites[i], strengths[i]):
+                gain = float(gains[i]) - _price(model.gap, strengths.shape[1] + len(entrant.sites[i].shape))
+                best.append((gain, Chosen(entrant.cause, entrant.sites[i])))
+                break
+    ranked = sorted(best, key=lambda entry: -entry[0])[:SHORT_LIST]
     shaped = [_best_shape(model, choice) for gain, choice in ranked if gain > 0.0]
     return [trial for choice in shaped if (trial := try_out(model, choice)) is not None]
 
 
-def _gain(model: Model, choice: Chosen) -> float:
-    strengths, gain = model.system.screen(choice.cause.columns(model.gap, choice.site))
-    if not choice.cause.admissible(model.gap, choice.site, strengths):
-        return 0.0
+def _price(gap: Gap, freedoms: int) -> float:
     # Every freedom, the searched shape included, costs what it gains on noise alone.
-    freedoms = strengths.size + len(choice.site.shape)
-    return gain - freedoms * float(np.log(model.gap.blocks.row.size))
+    return freedoms * float(np.log(gap.blocks.row.size))
 
 
 def _best_shape(model: Model, choice: Chosen) -> Chosen:
@@ -72,11 +100,17 @@ def _best_shape(model: Model, choice: Chosen) -> Chosen:
 
     def loss(logarithm: Floats) -> float:
         shape = tuple(float(value) for value in np.exp(logarithm))
-        return -_gain(model, Chosen(choice.cause, choice.site.shaped(shape)))
+        site = choice.site.shaped(shape)
+        columns = choice.cause.columns(model.gap, site)
+        strengths, gains = model.system.screen({joint: values[:, None, :] for joint, values in columns.items()})
+        return -float(gains[0]) if choice.cause.admissible(model.gap, site, strengths[0]) else 0.0
 
     start = np.log(np.clip(choice.site.shape, *np.array(bounds).T))
     limits = [(float(np.log(low)), float(np.log(high))) for low, high in bounds]
-    found = minimize(loss, start, method="Nelder-Mead", bounds=limits, options={"maxfev": 60, "xatol": 1e-3})
+    steps = np.log1p(np.divide(choice.cause.shape_steps(model.gap, choice.site), choice.site.shape))
+    simplex = np.vstack([start, start + np.diag(steps)])
+    options = {"maxfev": 60, "xatol": 1e-2 * float(np.min(steps)), "initial_simplex": simplex}
+    found = minimize(loss, start, method="Nelder-Mead", bounds=limits, options=options)
     shape = tuple(float(value) for value in np.exp(found.x))
     return Chosen(choice.cause, choice.site.shaped(shape)) if found.fun < loss(start) else choice
 
@@ -107,14 +141,15 @@ def _stays(trial: Trial | None, count: int) -> bool:
     return trial is not None and trial.passes(count)
 
 
-def _with_kin(model: Model, field: Candidates) -> Model:
+def _with_kin(model: Model, field: Field) -> Model:
     # A found cause names its other half, if it has one.  That is one question asked beforehand, not the best of many
     # answers, so that it stands at the plain level; and it is measured against its partner, not against the effort.
     for choice in model.chosen:
-        for other in field:
-            present = other.key in {found.key for found in model.chosen}
-            if other.cause.name not in choice.cause.kin or other.site != Site(choice.site.joint) or present:
+        for entrant in field:
+            present = entrant.key in {found.key for found in model.chosen}
+            if entrant.cause.name not in choice.cause.kin or entrant.joint != choice.site.joint or present:
                 continue
+            other = Chosen(entrant.cause, entrant.sites[0])
             trial = try_out(model, other, repeating=True)
             own = try_out(model.without(choice), choice)
             if trial and own and trial.chance < KIN_CHANCE and trial.effect > LEAST_KIN * own.effect:

@@ -9,7 +9,7 @@ import numpy as np
 
 from mjfriction.diagnose.alike import standing
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
-from mjfriction.diagnose.compete import Candidates, candidates, compete
+from mjfriction.diagnose.compete import Field, compete, make_field
 from mjfriction.diagnose.extend import Adjustment, adjustments, extend_robot
 from mjfriction.diagnose.gap import Gap, measure_gap
 from mjfriction.diagnose.intervals import half_widths
@@ -104,7 +104,7 @@ def diagnose(log: Log, robot: Robot, *, seed: int = 0) -> Diagnosis:
     :class:`~mjfriction.errors.RobotError` when either cannot be used.
     """
     gap = measure_gap(log, robot)
-    field = candidates(gap, STRUCTURAL)
+    field = make_field(gap, STRUCTURAL)
     settled = settle(compete(gap, make_nuisance(gap), field), field)
     model = settled.model
     heldout = model.heldout_residual()
@@ -131,7 +131,7 @@ def diagnose(log: Log, robot: Robot, *, seed: int = 0) -> Diagnosis:
     )
 
 
-def _findings(settled: Settled, field: Candidates, heldout: Floats, seed: int) -> list[Finding]:
+def _findings(settled: Settled, field: Field, heldout: Floats, seed: int) -> list[Finding]:
     model = settled.model
     strengths, widths = model.strengths, half_widths(model)
     found = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,6 +54,19 @@ class Gap:
     def examined(self) -> tuple[int, ...]:
         """The joints that have a measurement, as indices."""
         return tuple(i for i in range(len(self.robot.joints)) if np.isfinite(self.residual[0, i]))
+
+    @functools.cached_property
+    def _kinematics(self) -> dict[str, Floats]:
+        motion = self.motion
+        return {
+            "position": self.chain.rows(motion.position),
+            "velocity": self.chain.rows(motion.velocity),
+            "forward": self.chain.rows(np.column_stack([self.forward(i) for i in range(len(motion.joints))])),
+        }
+
+    def at_rows(self, name: str) -> Floats:
+        """Return ``position``, ``velocity`` or the ``forward`` direction of friction at the rows, (rows, joints)."""
+        return self._kinematics[name]
 
     def rms(self, values: Floats, joint: int) -> float:
         """Return the RMS of a joint's rows (rows,) over those that are clear."""

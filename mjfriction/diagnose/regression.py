@@ -7,6 +7,7 @@ without going back to the rows.
 
 from __future__ import annotations
 
+import functools
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -145,29 +146,46 @@ class System:
         weight = self.rows.weight
         return np.divide(left, weight, out=np.zeros_like(left), where=weight > 0.0)
 
-    def screen(self, candidate: Columns) -> tuple[Floats, float]:
-        """Return a candidate's strengths (k,) and its gain: by how much it lowers the weighted squared error, fitted
-        together with everything in the model.
+    def screen(self, block: Columns, every: int = 1) -> tuple[Floats, Floats]:
+        """Try many candidates of one kind at once.
+
+        ``block`` holds, for each joint, the columns (rows/every, K, k) of K candidates of k strengths each; with
+        ``every`` above 1, each ``every``-th row stands for all.  Returns their
+        strengths (K, k) and gains (K,): by how much each lowers the weighted squared error, fitted together with
+        everything in the model.
         """
-        count = next(iter(candidate.values())).shape[1]
-        cross = np.zeros((self.normal.count, count))
-        own = np.zeros((count, count))
-        moment = np.zeros(count)
-        for joint, columns in candidate.items():
-            weighted = columns * self.rows.weight[:, [joint]]
-            cross += self.base[joint].T @ weighted
-            own += weighted.T @ weighted
-            moment += weighted.T @ self.target[:, joint]
-        gram = self.normal.gram.sum(axis=(0, 1)) + np.diag(self.normal.precision)
-        through = _solve(gram, np.column_stack([cross, self.normal.moment.sum(axis=(0, 1))]))
-        reduced = own - cross.T @ through[:, :count]
-        score = moment - cross.T @ through[:, count]
+        _, number, count = next(iter(block.values())).shape
+        cross = np.zeros((self.normal.count, number * count))
+        own = np.zeros((number, count, count))
+        moment = np.zeros((number, count))
+        for joint, columns in block.items():
+            weighted = columns * self.rows.weight[::every, joint, None, None] * np.sqrt(every)
+            flat = weighted.reshape(weighted.shape[0], -1)
+            cross += np.sqrt(every) * self.base[joint][::every].T @ flat
+            own += np.einsum("nki,nkj->kij", weighted, weighted, optimize=True)
+            moment += np.sqrt(every) * (self.target[::every, joint] @ flat).reshape(number, count)
+        through = _solve(self._gram, cross).reshape(-1, number, count)
+        cross = cross.reshape(-1, number, count)
+        reduced = own - np.einsum("pki,pkj->kij", cross, through, optimize=True)
+        score = moment - np.einsum("p,pki->ki", self._strengths, cross, optimize=True)
         # A column that the model holds already is left without strength rather than divided by nothing.
-        alive = np.diag(reduced) > 1e-6 * np.diag(own)
-        strengths = np.zeros(count)
-        if np.any(alive):
-            strengths[alive] = np.linalg.lstsq(reduced[np.ix_(alive, alive)], score[alive], rcond=1e-8)[0]
-        return strengths, float(score @ strengths)
+        diagonal = np.einsum("kii->ki", reduced)
+        full = np.einsum("kii->ki", own)
+        dead = diagonal <= 1e-6 * full
+        reduced[dead] = 0.0
+        np.swapaxes(reduced, 1, 2)[dead] = 0.0
+        score[dead] = 0.0
+        np.einsum("kii->ki", reduced)[:] = np.where(dead, 1.0, diagonal * (1.0 + 1e-9))
+        strengths = np.linalg.solve(reduced, score[:, :, None])[:, :, 0]
+        return strengths, np.einsum("ki,ki->k", score, strengths)
+
+    @functools.cached_property
+    def _gram(self) -> Floats:
+        return np.asarray(self.normal.gram.sum(axis=(0, 1)) + np.diag(self.normal.precision))
+
+    @functools.cached_property
+    def _strengths(self) -> Floats:
+        return _solve(self._gram, self.normal.moment.sum(axis=(0, 1)))
 
     def extended(self, candidate: Columns, precision: Floats) -> Normal:
         """Return the normal equations with a candidate's columns added at the end."""

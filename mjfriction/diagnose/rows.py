@@ -37,6 +37,7 @@ class Chain:
     time: Floats
     piece: Integers
     band: float
+    rate: float
 
     @property
     def noise_gain(self) -> float:
@@ -46,6 +47,13 @@ class Chain:
     def rows(self, samples: Floats) -> Floats:
         """Return samples (n,) or (n, k) as rows (rows,) or (rows, k)."""
         return self._through(self.taps, samples)
+
+    def response(self, frequency: Floats) -> Floats:
+        """Return how much of an oscillation of given frequency (Hz, any shape) passes."""
+        grid = np.linspace(0.0, 0.5, 512)
+        half = (self.taps.size - 1) // 2
+        gain = np.cos(2.0 * np.pi * np.outer(grid, np.arange(-half, half + 1))) @ self.taps
+        return np.asarray(np.interp(np.abs(frequency) / self.rate, grid, gain))
 
     def touched(self, mask: NDArray[np.bool_]) -> Floats:
         """Return how much of each row's window a mask (n,) covers, from 0 to 1."""
@@ -88,4 +96,5 @@ def make_chain(motion: Motion, source: str) -> Chain:
         time=motion.time[centre],
         piece=motion.piece[centre],
         band=band,
+        rate=motion.rate,
     )

@@ -8,7 +8,7 @@ import numpy as np
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
-from mjfriction.diagnose.compete import Candidates, contenders, reshaped
+from mjfriction.diagnose.compete import Field, contenders, reshaped, size
 from mjfriction.diagnose.gap import Gap
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Nuisance
@@ -30,7 +30,7 @@ class Settled:
     levels: tuple[Chosen, ...]
 
 
-def settle(model: Model, field: Candidates) -> Settled:
+def settle(model: Model, field: Field) -> Settled:
     """Keep of the refitted values those that help on motion not fitted; name the friction levels that are findings.
 
     A level is a finding when it helps beyond chance and by enough to matter, and when its change stands out: more than
@@ -75,9 +75,9 @@ def _changes(model: Model) -> dict[int, float]:
     }
 
 
-def _simpler(held: Model, own: Trial, field: Candidates) -> Chosen | None:
-    here = [choice for choice in field if choice.site.joint == own.chosen.site.joint]
-    rivals = [trial for trial in contenders(held, here) if trial.passes(len(field))]
+def _simpler(held: Model, own: Trial, field: Field) -> Chosen | None:
+    here = tuple(entrant for entrant in field if entrant.joint == own.chosen.site.joint)
+    rivals = [trial for trial in contenders(held, here) if trial.passes(size(field))]
     best = max(rivals, key=lambda trial: trial.merit, default=None)
     return best.chosen if best is not None and best.merit > own.merit else None
 

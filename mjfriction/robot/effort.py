@@ -1,6 +1,6 @@
 """What a robot says its drives would report along a motion: the balance of the model, joint by joint.
 
-effort = rnea(q, q̇, q̈) + rotor_inertia·gear_ratio²·q̈ + friction(q̇)
+effort = rnea(q, q̇, q̈) + rotor_inertia·gear_ratio²·q̈ + friction(q̇, q) + cogging(q) + spring(q)
 reported = scale·effort + offset,      current = reported / (gear_ratio·torque_constant)
 """
 
@@ -18,7 +18,7 @@ from mjfriction.laws.law import Floats
 from mjfriction.record.log import CURRENT
 from mjfriction.record.motion import Motion
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import FrictionTerm, Joint
+from mjfriction.robot.schema import FrictionTerm, Joint, Wave
 
 SURE = 3.0  # deviations of the velocity's noise beyond which the direction of motion is known
 
@@ -27,11 +27,13 @@ SURE = 3.0  # deviations of the velocity's noise beyond which the direction of m
 class Effort:
     """Predicted effort along a motion, each of shape (n, joints), N·m or N at the joint.
 
-    ``rigid``: links, payload, gravity and rotors; ``friction``; ``reported``: what the drive's sensor would say.
+    ``rigid``: links, payload, gravity and rotors; ``friction``; ``total``: these with cogging and springs; ``reported``:
+    what the drive's sensor would say.
     """
 
     rigid: Floats
     friction: Floats
+    total: Floats
     reported: Floats
 
 
@@ -42,14 +44,27 @@ def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
     """
     rigid = inverse_dynamics(body, motion.position, motion.velocity, motion.acceleration)
     friction = np.zeros_like(rigid)
-    reported = np.empty_like(rigid)
+    total, reported = np.empty_like(rigid), np.empty_like(rigid)
     for i, joint in enumerate(robot.table.joint):
         for term in joint.friction or ():
             friction[:, i] += term_torque(
                 term, joint.actuator.gear_ratio, motion.velocity[:, i], motion.velocity_noise[i], rigid[:, i]
             )
-        reported[:, i] = joint.effort_sensor.scale * (rigid[:, i] + friction[:, i]) + joint.effort_sensor.offset
-    return Effort(rigid, friction, reported)
+        position = motion.position[:, i]
+        if joint.friction_waves:
+            forward, _ = direction(motion.velocity[:, i], motion.velocity_noise[i])
+            friction[:, i] += (2.0 * forward - 1.0) * _waves(joint.friction_waves, position)
+        spring = joint.spring.stiffness * position + joint.spring.preload
+        total[:, i] = rigid[:, i] + friction[:, i] + _waves(joint.cogging, position) + spring
+        reported[:, i] = joint.effort_sensor.scale * total[:, i] + joint.effort_sensor.offset
+    return Effort(rigid, friction, total, reported)
+
+
+def _waves(waves: tuple[Wave, ...], position: Floats) -> Floats:
+    out = np.zeros_like(position)
+    for wave in waves:
+        out += wave.cosine * np.cos(wave.wavenumber * position) + wave.sine * np.sin(wave.wavenumber * position)
+    return out
 
 
 def term_torque(term: FrictionTerm, gear_ratio: float, velocity: Floats, noise: float, load: Floats) -> Floats:

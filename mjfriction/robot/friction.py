@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from mjfriction.laws.asymmetric import ASYMMETRIC
 from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
+from mjfriction.laws.load_dependent import LOAD_DEPENDENT
 from mjfriction.laws.stribeck import STRIBECK
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import FrictionTerm, Joint
@@ -44,6 +45,11 @@ def stribeck_excess(joint: Joint) -> float:
         for term in terms(joint)
         if term.law == STRIBECK.name
     )
+
+
+def stated_load(joint: Joint) -> float:
+    """Return how fast friction is stated to grow with the transmitted load; the same on either side of the gear."""
+    return sum(term.parameters["load"] for term in terms(joint) if term.law == LOAD_DEPENDENT.name)
 
 
 def raised_levels(robot: Robot, joint: str, coulomb: float, viscous: float) -> Robot:

@@ -68,12 +68,34 @@ class FrictionTerm(Table):
         find_law(self.law).pack(self.parameters)
 
 
+class Spring(Table):
+    """A spring on a joint: ``stiffness`` · position + ``preload``."""
+
+    stiffness: Finite = 0.0
+    preload: Finite = 0.0
+
+
+class Wave(Table):
+    """A torque that repeats along the stroke: ``cosine`` · cos(k q) + ``sine`` · sin(k q), k the ``wavenumber``."""
+
+    wavenumber: Positive
+    cosine: Finite = 0.0
+    sine: Finite = 0.0
+
+
 class Joint(Table):
-    """One joint.  Several friction laws add up; without any, the model file's own damping and dry friction hold."""
+    """One joint.
+
+    Several friction laws add up; without any, the model file's own damping and dry friction hold.  ``friction_waves``
+    add to the friction level along the stroke; ``cogging`` and ``spring`` do not turn with the direction of motion.
+    """
 
     name: str
     actuator: Actuator = Actuator()
     friction: Annotated[tuple[FrictionTerm, ...], BeforeValidator(_as_list)] | None = None
+    friction_waves: tuple[Wave, ...] = ()
+    cogging: tuple[Wave, ...] = ()
+    spring: Spring = Spring()
     effort_sensor: EffortSensor = EffortSensor()
 
 

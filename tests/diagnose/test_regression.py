@@ -55,10 +55,15 @@ def test_screening_and_extending_agree_with_a_fit_of_everything() -> None:
     system = System(rows, columns, precisions)
     full = System(rows, [*columns, candidate], [*precisions, np.zeros(2)]).normal
     every = np.ones(BLOCKS, dtype=bool)
-    strengths, gain = system.screen(candidate)
+    many = np.stack([candidate[1], 2.0 * candidate[1]], axis=1)
+    (strengths, doubled), (gain, same) = system.screen({1: many})
+    np.testing.assert_allclose(2.0 * doubled, strengths, rtol=1e-6)
+    assert same == pytest.approx(gain, rel=1e-6)
     np.testing.assert_allclose(strengths, full.strengths(every)[-2:], rtol=1e-6)
     before = system.normal.errors(system.normal.strengths(every)).sum()
     assert gain == pytest.approx(before - full.errors(full.strengths(every)).sum(), rel=1e-6)
+    thinned, _ = system.screen({1: many[::3]}, every=3)
+    np.testing.assert_allclose(thinned[0], strengths, atol=0.2)
     extended = system.extended(candidate, np.zeros(2))
     np.testing.assert_allclose(extended.gram, full.gram)
     np.testing.assert_allclose(extended.moment, full.moment)
@@ -66,9 +71,9 @@ def test_screening_and_extending_agree_with_a_fit_of_everything() -> None:
 
 def test_a_column_the_model_holds_already_gains_nothing() -> None:
     rows, columns, precisions = problem()
-    strengths, gain = System(rows, columns, precisions).screen({0: 3.0 * columns[0][0][:, [1]]})
-    assert strengths.tolist() == [0.0]
-    assert gain == 0.0
+    strengths, gain = System(rows, columns, precisions).screen({0: 3.0 * columns[0][0][:, None, [1]]})
+    assert strengths.tolist() == [[0.0]]
+    assert gain.tolist() == [0.0]
 
 
 def test_a_prior_pulls_towards_zero() -> None:

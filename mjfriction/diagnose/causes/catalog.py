@@ -5,11 +5,14 @@ from __future__ import annotations
 from mjfriction.diagnose.causes.asymmetry import Asymmetry
 from mjfriction.diagnose.causes.cause import Cause
 from mjfriction.diagnose.causes.coulomb_viscous import CoulombViscous
+from mjfriction.diagnose.causes.load import Load
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
+from mjfriction.diagnose.causes.spring import Spring
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.causes.viscous_nonlinear import ViscousNonlinear
+from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 
 STATED_LEVELS = CoulombViscous()
 
@@ -17,9 +20,13 @@ STRUCTURAL: tuple[Cause, ...] = (
     Stribeck(),
     ViscousNonlinear(),
     Asymmetry(),
+    Load(),
+    PositionFriction(),
+    Cogging(),
     Offset(),
     RotorInertia(),
     TorqueConstant(),
+    Spring(),
 )
 
 CAUSES: dict[str, Cause] = {cause.name: cause for cause in (STATED_LEVELS, *STRUCTURAL)}

@@ -6,6 +6,7 @@ Adding a cause is one file with one class, and one line in :mod:`~mjfriction.dia
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -48,6 +49,7 @@ class Cause(ABC):
     shape_parameters: ClassVar[tuple[Parameter, ...]] = ()
     covariate: ClassVar[str] = "velocity"
     before_sensor: ClassVar[bool] = True  # whether the change passes the effort sensor's scale, as all torques do
+    contains: ClassVar[tuple[str, ...]] = ()  # causes that are this one with a strength at zero: no rivals of theirs
     kin: ClassVar[
         tuple[str, ...]
     ] = ()  # causes that are the other half of the same thing, asked for once this is found
@@ -79,6 +81,18 @@ class Cause(ABC):
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
         """Return the range each shape parameter is searched in."""
         return []
+
+    def shape_steps(self, gap: Gap, site: Site) -> tuple[float, ...]:
+        """Return how far each shape parameter is moved at first when it is searched: by default a tenth of itself."""
+        return tuple(0.1 * value for value in site.shape)
+
+    def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
+        """Return the columns of many shapes on one joint at once, good enough to rank them.
+
+        Of the rows only each ``every``-th is asked for: (rows/every, shapes, strengths).
+        """
+        blocks = [self.columns(gap, site) for site in sites]
+        return {joint: np.stack([block[joint][::every] for block in blocks], axis=1) for joint in blocks[0]}
 
     def columns(self, gap: Gap, site: Site) -> Columns:
         """Return the cause's regressor columns, through the measurement chain."""

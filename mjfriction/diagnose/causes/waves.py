@@ -1,0 +1,128 @@
+"""What repeats along the stroke: cogging (drive.cogging) and friction that varies with position (friction.position)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar, final
+
+import numpy as np
+
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Shape, Site
+from mjfriction.diagnose.gap import Gap
+from mjfriction.diagnose.regression import Columns
+from mjfriction.parameter import Parameter
+from mjfriction.record.log import Floats
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.schema import Wave
+
+WAVENUMBER = Parameter("wavenumber", "rad/{length}", "phase per position; 2π over the period", lower=1e-6)
+COSINE = Parameter("cosine", "{force}", "amplitude of the cosine of wavenumber times position")
+SINE = Parameter("sine", "{force}", "amplitude of the sine of wavenumber times position")
+
+FEWEST_WAVES = 1.5  # over the stroke; longer waves are springs or gravity
+STEPS_PER_LOBE = 3.0  # of the grid of wavenumbers; two waves over one stroke differ when they drift apart by one period
+MOST_WAVENUMBERS = 400
+IN_BAND = 0.8  # of the band that the waves may reach at the joint's median speed
+
+
+class _Waves(Cause):
+    """Cosine and sine of a searched wavenumber, as a torque of their own or in the direction of motion."""
+
+    shape_parameters = (WAVENUMBER,)
+    covariate = "position"
+    turns: ClassVar[bool] = False  # whether the waves turn with the direction of motion
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """Every moving joint, with wavenumbers as fine as its stroke can tell apart."""
+        out = []
+        for site in super().sites(gap):
+            low, high = self.shape_bounds(gap, site)[0]
+            step = 2.0 * np.pi / float(np.ptp(gap.motion.position[:, site.joint])) / STEPS_PER_LOBE
+            count = min(int((high - low) / step), MOST_WAVENUMBERS)
+            out += [site.shaped((low + k * step,)) for k in range(count)]
+        return out
+
+    def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
+        """From a wave and a half over the stroke to what the band lets through at the joint's usual speed."""
+        stroke = float(np.ptp(gap.motion.position[:, site.joint]))
+        speed = np.abs(gap.motion.velocity[:, site.joint])
+        usual = float(np.median(speed[speed > gap.doubt_speed[site.joint]]))
+        low = FEWEST_WAVES * 2.0 * np.pi / stroke
+        return [(low, max(low, IN_BAND * 2.0 * np.pi * gap.chain.band / usual))]
+
+    def shape_steps(self, gap: Gap, site: Site) -> tuple[float, ...]:
+        """A third of the grid's step, so that the search stays on the peak it starts from."""
+        stroke = float(np.ptp(gap.motion.position[:, site.joint]))
+        return (2.0 * np.pi / stroke / STEPS_PER_LOBE / 3.0,)
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """The two waves, (n, 2)."""
+        phase = site.shape[0] * gap.motion.position[:, site.joint]
+        forward = gap.forward(site.joint)[:, None] if self.turns else 1.0
+        return np.asarray(np.column_stack([np.cos(phase), np.sin(phase)]) * forward)
+
+    def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
+        """The waves at the rows, weakened as the chain weakens the frequency they have there; no filtering needed."""
+        joint = sites[0].joint
+        wavenumber = np.array([site.shape[0] for site in sites])
+        phase = np.outer(gap.at_rows("position")[::every, joint], wavenumber)
+        passed = gap.chain.response(np.outer(gap.at_rows("velocity")[::every, joint], wavenumber / (2.0 * np.pi)))
+        if self.turns:
+            passed *= gap.at_rows("forward")[::every, [joint]]
+        return {joint: np.stack([np.cos(phase) * passed, np.sin(phase) * passed], axis=2)}
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """The two amplitudes."""
+        return (Quantity(COSINE), Quantity(SINE))
+
+
+def _wave(strengths: Floats, shape: Shape) -> Wave:
+    return Wave(wavenumber=shape[0], cosine=float(strengths[0]), sine=float(strengths[1]))
+
+
+def _period(gap: Gap, site: Site) -> str:
+    sliding = gap.body.sliding[site.joint]
+    period = 2.0 * np.pi / site.shape[0]
+    return f"{period:.4g} m" if sliding else f"{period:.4g} rad ({site.shape[0]:.4g} to a turn)"
+
+
+@final
+class Cogging(_Waves):
+    """C·cos(k q) + S·sin(k q), whichever way the joint moves."""
+
+    name = "drive.cogging"
+
+    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+        """Add a wave to the joint's cogging."""
+        table = robot.joint(joint)
+        return robot.with_joint(table.model_copy(update={"cogging": (*table.cogging, _wave(strengths, shape))}))
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give amplitude and period."""
+        unit = "N" if gap.body.sliding[site.joint] else "N·m"
+        return (
+            f"a torque of {np.hypot(*strengths):.3g} {unit} repeats every {_period(gap, site)} of position and does not "
+            "turn with the direction of motion"
+        )
+
+
+@final
+class PositionFriction(_Waves):
+    """(C·cos(k q) + S·sin(k q))·sgn v."""
+
+    name = "friction.position"
+    turns = True
+
+    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+        """Add a wave to the joint's friction level."""
+        table = robot.joint(joint)
+        waves = (*table.friction_waves, _wave(strengths, shape))
+        return robot.with_joint(table.model_copy(update={"friction_waves": waves}))
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give amplitude and period."""
+        unit = "N" if gap.body.sliding[site.joint] else "N·m"
+        return (
+            f"the friction level rises and falls by {np.hypot(*strengths):.3g} {unit} every {_period(gap, site)} of "
+            "position, against the motion in both directions"
+        )
