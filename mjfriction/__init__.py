@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from mjfriction.diagnose.diagnosis import Diagnosis, diagnose
+    from mjfriction.diagnose.diagnosis import Diagnosis, diagnose_log
     from mjfriction.errors import MjfrictionError
     from mjfriction.record.log import Log
     from mjfriction.record.readers import read_log
@@ -19,7 +19,7 @@ _HOMES = {
     "Log": "mjfriction.record.log",
     "MjfrictionError": "mjfriction.errors",
     "Robot": "mjfriction.robot.robot",
-    "diagnose": "mjfriction.diagnose.diagnosis",
+    "diagnose_log": "mjfriction.diagnose.diagnosis",
     "predict_log": "mjfriction.robot.predict",
     "read_log": "mjfriction.record.readers",
     "read_robot": "mjfriction.robot.files",
@@ -31,7 +31,7 @@ __all__ = [
     "Log",
     "MjfrictionError",
     "Robot",
-    "diagnose",
+    "diagnose_log",
     "predict_log",
     "read_log",
     "read_robot",

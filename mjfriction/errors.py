@@ -48,6 +48,6 @@ class InternalError(MjfrictionError):
 
 
 def suggestion(word: str, allowed: Iterable[str]) -> str:
-    """Return ``"; did you mean 'x'?"`` for the nearest allowed word, or an empty string."""
+    """Return the end of a sentence: ``"; did you mean 'x'?"`` for the nearest allowed word, or a full stop."""
     near = difflib.get_close_matches(word, list(allowed), n=1)
-    return f"; did you mean '{near[0]}'?" if near else ""
+    return f"; did you mean '{near[0]}'?" if near else "."

@@ -16,7 +16,7 @@ from pathlib import Path
 from plotly.offline import get_plotlyjs
 
 from mjfriction.cli.demo import demo
-from mjfriction.diagnose.diagnosis import diagnose
+from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.record.readers import read_log
 from mjfriction.report.figures import figure_html, residual_against_covariate
 from mjfriction.robot.files import read_robot
@@ -46,7 +46,7 @@ def write_readme(text: str) -> None:
 
 
 def draw_residual(target: Path) -> None:
-    diagnosis = diagnose(read_log(DEMO), read_robot("ur5"))
+    diagnosis = diagnose_log(read_log(DEMO), read_robot("ur5"))
     figure = residual_against_covariate(diagnosis, diagnosis.findings[0])
     figure.update_layout(paper_bgcolor="white", width=SIZE[0] - 20, height=SIZE[1] - 20, font_color="#333333")
     page = (

@@ -26,7 +26,7 @@ def diagnose(logs: LogPaths, robot: RobotSource, out: Out, seed: Seed = 0, json:
 
 def report_diagnosis(logs: list[Path], robot: str, out: Path, *, seed: int, json: bool) -> None:
     """Diagnose, write the four files, and print the report."""
-    from mjfriction.diagnose.diagnosis import diagnose as run_diagnosis
+    from mjfriction.diagnose.diagnosis import diagnose_log
     from mjfriction.record.merge import merge_logs
     from mjfriction.record.readers import read_log
     from mjfriction.report.folder import whole_folder
@@ -37,7 +37,7 @@ def report_diagnosis(logs: list[Path], robot: str, out: Path, *, seed: int, json
     with whole_folder(out) as folder:
         with working("diagnosing"):
             log = merge_logs([read_log(path) for path in logs])
-            diagnosis = run_diagnosis(log, read_robot(robot), seed=seed)
+            diagnosis = diagnose_log(log, read_robot(robot), seed=seed)
             report = make_report(diagnosis)
         with working("writing the report"):
             write_results(diagnosis, report, folder)

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
-from mjfriction.diagnose.compete import Field, contenders
+from mjfriction.diagnose.compete import Field, contenders, size
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.trial import Trial, try_out
 from mjfriction.record.log import Floats
 
 UNDECIDED = 0.05  # probability of a rival from which on it is named beside the chosen cause
+AS_GOOD = 1.25  # times the error that the chosen cause leaves, which a rival may leave
 MOST_CONFIDENT = 0.99
 
 
@@ -50,7 +51,7 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
     odds = {
         rival.chosen.cause.name: math.exp(min(0.0, -0.5 * (own.merit - rival.merit) / repeated))
         for rival in contenders(without, here)
-        if _is_rival(rival, own)
+        if _is_rival(rival, own, size(field))
     }
     total = 1.0 + sum(odds.values())
     alternatives = tuple(name for name, likelihood in odds.items() if likelihood / total > UNDECIDED)
@@ -67,6 +68,7 @@ def redundancy(weighted: Floats) -> float:
     return 1.0 + 2.0 * float(np.sum(correlation[1:leading]))
 
 
-def _is_rival(rival: Trial, own: Trial) -> bool:
-    # What does not pass on its own is no explanation, however little the chosen cause explains.
-    return rival.passes(1) and rival.gain > 0.5 * own.gain
+def _is_rival(rival: Trial, own: Trial, number: int) -> bool:
+    # What would not pass in the place of the chosen cause is no explanation, however little that one explains.
+    left = [float(np.sum(trial.error)) - trial.gain for trial in (own, rival)]
+    return rival.passes(number) and left[1] < AS_GOOD * left[0]

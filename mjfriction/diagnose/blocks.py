@@ -12,6 +12,7 @@ from mjfriction.errors import LogError
 from mjfriction.record.log import Floats, Integers
 
 BLOCK_SECONDS = 1.0  # longer than the memory of any noise the filters make
+SHORTEST_BLOCK = 0.5  # s; in logs too short for eight blocks of a second
 MOST_BLOCKS = 60
 FEWEST_BLOCKS = 8
 FEWEST_REPEATS = 4
@@ -49,18 +50,18 @@ class Blocks:
 
 
 def cut_blocks(chain: Chain, position: Floats, source: str) -> Blocks:
-    """Cut the rows into blocks of at least a second, at most sixty; ``position`` (rows, joints) shows repetitions.
+    """Cut the rows into blocks of a second or more, at most sixty (in short logs eight of half a second or more); ``position`` (rows, joints) shows repetitions.
 
     Raises :class:`LogError` when the motion is too short to fit on one part and prove on another.
     """
     step = np.diff(chain.time)
     elapsed = np.append(0.0, np.cumsum(np.clip(step, 0.0, 10.0 / chain.band)))
     total = float(elapsed[-1])
-    count = int(total / max(BLOCK_SECONDS, total / MOST_BLOCKS))
-    if count < FEWEST_BLOCKS:
+    count = max(FEWEST_BLOCKS, int(total / max(BLOCK_SECONDS, total / MOST_BLOCKS)))
+    if total / count < SHORTEST_BLOCK:
         raise LogError(
             f"{source}: {total:.1f} s of usable motion are too short; at least "
-            f"{FEWEST_BLOCKS * BLOCK_SECONDS:.0f} s are needed to fit on one part and prove on another"
+            f"{FEWEST_BLOCKS * SHORTEST_BLOCK:.0f} s are needed to fit on one part and prove on another"
         )
     period = _period(chain, position) if np.all(chain.piece == chain.piece[0]) else None
     if period is None:

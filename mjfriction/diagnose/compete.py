@@ -20,6 +20,7 @@ MOST_CAUSES = 12
 SHORT_LIST = 8
 SCREENED_ROWS = 1500  # enough to rank shapes by
 
+
 @dataclass(frozen=True)
 class Entrant:
     """A cause on a joint, with every shape of its starting grid."""

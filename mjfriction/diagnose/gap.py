@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mjfriction.body.model import Body
 from mjfriction.diagnose.blocks import Blocks, cut_blocks
 from mjfriction.diagnose.rows import Chain, make_chain
+from mjfriction.diagnose.units import check_units
 from mjfriction.record.log import Floats, Log, check_joints
 from mjfriction.record.motion import Motion, estimate_motion, raw_noise
 from mjfriction.robot.bandwidth import choose_cutoff
@@ -87,6 +88,7 @@ def measure_gap(log: Log, robot: Robot) -> Gap:
     body = robot.body()
     robot = robot.with_stated_friction(body)
     check_joints(log, robot.name, robot.joints)
+    check_units(log, body)
     motion = estimate_motion(log, robot.joints, choose_cutoff(log, robot, body))
     effort = predict_effort(robot, body, motion)
     chain = make_chain(motion, log.source)

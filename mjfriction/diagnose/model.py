@@ -125,7 +125,8 @@ def build_model(gap: Gap, nuisance: Nuisance, chosen: tuple[Chosen, ...]) -> Mod
 def _weighted_rows(gap: Gap, noise: Floats) -> Rows:
     measured = np.isfinite(gap.residual)
     deviation = np.sqrt(np.square(noise) + np.square(np.nan_to_num(gap.doubt)))
-    return Rows(np.nan_to_num(gap.residual), np.where(measured, 1.0 / deviation, 0.0), gap.blocks.row)
+    weight = np.divide(1.0, deviation, out=np.zeros_like(deviation), where=measured & (deviation > 0.0))
+    return Rows(np.nan_to_num(gap.residual), weight, gap.blocks.row)
 
 
 def _rms(values: Floats) -> Floats:

@@ -116,9 +116,12 @@ class Normal:
 
 def _solve(gram: Floats, right: Floats) -> Floats:
     # Columns differ in unit; scaling to unit diagonal makes the relative floor on it mean the same for all.
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    # A regressor without any data (a joint that never moves) gets no strength.
+    diagonal = np.diag(gram)
+    alive = diagonal > 1e-200
+    scale = np.where(alive, 1.0 / np.sqrt(np.where(alive, diagonal, 1.0)), 0.0)
     scaled = gram * scale[:, None] * scale[None, :]
-    scaled[np.diag_indices_from(scaled)] += 1e-10
+    scaled[np.diag_indices_from(scaled)] += np.where(alive, 1e-10, 1.0)
     factor = cho_factor(scaled)
     if right.ndim == 1:
         return np.asarray(scale * cho_solve(factor, scale * right))

@@ -15,10 +15,12 @@ from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.trial import FALSE_ALARM, Trial, try_out
 from mjfriction.record.log import Floats
 
+MOST_LINK_CHANGE = 0.8  # past which a scaled link is no link any more, and the fit a sign of something else
 EXACT = 0.01  # of the stated friction: typical change of the other joints up to which a robot is stated exactly
 LEAST_CHANGE = 0.04  # that counts on a robot stated exactly
 LEAST_CHANGE_ROUGH = 0.10  # that counts on a robot whose joints are all a little off, or that has too few to compare
 OUTLYING = 5.0  # times the typical change that it must be there besides
+ALWAYS = 0.25  # of the stated friction: a quarter off is a finding whatever the others are
 LINK_BAR = 2.0  # standard errors by which free link scales must help on motion not fitted
 
 
@@ -35,7 +37,7 @@ def settle(model: Model, field: Field) -> Settled:
 
     A level is a finding when it helps beyond chance and by enough to matter, and when its change stands out: more than
     4 % of the stated friction on a robot stated exactly, more than 10 % and than five times what is typical where the
-    other joints are a little off too.  Where another cause does
+    other joints are a little off too, or a quarter in any case.  Where another cause does
     as much with fewer freedoms (a torque constant scales both levels alike), that cause takes its place and the level
     stays as stated.
     """
@@ -55,7 +57,7 @@ def settle(model: Model, field: Field) -> Settled:
             else:
                 model = build_model(held.gap, held.nuisance, (*held.chosen, rival))
     if not _links_help(model):
-        model = build_model(model.gap, Nuisance(model.nuisance.levels, ()), model.chosen)
+        model = without_links(model)
     return Settled(_admissible(model), tuple(findings))
 
 
@@ -65,6 +67,16 @@ def _admissible(model: Model) -> Model:
         if not choice.cause.admissible(model.gap, choice.site, model.strengths[place]):
             return _admissible(model.without(choice))
     return model
+
+
+def without_links(model: Model) -> Model:
+    """Return the model with every link as stated."""
+    return build_model(model.gap, Nuisance(model.nuisance.levels, ()), model.chosen)
+
+
+def link_changes(model: Model) -> Floats:
+    """Return how far each refitted link scale is from what is stated, relative, (links,)."""
+    return model.strengths[2 * len(model.nuisance.levels) : model.nuisance.count]
 
 
 def _changes(model: Model) -> dict[int, float]:
@@ -84,7 +96,7 @@ def _simpler(held: Model, own: Trial, field: Field) -> Chosen | None:
 
 def _links_help(model: Model) -> bool:
     nuisance, normal = model.nuisance, model.system.normal
-    if not nuisance.links:
+    if not nuisance.links or np.any(np.abs(link_changes(model)) > MOST_LINK_CHANGE):
         return False
     without = normal.without(list(range(2 * len(nuisance.levels), nuisance.count)))
     folds = model.gap.blocks.folds
@@ -103,4 +115,4 @@ def _bar(change: dict[int, float], joint: int) -> float:
     if len(others) < 2:
         return LEAST_CHANGE_ROUGH
     typical = float(np.quantile(others, 0.75))
-    return LEAST_CHANGE if typical < EXACT else max(LEAST_CHANGE_ROUGH, OUTLYING * typical)
+    return LEAST_CHANGE if typical < EXACT else min(ALWAYS, max(LEAST_CHANGE_ROUGH, OUTLYING * typical))

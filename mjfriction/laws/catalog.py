@@ -10,7 +10,9 @@ from mjfriction.laws.load_dependent import LOAD_DEPENDENT
 from mjfriction.laws.quadratic_viscous import QUADRATIC_VISCOUS
 from mjfriction.laws.stribeck import STRIBECK
 
-LAWS: dict[str, Law] = {law.name: law for law in (COULOMB_VISCOUS, STRIBECK, QUADRATIC_VISCOUS, ASYMMETRIC, LOAD_DEPENDENT)}
+LAWS: dict[str, Law] = {
+    law.name: law for law in (COULOMB_VISCOUS, STRIBECK, QUADRATIC_VISCOUS, ASYMMETRIC, LOAD_DEPENDENT)
+}
 
 
 def find_law(name: str) -> Law:

@@ -60,8 +60,10 @@ def check_joints(log: Log, robot_name: str, robot_joints: tuple[str, ...]) -> No
     missing = [joint for joint in robot_joints if joint not in log.joints]
     if missing:
         raise LogError(
-            f"{log.source}: column 'position.{missing[0]}' is missing; found positions of {', '.join(log.joints)}. "
-            f"Every joint of robot '{robot_name}' must be recorded: its pose sets the load of the others"
+            f"{log.source}: column 'position.{missing[0]}' is missing"
+            f"{suggestion(f'position.{missing[0]}', log.columns)} Found positions of {', '.join(log.joints)}. Every "
+            f"joint that robot '{robot_name}' lists must be recorded, for its pose sets the load of the others; a "
+            "joint taken out of the robot file is held at zero"
         )
     if not any(log.torque_quantity(joint) for joint in log.joints):
         raise LogError(

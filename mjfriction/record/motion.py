@@ -18,6 +18,7 @@ FILTER_ORDER = 4
 SHORTEST_PIECE = 60  # samples; shorter pieces are all edge
 EDGE_PERIODS = 3  # periods of the cutoff by which a piece is continued at both ends before it is filtered
 SETTLING_PERIODS = 3.0  # periods of the cutoff at each end of a piece that the filter's start and end touch
+STILL = 1e-9  # rad or m; a joint that travels less does not move
 AGREEMENT = 0.03  # measured velocity is believed when its gain is within this of the derivative of position
 LATEST = 0.1  # periods of the cutoff by which it may come late
 
@@ -52,13 +53,17 @@ class Motion:
     @property
     def moving(self) -> NDArray[np.bool_]:
         """Whether each joint moves anywhere in the log, shape (joints,)."""
-        return np.asarray(np.ptp(self.position, axis=0) > 20.0 * self.velocity_noise / max(self.cutoff, 1.0))
+        least = np.maximum(20.0 * self.velocity_noise / max(self.cutoff, 1.0), STILL)
+        return np.asarray(np.ptp(self.position, axis=0) > least)
 
 
 def raw_noise(log: Log, quantity: str, joint: str, clock: Clock) -> float:
     """Return the white-noise level of one recorded column, 0 where it was not recorded."""
     values = log.channel(quantity, joint)
-    return 0.0 if values is None else noise_level([values[first:past] for first, past in clock.pieces])
+    if values is None:
+        return 0.0
+    grids = [even_grid(log, clock, piece) for piece in clock.pieces]
+    return noise_level([onto_grid(values, log.time, grid, smooth=True) for grid in grids])
 
 
 def estimate_motion(log: Log, joints: Sequence[str], cutoff: float) -> Motion:

@@ -13,6 +13,7 @@ from mjfriction.record.log import Floats, Integers, Log
 
 GAP_STEPS = 4.0  # a step longer than this many ordinary ones is a gap, not jitter
 WORST_JITTER = 0.5  # spread of the steps, relative to the ordinary one, past which nothing can be differentiated
+SLOWEST = 0.1  # s between samples
 EVEN = 1e-3  # spread up to which the samples are taken as even
 
 
@@ -48,6 +49,11 @@ def read_clock(log: Log) -> Clock:
     ordinary = float(np.median(step[joined])) if np.any(joined) else float("nan")
     if not np.isfinite(ordinary):
         raise LogError(f"{log.source}: every row is a segment of its own; a segment needs many rows of one motion")
+    if ordinary > SLOWEST:
+        raise LogError(
+            f"{log.source}: time steps of {ordinary:.4g} s are too long to differentiate (at most {SLOWEST:g} s); "
+            "time must be in seconds: a clock in milliseconds or nanoseconds is divided by 1e3 or 1e9"
+        )
     gap = joined & (step > GAP_STEPS * ordinary)
     steady = step[joined & ~gap]
     jitter = float(np.std(steady)) / ordinary if steady.size else 0.0

@@ -42,7 +42,7 @@ def error_bars(diagnosis: Diagnosis) -> go.Figure:
 def residual_against_covariate(diagnosis: Diagnosis, finding: Finding) -> go.Figure:
     """The residual of a finding's joint against what it depends on, before and after, with its mean in bins."""
     gap = diagnosis.gap
-    joint = gap.robot.joints.index(finding.joint)
+    joint = gap.robot.joints.index(finding.shown_at)
     unit = abs(float(gap.per_reported[joint]))
     values = covariate_rows(gap, joint, finding.covariate)
     sides = (

@@ -45,6 +45,6 @@ def report_html(diagnosis: Diagnosis, report: Report) -> str:
 
 
 def _joints_to_show(diagnosis: Diagnosis) -> list[str]:
-    found = list(dict.fromkeys(finding.joint for finding in diagnosis.findings))
+    found = list(dict.fromkeys(finding.shown_at for finding in diagnosis.findings))
     by_error = sorted(diagnosis.joints, key=lambda error: -error.rms_heldout_before / max(error.noise_floor, 1e-300))
     return (found or [error.joint for error in by_error[:1]])[:MOST_COURSES]

@@ -51,7 +51,7 @@ def _send(stream: rr.RecordingStream, entity: str, time: Floats, values: Floats)
 
 
 def _blueprint(diagnosis: Diagnosis) -> rrb.Blueprint:
-    found = [finding.joint for finding in diagnosis.findings]
+    found = [finding.shown_at for finding in diagnosis.findings]
     order = list(dict.fromkeys(found + [error.joint for error in diagnosis.joints]))
     tabs = [
         rrb.Vertical(
@@ -69,6 +69,6 @@ def _blueprint(diagnosis: Diagnosis) -> rrb.Blueprint:
 def _findings_text(report: Report) -> str:
     lines = [f"# {report.verdict}", report.summary]
     for finding in report.findings:
-        lines += [f"## {finding.cause} at {finding.joint}", finding.evidence]
+        lines += [f"## {finding.cause}" + (f" at {finding.joint}" if finding.joint else ""), finding.evidence]
         lines += [f"- {p.name} = {p.value:.4g} {'' if p.unit == '1' else p.unit}" for p in finding.parameters]
     return "\n\n".join(lines)

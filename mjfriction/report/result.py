@@ -102,6 +102,7 @@ class Report(Entry):
     verdict: Literal["explained", "consistent", "ambiguous", "unexplained", "bad_data"]
     summary: str
     joints: list[JointEntry]
+    band_hz: Number | None = None
     findings: list[FindingEntry]
     next_experiment: str | None = None
     data_problems: list[DataProblem]
@@ -118,6 +119,7 @@ def make_report(diagnosis: Diagnosis) -> Report:
     return Report(
         verdict=diagnosis.verdict.value,
         summary=diagnosis.summary,
+        band_hz=diagnosis.gap.chain.band,
         joints=[JointEntry(**vars(error)) for error in diagnosis.joints],
         findings=[_finding(finding) for finding in diagnosis.findings],
         data_problems=_data_problems(diagnosis),
@@ -183,7 +185,8 @@ def _structure(before: tuple[Structure, ...], after: tuple[Structure, ...]) -> l
 
 def _data_problems(diagnosis: Diagnosis) -> list[DataProblem]:
     log, clock = diagnosis.gap.log, diagnosis.gap.motion.clock
-    problems = [
+    problems = [DataProblem(kind=fault.kind, where=fault.where, action=fault.action) for fault in diagnosis.faults]
+    problems += [
         DataProblem(kind="data.gap", where=f"{log.time[row]:.4g} s to {log.time[after]:.4g} s", action="split there")
         for row, after in clock.gaps
     ]

@@ -22,12 +22,17 @@ def print_report(report: Report, console: Console) -> None:
         _print_finding(finding, console)
     for problem in report.data_problems:
         console.print(f"\n{problem.kind}: {problem.where}; {problem.action}")
+    moved = [entry for entry in report.adjustments if abs(entry.fitted - entry.stated) > 0.01 * abs(entry.stated)]
+    if moved:
+        values = ", ".join(f"{e.what} of {e.joint} {e.stated:.3g} → {e.fitted:.3g}" for e in moved)
+        console.print(f"\nRefitted along, and written to the extended robot: {values}")
     if report.not_examined:
         console.print(f"\nNot examined (no motion or no measurement): {', '.join(report.not_examined)}")
 
 
 def _joint_table(report: Report) -> Table:
-    table = Table(title="RMS error on motion not fitted", title_justify="left", box=None, padding=(0, 2, 0, 0))
+    band = f", below {report.band_hz:.3g} Hz" if report.band_hz else ""
+    table = Table(title=f"RMS error on motion not fitted{band}", title_justify="left", box=None, padding=(0, 2, 0, 0))
     table.add_column("joint", overflow="fold")
     for name in ("before", "after", "sensor noise"):
         table.add_column(name, justify="right")

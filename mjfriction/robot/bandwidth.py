@@ -15,7 +15,7 @@ from mjfriction.robot.robot import Robot
 
 HIGHEST = 100.0  # Hz; manipulators do nothing above it that rigid bodies and friction explain
 HARMONICS = 5.0  # the band must hold this many times the frequencies that the motion itself has
-MOTION_POWER = 0.999  # share of the velocity's power that counts as the motion
+MOTION_POWER = 0.9999  # share of the position's power that counts as the motion
 ABOVE_NOISE = 30.0  # times the noise's power in a bin from which on the bin is taken as motion
 NOISE_SHARE = 0.5  # what position noise, seen as inertia torque, may add relative to the effort's own noise
 EFFORT_SHARE = 0.01  # and what it may always add, relative to the effort itself
@@ -81,7 +81,8 @@ def _motion_frequency(position: Floats, rate: float) -> float:
     power = np.square(np.abs(spectrum))
     floor = float(np.median(power[3 * power.size // 4 :]))
     # The power of noise in one bin is exponentially distributed: next to none of it reaches so far above its median.
-    velocity_power = np.cumsum(np.where(power > ABOVE_NOISE * floor, power, 0.0) * np.square(frequency))
-    if velocity_power[-1] <= 0.0:
+    # Position's power is counted, not velocity's, in which the lines of a coarse encoder would weigh too much.
+    motion = np.cumsum(np.where(power > ABOVE_NOISE * floor, power, 0.0))
+    if motion[-1] <= 0.0:
         return 0.0
-    return float(frequency[np.searchsorted(velocity_power, MOTION_POWER * velocity_power[-1])])
+    return float(frequency[np.searchsorted(motion, MOTION_POWER * motion[-1])])

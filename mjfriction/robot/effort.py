@@ -27,8 +27,8 @@ SURE = 3.0  # deviations of the velocity's noise beyond which the direction of m
 class Effort:
     """Predicted effort along a motion, each of shape (n, joints), N·m or N at the joint.
 
-    ``rigid``: links, payload, gravity and rotors; ``friction``; ``total``: these with cogging and springs; ``reported``:
-    what the drive's sensor would say.
+    ``rigid``: links, payload, gravity and rotors; ``friction``; ``total``: these with cogging and springs;
+    ``reported``: what the drive's sensor would say.
     """
 
     rigid: Floats

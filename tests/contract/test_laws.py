@@ -142,6 +142,7 @@ def test_laws_have_coulomb_viscous_as_their_limit(v: float, coulomb: float, visc
         "stribeck": [coulomb, coulomb, 0.1, 2.0, viscous],
         "quadratic_viscous": [coulomb, viscous, 0.0],
         "asymmetric": [coulomb, coulomb, viscous, viscous],
+        "load_dependent": [coulomb, 0.0, viscous],
     }
     for name, parameters in limits.items():
         assert LAWS[name].steady(v, 0.0, np.array(parameters)) == pytest.approx(plain, rel=1e-12, abs=1e-12)
@@ -153,3 +154,10 @@ def test_stribeck_starts_at_static_and_ends_at_coulomb() -> None:
     assert steady(1e-9, 0.0, p) == pytest.approx(5.0)
     assert steady(0.1, 0.0, p) == pytest.approx(3.0 + 2.0 * math.exp(-1.0) + 0.07)
     assert steady(10.0, 0.0, p) == pytest.approx(10.0)
+
+
+def test_load_presses_alike_from_either_side() -> None:
+    p = np.array([1.0, 0.1, 0.5])
+    steady = LAWS["load_dependent"].steady
+    assert steady(2.0, 30.0, p) == pytest.approx(5.0)
+    assert steady(2.0, -30.0, p) == steady(2.0, 30.0, p) == -steady(-2.0, 30.0, p)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pyarrow.parquet
 import pytest
 
-from mjfriction.diagnose.diagnosis import Verdict, diagnose
+from mjfriction.diagnose.diagnosis import Verdict, diagnose_log
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.closed_loop import record_closed_loop
@@ -18,7 +18,7 @@ from tests.hidden.machine import Machine, write_case
 @pytest.mark.parametrize("noise", [0.0, 0.02, 0.1, 0.2, 0.5])
 def test_no_finding(noise: float, velocity: str, tmp_path: Path) -> None:
     log, robot = write_case(tmp_path, Machine(noise=noise, velocity=velocity), seed=5)
-    diagnosis = diagnose(read_log(log), read_robot(robot))
+    diagnosis = diagnose_log(read_log(log), read_robot(robot))
     assert diagnosis.findings == ()
     assert diagnosis.verdict is Verdict.CONSISTENT
 
@@ -26,12 +26,12 @@ def test_no_finding(noise: float, velocity: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("seed", range(6))
 def test_no_finding_when_stated_friction_is_a_few_percent_off(seed: int, tmp_path: Path) -> None:
     log, robot = write_case(tmp_path, Machine(), seed=40 + seed, off=0.03)
-    assert diagnose(read_log(log), read_robot(robot)).findings == ()
+    assert diagnose_log(read_log(log), read_robot(robot)).findings == ()
 
 
 def test_joints_that_stick_and_break_loose_have_no_finding(tmp_path: Path) -> None:
     log = tmp_path / "log.parquet"
     pyarrow.parquet.write_table(record_closed_loop(31), log)
-    diagnosis = diagnose(read_log(log), read_robot("ur5"))
+    diagnosis = diagnose_log(read_log(log), read_robot("ur5"))
     assert diagnosis.findings == ()
     assert diagnosis.verdict is Verdict.CONSISTENT

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjfriction.diagnose.diagnosis import diagnose
+from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.record.readers import read_log
 from mjfriction.robot.effort import predict_effort
 from mjfriction.robot.files import read_robot, write_robot
@@ -21,7 +21,7 @@ def everything(i: Instant) -> np.ndarray:
 @pytest.mark.parametrize("off", [0.0, 0.05])
 def test_the_robot_file_predicts_what_the_fit_left(off: float, tmp_path: Path) -> None:
     log_path, robot_path = write_case(tmp_path, Machine(hidden={2: everything}), seed=3, off=off)
-    diagnosis = diagnose(read_log(log_path), read_robot(robot_path))
+    diagnosis = diagnose_log(read_log(log_path), read_robot(robot_path))
     assert len(diagnosis.findings) >= 2
     robot = read_robot(write_robot(diagnosis.robot, tmp_path))
     gap = diagnosis.gap
@@ -32,12 +32,12 @@ def test_the_robot_file_predicts_what_the_fit_left(off: float, tmp_path: Path) -
 def test_a_scaled_sensor_scales_what_lies_before_it(tmp_path: Path) -> None:
     machine = Machine(hidden={1: lambda i: 0.15 * (i.rigid + i.friction)})
     log_path, robot_path = write_case(tmp_path, machine, seed=3)
-    diagnosis = diagnose(read_log(log_path), read_robot(robot_path))
+    diagnosis = diagnose_log(read_log(log_path), read_robot(robot_path))
     assert diagnosis.robot.joint("shoulder_lift_joint").effort_sensor.scale == pytest.approx(1.15, abs=0.01)
 
 
 def test_diagnosing_the_extended_robot_finds_nothing_more(tmp_path: Path) -> None:
     log_path, robot_path = write_case(tmp_path, Machine(hidden={2: everything}), seed=3)
     log = read_log(log_path)
-    first = diagnose(log, read_robot(robot_path))
-    assert diagnose(log, first.robot).findings == ()
+    first = diagnose_log(log, read_robot(robot_path))
+    assert diagnose_log(log, first.robot).findings == ()

@@ -77,8 +77,8 @@ def test_blocks_follow_time_and_repetitions() -> None:
 
 
 def test_too_short_a_motion_is_refused() -> None:
-    time = np.arange(1500) / 250.0
+    time = np.arange(900) / 250.0
     motion = motion_of(time, np.sin(time))
     chain = make_chain(motion, "run.csv")
-    with pytest.raises(LogError, match=r"run.csv: 5\.\d s of usable motion are too short; at least 8 s"):
+    with pytest.raises(LogError, match=r"run.csv: 3\.\d s of usable motion are too short; at least 4 s"):
         cut_blocks(chain, chain.rows(motion.position), "run.csv")

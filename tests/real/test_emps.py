@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.signal import decimate
 
-from mjfriction.diagnose.diagnosis import Diagnosis, diagnose
+from mjfriction.diagnose.diagnosis import Diagnosis, diagnose_log
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.predict import predict_log
@@ -17,7 +17,7 @@ from mjfriction.robot.robot import Robot
 
 @pytest.fixture(scope="module")
 def estimation(data: Path) -> Diagnosis:
-    return diagnose(read_log(data / "emps/estimation.parquet"), read_robot(data / "emps/robot.toml"))
+    return diagnose_log(read_log(data / "emps/estimation.parquet"), read_robot(data / "emps/robot.toml"))
 
 
 def relative_error(log_path: Path, robot: Robot) -> float:
@@ -28,7 +28,10 @@ def relative_error(log_path: Path, robot: Robot) -> float:
 
 
 def test_the_directions_differ_and_there_is_no_stribeck(estimation: Diagnosis) -> None:
-    assert {finding.cause for finding in estimation.findings} == {"friction.asymmetry", "drive.offset"}
+    causes = [finding.cause for finding in estimation.findings]
+    assert causes[0] == "friction.asymmetry"
+    assert "drive.offset" in causes
+    assert "friction.stribeck" not in causes
     asymmetry = next(f for f in estimation.findings if f.cause == "friction.asymmetry").parameters[0]
     # Published: F_v+ = 166.7, F_v− = 240.4 N·s/m, half their difference −36.9.
     assert asymmetry.low < -36.9 < asymmetry.high

@@ -9,7 +9,7 @@ from pathlib import Path
 import jsonschema
 import pytest
 
-from mjfriction.diagnose.diagnosis import Diagnosis, diagnose
+from mjfriction.diagnose.diagnosis import Diagnosis, diagnose_log
 from mjfriction.errors import OutputError
 from mjfriction.record.readers import read_log
 from mjfriction.report.folder import whole_file, whole_folder
@@ -38,7 +38,7 @@ EXAMPLE = """
 def diagnosis(tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
     machine = Machine(hidden={2: lambda i: 2.0 * abs(i.v)})
     log, robot = write_case(tmp_path_factory.mktemp("case"), machine, seed=2, seconds=20.0)
-    return diagnose(read_log(log), read_robot(robot))
+    return diagnose_log(read_log(log), read_robot(robot))
 
 
 def test_the_schema_ships_and_is_the_models_own() -> None:
@@ -70,7 +70,7 @@ def test_the_page_holds_all_it_shows(diagnosis: Diagnosis) -> None:
 
 
 def test_equal_inputs_give_equal_bytes(diagnosis: Diagnosis, tmp_path: Path) -> None:
-    again = diagnose(diagnosis.gap.log, diagnosis.gap.robot)
+    again = diagnose_log(diagnosis.gap.log, diagnosis.gap.robot)
     for name, result in (("one", diagnosis), ("two", again)):
         (tmp_path / name).mkdir()
         write_results(result, make_report(result), tmp_path / name)

@@ -101,8 +101,8 @@ class Cogging(_Waves):
         """Give amplitude and period."""
         unit = "N" if gap.body.sliding[site.joint] else "N·m"
         return (
-            f"a torque of {np.hypot(*strengths):.3g} {unit} repeats every {_period(gap, site)} of position and does not "
-            "turn with the direction of motion"
+            f"a torque of {np.hypot(*strengths):.3g} {unit} repeats every {_period(gap, site)} of position and does "
+            "not turn with the direction of motion"
         )
 
 

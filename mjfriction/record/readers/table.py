@@ -18,6 +18,7 @@ def log_from_table(table: pa.Table, source: str) -> Log:
     position column, NaN or infinite values, and time that does not increase within a segment.  Columns that are not
     numbers are left out when the format does not speak of them.
     """
+    table = table.rename_columns([name.strip() for name in table.schema.names])
     names = table.schema.names
     if table.num_rows == 0:
         raise LogError(f"{source}: the table is empty; a log needs rows of 'time' and 'position.<joint>'")

@@ -1,0 +1,84 @@
+"""Faults of the log itself are named before any physics is blamed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mjfriction.diagnose.diagnosis import Diagnosis, Verdict, diagnose_log
+from mjfriction.errors import LogError
+from mjfriction.record.log import Log
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import Machine, write_case
+
+Columns = dict[str, np.ndarray]
+ELBOW, WRIST = "effort.elbow_joint", "effort.wrist_1_joint"
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    return write_case(tmp_path_factory.mktemp("case"), Machine(), seed=12, seconds=25.0)
+
+
+def damaged(case: tuple[Path, Path], damage: Callable[[Columns], Columns]) -> Log:
+    log = read_log(case[0])
+    return replace(log, columns=dict(log.columns) | damage(dict(log.columns)))
+
+
+def run(case: tuple[Path, Path], damage: Callable[[Columns], Columns]) -> Diagnosis:
+    return diagnose_log(damaged(case, damage), read_robot(case[1]))
+
+
+@pytest.mark.parametrize(
+    ("damage", "kind", "where"),
+    [
+        (lambda c: {ELBOW: -c[ELBOW]}, "data.sign", ELBOW),
+        (lambda c: {ELBOW: 1000.0 * c[ELBOW]}, "data.unit", ELBOW),
+        (lambda c: {ELBOW: c[ELBOW] / 101.0}, "data.unit", ELBOW),
+        (lambda c: {ELBOW: c[WRIST], WRIST: c[ELBOW]}, "data.swap", f"{WRIST} and that of elbow_joint"),
+    ],
+)
+def test_effort_of_wrong_sign_unit_or_joint(
+    damage: Callable[[Columns], Columns], kind: str, where: str, case: tuple[Path, Path]
+) -> None:
+    diagnosis = run(case, damage)
+    assert diagnosis.verdict is Verdict.BAD_DATA
+    assert (kind, where) in {(fault.kind, fault.where) for fault in diagnosis.faults}
+    assert diagnosis.findings == ()
+    assert diagnosis.robot.table == diagnosis.gap.robot.table
+
+
+def test_a_sound_log_has_no_fault(case: tuple[Path, Path]) -> None:
+    assert run(case, lambda _: {}).faults == ()
+
+
+def test_a_drive_far_off_is_physics_still(case: tuple[Path, Path]) -> None:
+    diagnosis = run(case, lambda c: {ELBOW: 1.4 * c[ELBOW]})
+    assert diagnosis.faults == ()
+    assert [finding.cause for finding in diagnosis.findings] == ["drive.torque_constant"]
+
+
+def test_degrees_are_refused(case: tuple[Path, Path]) -> None:
+    log = damaged(case, lambda c: {n: np.degrees(v) for n, v in c.items() if n.startswith("position.")})
+    with pytest.raises(
+        LogError, match=r"runs from .* rad, but the model's limits are .*convert it if it is in degrees"
+    ):
+        diagnose_log(log, read_robot(case[1]))
+
+
+def test_milliseconds_are_refused(case: tuple[Path, Path]) -> None:
+    log = read_log(case[0])
+    with pytest.raises(LogError, match="time must be in seconds: a clock in milliseconds"):
+        diagnose_log(replace(log, time=1000.0 * log.time), read_robot(case[1]))
+
+
+def test_a_joint_that_never_moves_is_not_examined(case: tuple[Path, Path]) -> None:
+    # A parked axis at the tip: what it carries is next to nothing, whatever its angle.
+    still = run(case, lambda c: {"position.wrist_3_joint": np.full_like(c["position.wrist_3_joint"], 0.3)})
+    assert "wrist_3_joint" in still.not_examined
+    assert np.isfinite(still.heldout).all()
