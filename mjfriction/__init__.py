@@ -6,7 +6,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from mjfriction.diagnose.diagnosis import Diagnosis, diagnose_log
+    from mjfriction.diagnose.diagnosis import diagnose_log
+    from mjfriction.diagnose.outcome import Diagnosis
     from mjfriction.errors import MjfrictionError
     from mjfriction.record.log import Log
     from mjfriction.record.readers import read_log
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from mjfriction.robot.robot import Robot
 
 _HOMES = {
-    "Diagnosis": "mjfriction.diagnose.diagnosis",
+    "Diagnosis": "mjfriction.diagnose.outcome",
     "Log": "mjfriction.record.log",
     "MjfrictionError": "mjfriction.errors",
     "Robot": "mjfriction.robot.robot",

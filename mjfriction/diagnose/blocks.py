@@ -50,7 +50,9 @@ class Blocks:
 
 
 def cut_blocks(chain: Chain, position: Floats, source: str) -> Blocks:
-    """Cut the rows into blocks of a second or more, at most sixty (in short logs eight of half a second or more); ``position`` (rows, joints) shows repetitions.
+    """Cut the rows into blocks of a second or more, at most sixty; in short logs eight of half a second or more.
+
+    ``position`` (rows, joints) shows repetitions.
 
     Raises :class:`LogError` when the motion is too short to fit on one part and prove on another.
     """

@@ -6,7 +6,7 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from mjfriction.diagnose.diagnosis import Diagnosis, Finding
+from mjfriction.diagnose.outcome import Diagnosis, Finding
 from mjfriction.diagnose.structure import covariate_rows
 from mjfriction.record.log import Floats
 
@@ -40,7 +40,10 @@ def error_bars(diagnosis: Diagnosis) -> go.Figure:
 
 
 def residual_against_covariate(diagnosis: Diagnosis, finding: Finding) -> go.Figure:
-    """The residual of a finding's joint against what it depends on, before and after, with its mean in bins."""
+    """The residual of a finding's joint against what it depends on, before and after, with its mean in bins.
+
+    Rows near reversals and at rest, which say little about friction, are drawn grey.
+    """
     gap = diagnosis.gap
     joint = gap.robot.joints.index(finding.shown_at)
     unit = abs(float(gap.per_reported[joint]))
@@ -50,19 +53,14 @@ def residual_against_covariate(diagnosis: Diagnosis, finding: Finding) -> go.Fig
         ("extended, on motion not fitted", AFTER, diagnosis.heldout[:, joint] / unit),
     )
     figure = make_subplots(rows=1, cols=2, shared_yaxes=True, subplot_titles=[side[0] for side in sides])
-    kept = _thinned(values.size)
-    for k, (name, colour, residual) in enumerate(sides, start=1):
-        figure.add_scattergl(
-            x=values[kept],
-            y=residual[kept],
-            mode="markers",
-            marker={"size": 3, "color": colour, "opacity": 0.35},
-            name=name,
-            row=1,
-            col=k,
-        )
-        centre, mean = _binned(values, residual)
-        figure.add_scatter(x=centre, y=mean, mode="lines", line={"color": INK, "width": 3}, name="mean", row=1, col=k)
+    clear = gap.clear[:, joint]
+    for k, (_, colour, residual) in enumerate(sides, start=1):
+        for rows, shade, faint in ((~clear, INK, 0.2), (clear, colour, 0.4)):
+            kept = np.flatnonzero(rows)[_thinned(np.count_nonzero(rows))]
+            marker = {"size": 3, "color": shade, "opacity": faint}
+            figure.add_scattergl(x=values[kept], y=residual[kept], mode="markers", marker=marker, row=1, col=k)
+        centre, mean = _binned(values[clear], residual[clear])
+        figure.add_scatter(x=centre, y=mean, mode="lines", line={"color": INK, "width": 3}, row=1, col=k)
     sliding = gap.body.sliding[joint]
     figure.update_xaxes(title_text=f"{finding.covariate}, {UNITS[finding.covariate][sliding]}")
     figure.update_yaxes(title_text=f"measured − predicted, {_joint_unit(diagnosis, joint)}", col=1)
@@ -111,7 +109,7 @@ def _joint_unit(diagnosis: Diagnosis, joint: int) -> str:
 
 
 def _thinned(count: int) -> slice:
-    return slice(None, None, max(1, -(-count // MOST_POINTS)))
+    return slice(None, None, max(1, -(-int(count) // MOST_POINTS)))
 
 
 def _binned(values: Floats, residual: Floats) -> tuple[Floats, Floats]:

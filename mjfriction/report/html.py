@@ -8,7 +8,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
-from mjfriction.diagnose.diagnosis import Diagnosis
+from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.report.figures import error_bars, figure_html, residual_against_covariate, time_course
 from mjfriction.report.result import Report
 

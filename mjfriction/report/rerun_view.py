@@ -9,7 +9,7 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from mjfriction.diagnose.diagnosis import Diagnosis
+from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.record.log import Floats
 from mjfriction.report.result import Report
 

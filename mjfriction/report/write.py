@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mjfriction.diagnose.diagnosis import Diagnosis
+from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.report.html import report_html
 from mjfriction.report.rerun_view import write_recording
 from mjfriction.report.result import Report, report_json

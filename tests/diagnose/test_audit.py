@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjfriction.diagnose.diagnosis import Diagnosis, Verdict, diagnose_log
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.errors import LogError
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log

@@ -11,7 +11,8 @@ import pyarrow.parquet
 import pytest
 
 import mjfriction.diagnose.diagnosis as module
-from mjfriction.diagnose.diagnosis import Diagnosis, diagnose_log
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.predict import predict_log
@@ -79,7 +80,7 @@ def test_the_cause_is_named_with_its_size(case: Case, tmp_path: Path) -> None:
     (finding,) = diagnosis.findings
     assert finding.confidence > 0.9
     assert finding.alternatives == ()
-    assert diagnosis.verdict is module.Verdict.EXPLAINED
+    assert diagnosis.verdict is Verdict.EXPLAINED
     for fitted in finding.parameters:
         true = case.parameters[fitted.name]
         # Twice the interval: a dozen cases at 95 % would miss one in two runs for no fault.
@@ -135,7 +136,7 @@ def test_two_effects_are_both_found_when_stated_friction_is_a_few_percent_off(tm
 def test_what_no_cause_fits_is_unexplained_and_placed(tmp_path: Path) -> None:
     # A torque that wanders with time, as no cause known here does.
     diagnosis = run(tmp_path, Machine(hidden={2: lambda i: 3.0 * np.sin(2.0 * np.pi * i.time / 25.0)}), seed=8)
-    assert diagnosis.verdict is module.Verdict.UNEXPLAINED
+    assert diagnosis.verdict is Verdict.UNEXPLAINED
     assert ("elbow_joint", "time") in {(entry.joint, entry.covariate) for entry in diagnosis.remaining}
     assert "elbow_joint" in diagnosis.summary
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from scipy.signal import decimate
 
-from mjfriction.diagnose.diagnosis import Diagnosis, diagnose_log
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.predict import predict_log

@@ -9,7 +9,8 @@ from pathlib import Path
 import jsonschema
 import pytest
 
-from mjfriction.diagnose.diagnosis import Diagnosis, diagnose_log
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.errors import OutputError
 from mjfriction.record.readers import read_log
 from mjfriction.report.folder import whole_file, whole_folder

@@ -1,0 +1,123 @@
+"""The findings of a settled model: each cause with its size, its gain and its rivals."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mjfriction.diagnose.alike import MOST_CONFIDENT, standing
+from mjfriction.diagnose.compete import Field
+from mjfriction.diagnose.gap import Gap
+from mjfriction.diagnose.intervals import half_widths
+from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.outcome import Finding, Fitted
+from mjfriction.diagnose.proof import measure_gain
+from mjfriction.diagnose.stated import Settled, link_changes, without_links
+from mjfriction.record.log import Floats
+
+LINK_FINDING = 0.10  # of a link's stated mass and inertia
+
+
+def make_findings(settled: Settled, field: Field, heldout: Floats, seed: int) -> list[Finding]:
+    """Return the findings, those that gain most first.
+
+    ``heldout`` (rows, joints) is what the settled model leaves on motion not fitted; ``seed`` sets the resampling
+    behind the intervals of the gains.
+    """
+    model = settled.model
+    strengths, widths = model.strengths, half_widths(model)
+    found = []
+    for choice, place, width in zip(model.chosen, model.places, widths.causes, strict=True):
+        found.append((choice, model.without(choice), strengths[place], width))
+    for choice in settled.levels:
+        joint = choice.site.joint
+        i = [level.site.joint for level in model.nuisance.levels].index(joint)
+        without = build_model(model.gap, model.nuisance.without_level(joint), model.chosen)
+        found.append((choice, without, strengths[2 * i : 2 * i + 2], widths.nuisance[2 * i : 2 * i + 2]))
+    findings = []
+    for choice, without, own, width in found:
+        joint = choice.site.joint
+        per_reported = abs(float(model.gap.per_reported[joint]))
+        clear = model.gap.clear[:, joint]
+        before = without.heldout_residual()[clear, joint] / per_reported
+        stands = standing(model, choice, field)
+        finding = Finding(
+            cause=choice.cause.name,
+            joint=model.gap.robot.joints[joint],
+            confidence=stands.confidence,
+            alternatives=stands.alternatives,
+            parameters=tuple(_fitted(model.gap, choice, own, width)),
+            gain=measure_gain(before, heldout[clear, joint] / per_reported, model.gap.blocks.row[clear], seed),
+            evidence=choice.cause.evidence(model.gap, choice.site, own),
+            covariate=choice.cause.covariate,
+            shown_at=model.gap.robot.joints[joint],
+        )
+        findings.append(finding)
+    links = _link_finding(model, widths.nuisance, heldout, seed)
+    if links is not None:
+        findings.append(links)
+    return sorted(findings, key=lambda finding: -finding.gain.reduction)
+
+
+def _link_finding(model: Model, half: Floats, heldout: Floats, seed: int) -> Finding | None:
+    """Return the links' inertias as a finding when some are off by more than a stated inertia ever is."""
+    gap = model.gap
+    changes = link_changes(model)
+    if not changes.size or np.max(np.abs(changes)) < LINK_FINDING:
+        return None
+    before = without_links(model).heldout_residual()
+    gains = {}
+    for joint in gap.examined:
+        clear, unit = gap.clear[:, joint], abs(float(gap.per_reported[joint]))
+        rows = (before[clear, joint] / unit, heldout[clear, joint] / unit, gap.blocks.row[clear])
+        gains[joint] = measure_gain(*rows, seed)
+    joint = max(gains, key=lambda place: gains[place].reduction)
+    first = 2 * len(model.nuisance.levels)
+    scales = [
+        Fitted(
+            f"link_scale.{link.name}",
+            "mass and inertia of the link that the joint moves, relative to what is stated",
+            "1",
+            1.0 + float(change),
+            1.0 + float(change - width),
+            1.0 + float(change + width),
+        )
+        for link, change, width in zip(model.nuisance.links, changes, half[first:], strict=True)
+        if abs(change) >= LINK_FINDING
+    ]
+    return Finding(
+        cause="body.link_inertia",
+        joint=None,
+        confidence=MOST_CONFIDENT,
+        alternatives=(),
+        parameters=tuple(scales),
+        gain=gains[joint],
+        evidence="masses and inertias of the links do not fit the efforts of all joints at once as they are stated",
+        covariate="effort",
+        shown_at=gap.robot.joints[joint],
+    )
+
+
+def _fitted(gap: Gap, choice: Chosen, strengths: Floats, half: Floats) -> list[Fitted]:
+    sliding = gap.body.sliding[choice.site.joint]
+    quantities = choice.cause.quantities(gap, choice.site)
+    entries = [
+        (quantity.parameter, quantity.shift + quantity.factor * value, abs(quantity.factor) * width)
+        for quantity, value, width in zip(quantities, strengths, half[: len(quantities)], strict=True)
+    ]
+    entries += [
+        (declared, value, width)
+        for declared, value, width in zip(
+            choice.cause.shape_parameters, choice.site.shape, half[len(quantities) :], strict=True
+        )
+    ]
+    return [
+        Fitted(
+            name=declared.name,
+            meaning=declared.meaning,
+            unit=declared.unit_for(sliding=sliding),
+            value=float(value),
+            low=float(max(declared.lower, value - width)),
+            high=float(min(declared.upper, value + width)),
+        )
+        for declared, value, width in entries
+    ]

@@ -1,0 +1,90 @@
+"""What a diagnosis comes to, as plain data."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+
+from mjfriction.diagnose.audit import Fault
+from mjfriction.diagnose.extend import Adjustment
+from mjfriction.diagnose.gap import Gap
+from mjfriction.diagnose.proof import Gain
+from mjfriction.diagnose.structure import Structure
+from mjfriction.record.log import Floats
+from mjfriction.robot.robot import Robot
+
+
+class Verdict(enum.Enum):
+    """What a diagnosis comes to; the value is its name in a report."""
+
+    EXPLAINED = "explained"
+    CONSISTENT = "consistent"
+    AMBIGUOUS = "ambiguous"
+    UNEXPLAINED = "unexplained"
+    BAD_DATA = "bad_data"
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A fitted quantity with its unit and 95 % interval."""
+
+    name: str
+    meaning: str
+    unit: str
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A named cause: where (None for the whole arm), how sure, how much, what it gains on motion not fitted, and where
+    it shows: ``shown_at`` is the joint to look at.
+    """
+
+    cause: str
+    joint: str | None
+    confidence: float
+    alternatives: tuple[str, ...]
+    parameters: tuple[Fitted, ...]
+    gain: Gain
+    evidence: str
+    covariate: str
+    shown_at: str
+
+
+@dataclass(frozen=True)
+class JointError:
+    """RMS error of one joint before and after, fitted and held out, in the unit of what its drive reports."""
+
+    joint: str
+    signal: str
+    unit: str
+    rms_before: float
+    rms_after: float
+    rms_heldout_before: float
+    rms_heldout_after: float
+    noise_floor: float
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Everything a diagnosis found.  ``residual_after`` and ``heldout`` (rows, joints) are what the extended model
+    leaves, fitted to everything and fitted elsewhere; ``remaining`` names structure no cause explains; ``faults`` are
+    those of the log itself, found before any physics is blamed: with any, nothing is fitted.
+    """
+
+    gap: Gap
+    verdict: Verdict
+    summary: str
+    joints: tuple[JointError, ...]
+    findings: tuple[Finding, ...]
+    adjustments: tuple[Adjustment, ...]
+    structure_before: tuple[Structure, ...]
+    structure_after: tuple[Structure, ...]
+    remaining: tuple[Structure, ...]
+    faults: tuple[Fault, ...]
+    not_examined: tuple[str, ...]
+    robot: Robot
+    residual_after: Floats
+    heldout: Floats

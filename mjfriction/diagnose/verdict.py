@@ -1,0 +1,110 @@
+"""The verdict of a diagnosis, and the sentence that says it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mjfriction.diagnose.audit import Fault
+from mjfriction.diagnose.gap import Gap
+from mjfriction.diagnose.outcome import Finding, JointError, Verdict
+from mjfriction.diagnose.structure import Structure
+from mjfriction.record.log import Floats
+
+STRUCTURED = 0.1  # share of what is left that a smooth curve may predict before it counts as unexplained
+LEAST_EFFORT = 0.01  # of a joint's RMS effort that unexplained structure must reach
+MUCH_LEFT = 0.1  # of a joint's effort; more than that left, and far above the noise, is never agreement
+FAR_ABOVE_NOISE = 5.0  # times the sensor's noise
+REFITTED = 0.8  # of an error that is left when refitted values are worth a word
+OUTWEIGHED = 0.5  # of what was explained that unexplained structure must reach
+
+
+def unexplained(gap: Gap, after: tuple[Structure, ...], heldout: Floats) -> list[Structure]:
+    """Return, for each joint where too much is left on motion not fitted, what it follows most.
+
+    ``after`` are the structured shares of ``heldout`` (rows, joints).
+    """
+    out = []
+    for joint in gap.examined:
+        name = gap.robot.joints[joint]
+        worst = max((entry for entry in after if entry.joint == name), key=lambda entry: entry.share, default=None)
+        left = gap.rms(heldout[:, joint], joint)
+        effort = gap.rms(gap.measured[:, joint], joint)
+        if left > max(MUCH_LEFT * effort, FAR_ABOVE_NOISE * float(gap.noise_floor[joint])):
+            out.append(worst or Structure(name, "time", 0.0))
+            continue
+        if worst is None or worst.share < STRUCTURED:
+            continue
+        explained = np.sqrt(max(0.0, gap.rms(gap.residual[:, joint], joint) ** 2 - left**2))
+        size = np.sqrt(worst.share) * left
+        if size > max(LEAST_EFFORT * effort, OUTWEIGHED * explained):
+            out.append(worst)
+    return out
+
+
+def reach_verdict(findings: list[Finding], remaining: tuple[Structure, ...]) -> Verdict:
+    """Return the verdict on findings and on what remains."""
+    if remaining:
+        return Verdict.UNEXPLAINED
+    if any(finding.alternatives for finding in findings):
+        return Verdict.AMBIGUOUS
+    return Verdict.EXPLAINED if findings else Verdict.CONSISTENT
+
+
+def summarize(
+    gap: Gap,
+    verdict: Verdict,
+    findings: list[Finding],
+    joints: tuple[JointError, ...],
+    remaining: tuple[Structure, ...],
+) -> str:
+    """Say in a sentence a person can act on what was found."""
+    robot = gap.robot.name
+    named = ", ".join(_named(finding) for finding in findings)
+    if verdict is Verdict.CONSISTENT:
+        return f"The model of '{robot}' agrees with the log: {_refits(joints)}."
+    if findings:
+        errors = {error.joint: error for error in joints}
+        worst = errors[findings[0].shown_at]
+        share = 100.0 * (1.0 - worst.rms_heldout_after / max(worst.rms_heldout_before, 1e-300))
+        gain = (
+            f"building {'it' if len(findings) == 1 else 'them'} in takes the error of {worst.joint} from "
+            f"{worst.rms_heldout_before:.3g} to {worst.rms_heldout_after:.3g} {worst.unit} on motion not fitted "
+            f"({share:.0f} % less)"
+        )
+    if verdict is Verdict.UNEXPLAINED:
+        left = ", ".join(_left(entry, joints) for entry in remaining)
+        found = f"Found: {named}; {gain}. But" if findings else "No cause that this version knows fits, but"
+        return f"{found} an error remains that none explains: {left}."
+    if verdict is Verdict.AMBIGUOUS:
+        unsure = next(finding for finding in findings if finding.alternatives)
+        return (
+            f"The model of '{robot}' lacks {named}; {gain}. On this motion {_named(unsure)} cannot be told from "
+            f"{' or '.join(unsure.alternatives)}."
+        )
+    return f"The model of '{robot}' lacks {named}; {gain}."
+
+
+def faults_in_words(faults: tuple[Fault, ...]) -> str:
+    """Say in a sentence what is wrong with the log."""
+    listed = "; ".join(f"{fault.kind} in {fault.where}: {fault.action}" for fault in faults)
+    return f"The log itself is at fault, and nothing was fitted to it: {listed}."
+
+
+def _named(finding: Finding) -> str:
+    return f"{finding.cause} at {finding.joint}" if finding.joint else finding.cause
+
+
+def _refits(joints: tuple[JointError, ...]) -> str:
+    moved = max(joints, key=lambda error: error.rms_heldout_before - error.rms_heldout_after, default=None)
+    if moved is None or moved.rms_heldout_after > REFITTED * moved.rms_heldout_before:
+        return "nothing beyond the noise was found"
+    return (
+        "nothing was found beyond stated values that are a little off; refitting those takes the error of "
+        f"{moved.joint} from {moved.rms_heldout_before:.3g} to {moved.rms_heldout_after:.3g} {moved.unit}"
+    )
+
+
+def _left(entry: Structure, joints: tuple[JointError, ...]) -> str:
+    error = next(error for error in joints if error.joint == entry.joint)
+    course = f", of which {100 * entry.share:.0f} % follow {entry.covariate}" if entry.share > STRUCTURED else ""
+    return f"{error.rms_heldout_after:.3g} {error.unit} at {entry.joint}{course}"
