@@ -45,7 +45,9 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
     here = tuple(
         entrant
         for entrant in field
-        if entrant.joint == joint and entrant.key != target.key and target.cause.name not in entrant.cause.contains
+        if (entrant.joint == joint or entrant.cause.whole_arm)
+        and entrant.key != target.key
+        and target.cause.name not in entrant.cause.contains
     )
     repeated = redundancy(model.residual()[:, joint] * model.system.rows.weight[:, joint])
     odds = {

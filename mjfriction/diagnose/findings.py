@@ -42,7 +42,7 @@ def make_findings(settled: Settled, field: Field, heldout: Floats, seed: int) ->
         stands = standing(model, choice, field)
         finding = Finding(
             cause=choice.cause.name,
-            joint=model.gap.robot.joints[joint],
+            joint=None if choice.cause.whole_arm else model.gap.robot.joints[joint],
             confidence=stands.confidence,
             alternatives=stands.alternatives,
             parameters=tuple(_fitted(model.gap, choice, own, width)),

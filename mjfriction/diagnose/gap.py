@@ -69,6 +69,11 @@ class Gap:
         """Return ``position``, ``velocity`` or the ``forward`` direction of friction at the rows, (rows, joints)."""
         return self._kinematics[name]
 
+    @functools.cached_property
+    def kept(self) -> dict[str, dict[int, Floats]]:
+        """Columns that are costly and asked for again and again, by the name of their cause."""
+        return {}
+
     def rms(self, values: Floats, joint: int) -> float:
         """Return the RMS of a joint's rows (rows,) over those that are clear."""
         return float(np.sqrt(np.mean(np.square(values[self.clear[:, joint]]))))

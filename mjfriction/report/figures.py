@@ -56,7 +56,7 @@ def residual_against_covariate(diagnosis: Diagnosis, finding: Finding) -> go.Fig
     clear = gap.clear[:, joint]
     for k, (_, colour, residual) in enumerate(sides, start=1):
         for rows, shade, faint in ((~clear, INK, 0.2), (clear, colour, 0.4)):
-            kept = np.flatnonzero(rows)[_thinned(np.count_nonzero(rows))]
+            kept = np.flatnonzero(rows)[_thinned(int(np.count_nonzero(rows)))]
             marker = {"size": 3, "color": shade, "opacity": faint}
             figure.add_scattergl(x=values[kept], y=residual[kept], mode="markers", marker=marker, row=1, col=k)
         centre, mean = _binned(values[clear], residual[clear])

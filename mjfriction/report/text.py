@@ -16,6 +16,8 @@ def print_report(report: Report, console: Console) -> None:
     """Print verdict, joints and findings."""
     console.print(Text(report.verdict.upper(), style=f"bold {COLOURS[report.verdict]}"), Text(report.summary), sep="\n")
     console.print()
+    band = f", below {report.band_hz:.3g} Hz" if report.band_hz else ""
+    console.print(Text(f"RMS error on motion not fitted{band}", style="italic"))
     console.print(_joint_table(report))
     for finding in report.findings:
         console.print()
@@ -31,8 +33,7 @@ def print_report(report: Report, console: Console) -> None:
 
 
 def _joint_table(report: Report) -> Table:
-    band = f", below {report.band_hz:.3g} Hz" if report.band_hz else ""
-    table = Table(title=f"RMS error on motion not fitted{band}", title_justify="left", box=None, padding=(0, 2, 0, 0))
+    table = Table(box=None, padding=(0, 2, 0, 0))
     table.add_column("joint", overflow="fold")
     for name in ("before", "after", "sensor noise"):
         table.add_column(name, justify="right")

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pyarrow.parquet
 import pytest
@@ -154,3 +155,51 @@ def test_care_for_reversals_is_what_gets_the_size_right(tmp_path: Path, monkeypa
     assert excess() == pytest.approx(3.5, rel=0.1)
     monkeypatch.setattr("mjfriction.diagnose.gap._touched", lambda motion, chain, _: chain.rows(0.0 * motion.position))
     assert excess() < 0.7 * 3.5
+
+
+def heavier(model: mujoco.MjModel) -> None:
+    body = model.body("wrist_3_link").id
+    mass, centre, held = model.body_mass[body], model.body_ipos[body].copy(), np.array([0.0, 0.05, 0.03])
+    model.body_ipos[body] = (mass * centre + 0.6 * held) / (mass + 0.6)
+    model.body_mass[body] = mass + 0.6
+
+
+def tilted(model: mujoco.MjModel) -> None:
+    angle = np.radians(3.0)
+    model.opt.gravity[:] = 9.81 * np.array([0.6 * np.sin(angle), 0.8 * np.sin(angle), -np.cos(angle)])
+
+
+@pytest.mark.parametrize("off", [0.0, 0.03])
+def test_a_payload_is_weighed_and_placed(off: float, tmp_path: Path) -> None:
+    diagnosis = run(tmp_path, Machine(change=heavier), seed=5, off=off)
+    (finding,) = diagnosis.findings
+    assert (finding.cause, finding.joint) == ("body.payload", None)
+    payload = diagnosis.robot.table.payload
+    assert payload is not None
+    assert payload.parent == "wrist_3_link"
+    assert payload.mass == pytest.approx(0.6, rel=0.03)
+    assert payload.com == pytest.approx((0.0, 0.05, 0.03), abs=0.003)
+
+
+@pytest.mark.parametrize("off", [0.0, 0.03])
+def test_a_tilted_base_is_levelled(off: float, tmp_path: Path) -> None:
+    diagnosis = run(tmp_path, Machine(change=tilted), seed=5, off=off)
+    (finding,) = diagnosis.findings
+    assert (finding.cause, finding.joint) == ("body.gravity_direction", None)
+    gravity = diagnosis.robot.table.gravity
+    assert gravity is not None
+    sine = np.sin(np.radians(3.0))
+    assert gravity == pytest.approx((9.81 * 0.6 * sine, 9.81 * 0.8 * sine, -9.81 * np.cos(np.radians(3.0))), abs=0.03)
+
+
+def test_heavier_links_are_no_payload(tmp_path: Path) -> None:
+    def stout(model: mujoco.MjModel) -> None:
+        body = model.body("upper_arm_link").id
+        model.body_mass[body] *= 1.25
+        model.body_inertia[body] *= 1.25
+
+    diagnosis = run(tmp_path, Machine(change=stout), seed=5)
+    assert [finding.cause for finding in diagnosis.findings] == ["body.link_inertia"]
+    (scale,) = diagnosis.findings[0].parameters
+    assert scale.name == "link_scale.shoulder_lift_joint"
+    assert scale.value == pytest.approx(1.25, abs=0.05)

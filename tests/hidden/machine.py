@@ -59,6 +59,7 @@ class Machine:
     noise: float = 0.2  # of the Coulomb level, on effort
     encoder_bits: int = 18
     position_noise: float = 0.0  # rad
+    change: Callable[[mujoco.MjModel], None] | None = None  # of the bodies themselves
     velocity: str = "none"  # "none", "clean" or "noisy" measured velocity
 
 
@@ -111,7 +112,10 @@ def record(machine: Machine, seed: int, seconds: float = 40.0, rate: float = 250
     rng = np.random.default_rng([seed, 1])
     count = len(machine.joints)
     time, q, v, a = multisine(seed, count, seconds, rate)
-    rigid = rigid_torque(mujoco_model(machine.model), q, v, a)
+    model = mujoco_model(machine.model)
+    if machine.change is not None:
+        machine.change(model)
+    rigid = rigid_torque(model, q, v, a)
     columns = {"time": time}
     step = 2.0 * np.pi / 2**machine.encoder_bits
     for j, joint in enumerate(machine.joints):

@@ -10,6 +10,7 @@ import pytest
 
 from mjfriction.body.inverse import inertia_at, inverse_dynamics, link_torques
 from mjfriction.body.model import Load, load_body
+from mjfriction.body.regressor import gravity_torques, tip_link, tip_mass_torques
 from mjfriction.errors import RobotError
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import bundled_robots
@@ -148,3 +149,21 @@ def test_unknown_names_suggest_the_nearest() -> None:
         load_body(UR5, UR5_JOINTS, payload=Load(1.0, (0, 0, 0), "wrist_3_lin"))
     with pytest.raises(RobotError, match="no such model file"):
         load_body(Path("nowhere.urdf"), ["a"])
+
+
+@pytest.mark.parametrize("name", sorted(bundled_robots()))
+def test_tip_mass_and_gravity_enter_as_the_model_itself_says(name: str) -> None:
+    robot = read_robot(name)
+    body = robot.body()
+    q, v, a = states(len(body.joints), 5)
+    tip, centre = tip_link(body), (0.01, -0.02, 0.03)
+    loaded = load_body(robot.model_path, robot.joints, payload=Load(2.0, centre, tip))
+    stated = load_body(robot.model_path, robot.joints)
+    share = tip_mass_torques(body, q, v, a) @ np.array([2.0, *(2.0 * np.array(centre))])
+    # Of second order in the centre's distance: the mass's moment of inertia about the flange.
+    np.testing.assert_allclose(inverse_dynamics(loaded, q, v, a) - inverse_dynamics(stated, q, v, a), share, atol=0.02)
+    gravity = (0.3, -0.4, -9.0)
+    turned = load_body(robot.model_path, robot.joints, gravity=gravity)
+    difference = inverse_dynamics(turned, q, v, a) - inverse_dynamics(stated, q, v, a)
+    change = (np.array(gravity) - stated.gravity)[None, :]
+    np.testing.assert_allclose(gravity_torques(body, q, change)[:, :, 0], difference, atol=1e-9)

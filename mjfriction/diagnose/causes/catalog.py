@@ -13,6 +13,7 @@ from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.causes.viscous_nonlinear import ViscousNonlinear
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
+from mjfriction.diagnose.causes.whole_arm import GravityDirection, Payload
 
 STATED_LEVELS = CoulombViscous()
 
@@ -27,6 +28,8 @@ STRUCTURAL: tuple[Cause, ...] = (
     RotorInertia(),
     TorqueConstant(),
     Spring(),
+    Payload(),
+    GravityDirection(),
 )
 
 CAUSES: dict[str, Cause] = {cause.name: cause for cause in (STATED_LEVELS, *STRUCTURAL)}

@@ -48,6 +48,7 @@ class Cause(ABC):
     name: ClassVar[str]
     shape_parameters: ClassVar[tuple[Parameter, ...]] = ()
     covariate: ClassVar[str] = "velocity"
+    whole_arm: ClassVar[bool] = False  # whether every joint feels it; its site is then where it shows most
     before_sensor: ClassVar[bool] = True  # whether the change passes the effort sensor's scale, as all torques do
     contains: ClassVar[tuple[str, ...]] = ()  # causes that are this one with a strength at zero: no rivals of theirs
     kin: ClassVar[

@@ -1,0 +1,55 @@
+"""How joint torques depend on what is held at the tip and on the direction of gravity, both linearly."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+from mjfriction.body.model import Body, configuration
+from mjfriction.laws.law import Floats
+
+
+def tip_link(body: Body) -> str:
+    """Return the name of the link that the last joint of the tree moves: where an arm holds its payload."""
+    last = body.model.njoints - 1
+    names = [frame.name for frame in body.model.frames if frame.type == pin.BODY and frame.parentJoint == last]
+    return str(names[0]) if names else str(body.model.names[last])
+
+
+def tip_mass_torques(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> Floats:
+    """Return joint torques per kg and per kg·m of first moment (x, y, z) at the tip link's frame.
+
+    The result has shape (n, joints, 4).  A mass m with its centre at c needs this times (m, m·c) and, of second order
+    in c, its moment of inertia about the frame.
+    """
+    model, data = body.model, body.model.createData()
+    frame = model.frames[model.getFrameId(tip_link(body))]
+    # Seen from the joint, a mass at the frame has its first moment shifted by where the frame lies.
+    shift = np.zeros((4, 4))
+    shift[0, 0] = 1.0
+    shift[1:, 0] = frame.placement.translation
+    shift[1:, 1:] = frame.placement.rotation
+    q = configuration(body, position)
+    order = list(body.columns)
+    v, a = np.zeros((q.shape[0], model.nv)), np.zeros((q.shape[0], model.nv))
+    v[:, order], a[:, order] = velocity, acceleration
+    first = 10 * (frame.parentJoint - 1)
+    out = np.empty((q.shape[0], model.nv, 4))
+    for i in range(q.shape[0]):
+        regressor = pin.computeJointTorqueRegressor(model, data, q[i], v[i], a[i])
+        # With a single joint the regressor comes back as a vector.
+        out[i] = regressor.reshape(model.nv, -1)[:, first : first + 4] @ shift
+    return out[:, order, :]
+
+
+def gravity_torques(body: Body, position: Floats, directions: Floats) -> Floats:
+    """Return joint torques per m/s² of gravity along each of ``directions`` (k, 3), shape (n, joints, k)."""
+    model = body.model.copy()
+    data = model.createData()
+    q = configuration(body, position)
+    out = np.empty((q.shape[0], model.nv, len(directions)))
+    for k, direction in enumerate(directions):
+        model.gravity.linear = direction
+        for i in range(q.shape[0]):
+            out[i, :, k] = pin.computeGeneralizedGravity(model, data, q[i])
+    return out[:, list(body.columns), :]
