@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from mjfriction.body.model import Body, configuration
+from mjfriction.body.model import Body, configuration, in_model_order
 from mjfriction.laws.law import Floats
 
 
@@ -16,7 +16,7 @@ def inverse_dynamics(body: Body, position: Floats, velocity: Floats, acceleratio
     """
     model, data = body.model, body.model.createData()
     q = configuration(body, position)
-    v, a = _ordered(body, velocity), _ordered(body, acceleration)
+    v, a = in_model_order(body, velocity), in_model_order(body, acceleration)
     out = np.empty_like(v)
     for i in range(q.shape[0]):
         out[i] = pin.rnea(model, data, q[i], v[i], a[i])
@@ -31,7 +31,7 @@ def link_torques(body: Body, position: Floats, velocity: Floats, acceleration: F
     """
     model, data = body.model, body.model.createData()
     q = configuration(body, position)
-    v, a = _ordered(body, velocity), _ordered(body, acceleration)
+    v, a = in_model_order(body, velocity), in_model_order(body, acceleration)
     parameters = np.array([inertia.toDynamicParameters() for inertia in list(model.inertias)[1:]])
     out = np.empty((q.shape[0], model.nv, len(parameters)))
     for i in range(q.shape[0]):
@@ -45,9 +45,3 @@ def inertia_at(body: Body, position: Floats) -> Floats:
     model, data = body.model, body.model.createData()
     mass_matrix = pin.crba(model, data, configuration(body, position[None, :])[0])
     return np.diag(mass_matrix)[list(body.columns)].copy()
-
-
-def _ordered(body: Body, values: Floats) -> Floats:
-    out = np.zeros((values.shape[0], body.model.nv))
-    out[:, list(body.columns)] = values
-    return out

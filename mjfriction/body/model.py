@@ -124,6 +124,13 @@ def configuration(body: Body, position: Floats) -> Floats:
     return q
 
 
+def in_model_order(body: Body, values: Floats) -> Floats:
+    """Return joint velocities or accelerations (n, joints) in the order of the model's velocity vector (n, nv)."""
+    out = np.zeros((values.shape[0], body.model.nv))
+    out[:, list(body.columns)] = values
+    return out
+
+
 def _parse(path: Path) -> tuple[pin.Model, tuple[float, ...]]:
     if not path.is_file():
         raise RobotError(f"{path}: there is no such model file")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from mjfriction.body.model import Body, configuration
+from mjfriction.body.model import Body, configuration, in_model_order
 from mjfriction.laws.law import Floats
 
 
@@ -30,16 +30,14 @@ def tip_mass_torques(body: Body, position: Floats, velocity: Floats, acceleratio
     shift[1:, 0] = frame.placement.translation
     shift[1:, 1:] = frame.placement.rotation
     q = configuration(body, position)
-    order = list(body.columns)
-    v, a = np.zeros((q.shape[0], model.nv)), np.zeros((q.shape[0], model.nv))
-    v[:, order], a[:, order] = velocity, acceleration
+    v, a = in_model_order(body, velocity), in_model_order(body, acceleration)
     first = 10 * (frame.parentJoint - 1)
     out = np.empty((q.shape[0], model.nv, 4))
     for i in range(q.shape[0]):
         regressor = pin.computeJointTorqueRegressor(model, data, q[i], v[i], a[i])
         # With a single joint the regressor comes back as a vector.
         out[i] = regressor.reshape(model.nv, -1)[:, first : first + 4] @ shift
-    return out[:, order, :]
+    return out[:, list(body.columns), :]
 
 
 def gravity_torques(body: Body, position: Floats, directions: Floats) -> Floats:

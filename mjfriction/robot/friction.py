@@ -104,10 +104,12 @@ def with_asymmetric_damping(robot: Robot, joint: str, asymmetry: float) -> Robot
         level, rate = reflection(term, table)
         values = dict(term.parameters)
         if term.law in (COULOMB_VISCOUS.name, ASYMMETRIC.name):
-            for key in coulomb:
-                coulomb[key] += level * values.get(key, values.get("coulomb", 0.0))
-            forward = values.get("viscous_positive", values.get("viscous", 0.0))
-            backward = values.get("viscous_negative", values.get("viscous", 0.0))
+            ways = ("positive", "negative")
+            # A motor that turns against its joint sees the joint's forward motion as its own backward one.
+            turned = ways[::-1] if term.side == "motor" and table.actuator.gear_ratio < 0.0 else ways
+            for way, own in zip(ways, turned, strict=True):
+                coulomb[f"coulomb_{way}"] += level * values.get(f"coulomb_{own}", values.get("coulomb", 0.0))
+            forward, backward = (values.get(f"viscous_{own}", values.get("viscous", 0.0)) for own in turned)
             viscous += 0.5 * rate * (forward + backward)
             asymmetry += 0.5 * rate * (forward - backward)
             continue

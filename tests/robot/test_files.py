@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from mjfriction.errors import RobotError
+from mjfriction.robot.effort import term_torque
 from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.friction import raised_levels, stated_levels, with_asymmetric_damping, with_term
 from mjfriction.robot.robot import Robot, bundled_robots
@@ -154,3 +156,23 @@ def test_asymmetry_keeps_the_mean_and_splits_the_directions(tmp_path: Path) -> N
     assert (twice.joint("elbow_joint").friction or ())[0].parameters["viscous_negative"] == 4.5
     more = with_term(robot, "elbow_joint", "quadratic_viscous", {"coulomb": 0.0, "viscous": 0.0, "quadratic": 1.0})
     assert [t.law for t in more.joint("elbow_joint").friction or ()] == ["asymmetric", "quadratic_viscous"]
+
+
+@pytest.mark.parametrize("ratio", [50.0, -50.0])
+@pytest.mark.parametrize("side", ["joint", "motor"])
+def test_taking_over_the_damping_changes_no_torque_by_itself(ratio: float, side: str, tmp_path: Path) -> None:
+    values = "coulomb_positive = 1.0, coulomb_negative = 2.0, viscous_positive = 0.3, viscous_negative = 0.1"
+    text = TEXT.replace("101.0", str(ratio)).replace('side = "joint"', f'side = "{side}"')
+    robot = read_text(
+        tmp_path, text.replace("coulomb_viscous", "asymmetric").replace("coulomb = 10.0, viscous = 3.0", values)
+    )
+    velocity = np.array([-1.0, -0.2, 0.2, 1.0])
+
+    def torque(of: Robot) -> np.ndarray:
+        (term,) = of.joint("elbow_joint").friction or ()
+        return term_torque(term, ratio, velocity, 1e-9, np.zeros(4))
+
+    taken = with_asymmetric_damping(robot, "elbow_joint", 0.0)
+    np.testing.assert_allclose(torque(taken), torque(robot), rtol=1e-9)
+    more = with_asymmetric_damping(robot, "elbow_joint", 0.05)
+    np.testing.assert_allclose(torque(more) - torque(robot), 0.05 * np.abs(velocity), atol=1e-9)

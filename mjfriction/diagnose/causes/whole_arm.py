@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import final
 
 import numpy as np
@@ -27,9 +28,9 @@ class _WholeArm(Cause):
     whole_arm = True
     covariate = "position"
 
+    @abstractmethod
     def torques(self, gap: Gap) -> Floats:
         """Return effort per unit strength at every joint, (n, joints, strengths)."""
-        raise NotImplementedError
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The effort at the site's joint."""
