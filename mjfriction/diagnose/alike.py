@@ -42,6 +42,9 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
     own = try_out(without, target)
     if own is None:
         return Standing((), 0.5)
+    if any(target.cause.name in other.cause.kin and other.site.joint == joint for other in rest):
+        # The other half of a cause was asked for by name; nothing else stood for its place.
+        return Standing((), min(MOST_CONFIDENT, 1.0 - own.chance))
     here = tuple(
         entrant
         for entrant in field

@@ -54,7 +54,8 @@ def extend_robot(model: Model) -> Robot:
 
 def adjustments(model: Model) -> list[Adjustment]:
     """List the stated values that the fit moved."""
-    gap, strengths, half = model.gap, model.strengths, half_widths(model).nuisance
+    gap, strengths, widths = model.gap, model.strengths, half_widths(model)
+    half = widths.nuisance
     out = []
     for i, level in enumerate(model.nuisance.levels):
         joint = level.site.joint
@@ -68,4 +69,14 @@ def adjustments(model: Model) -> list[Adjustment]:
         stated_scale = gap.robot.table.link_scale.get(link.name, 1.0)
         fitted = stated_scale * (1.0 + float(strengths[k]))
         out.append(Adjustment("link_scale", link.name, "1", stated_scale, fitted, stated_scale * float(half[k])))
+    for choice, place, width in zip(model.chosen, model.places, widths.causes, strict=True):
+        if choice.cause.noteworthy(gap, choice.site, strengths[place]):
+            continue
+        quantities = choice.cause.quantities(gap, choice.site)
+        for quantity, value, own in zip(quantities, strengths[place], width[: len(quantities)], strict=True):
+            change, spread = quantity.factor * float(value), abs(quantity.factor) * float(own)
+            unit = quantity.parameter.unit_for(sliding=gap.body.sliding[choice.site.joint])
+            where = "all joints" if choice.cause.whole_arm else gap.robot.joints[choice.site.joint]
+            entry = Adjustment(quantity.parameter.name, where, unit, quantity.shift, quantity.shift + change, spread)
+            out.append(entry)
     return out

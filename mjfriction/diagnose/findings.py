@@ -27,6 +27,8 @@ def make_findings(settled: Settled, field: Field, heldout: Floats, seed: int) ->
     strengths, widths = model.strengths, half_widths(model)
     found = []
     for choice, place, width in zip(model.chosen, model.places, widths.causes, strict=True):
+        if not choice.cause.noteworthy(model.gap, choice.site, strengths[place]):
+            continue
         found.append((choice, model.without(choice), strengths[place], width))
     for choice in settled.levels:
         joint = choice.site.joint

@@ -1,7 +1,7 @@
 """What a robot says its drives would report along a motion: the balance of the model, joint by joint.
 
 effort = rnea(q, q̇, q̈) + rotor_inertia·gear_ratio²·q̈ + friction(q̇, q) + cogging(q) + spring(q)
-reported = scale·effort + offset,      current = reported / (gear_ratio·torque_constant)
+reported = scale·effort(t − delay) + offset,      current = reported / (gear_ratio·torque_constant)
 """
 
 from __future__ import annotations
@@ -56,8 +56,19 @@ def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
             friction[:, i] += (2.0 * forward - 1.0) * _waves(joint.friction_waves, position)
         spring = joint.spring.stiffness * position + joint.spring.preload
         total[:, i] = rigid[:, i] + friction[:, i] + _waves(joint.cogging, position) + spring
-        reported[:, i] = joint.effort_sensor.scale * total[:, i] + joint.effort_sensor.offset
+        seen = _late(total[:, i], motion, joint.effort_sensor.delay)
+        reported[:, i] = joint.effort_sensor.scale * seen + joint.effort_sensor.offset
     return Effort(rigid, friction, total, reported)
+
+
+def _late(effort: Floats, motion: Motion, delay: float) -> Floats:
+    if delay == 0.0:
+        return effort
+    out = np.empty_like(effort)
+    for piece in np.unique(motion.piece):
+        own = motion.piece == piece
+        out[own] = np.interp(motion.time[own] - delay, motion.time[own], effort[own])
+    return out
 
 
 def _waves(waves: tuple[Wave, ...], position: Floats) -> Floats:

@@ -44,10 +44,11 @@ class Actuator(Table):
 
 
 class EffortSensor(Table):
-    """What the drive reports: reported = ``scale`` · true effort + ``offset`` (N·m or N at the joint)."""
+    """What the drive reports: ``scale`` · effort(t − ``delay``) + ``offset`` (s; N·m or N at the joint)."""
 
     scale: Positive = 1.0
     offset: Finite = 0.0
+    delay: Finite = 0.0
 
 
 class FrictionTerm(Table):

@@ -70,7 +70,7 @@ def run(folder: Path, machine: Machine, seed: int, *, off: float = 0.0) -> Diagn
     return diagnose_log(read_log(log), read_robot(robot))
 
 
-def names(diagnosis: Diagnosis) -> list[tuple[str, str]]:
+def names(diagnosis: Diagnosis) -> list[tuple[str, str | None]]:
     return [(finding.cause, finding.joint) for finding in diagnosis.findings]
 
 
@@ -190,6 +190,29 @@ def test_a_tilted_base_is_levelled(off: float, tmp_path: Path) -> None:
     assert gravity is not None
     sine = np.sin(np.radians(3.0))
     assert gravity == pytest.approx((9.81 * 0.6 * sine, 9.81 * 0.8 * sine, -9.81 * np.cos(np.radians(3.0))), abs=0.03)
+
+
+def late(seconds: float) -> Callable[[Instant], np.ndarray]:
+    return lambda i: np.interp(i.time - seconds, i.time, i.rigid + i.friction) - (i.rigid + i.friction)
+
+
+def test_a_late_effort_is_timed(tmp_path: Path) -> None:
+    one = run(tmp_path / "one", Machine(hidden={1: late(0.02)}), seed=5)
+    assert names(one) == [("sensor.delay", "shoulder_lift_joint")]
+    # The cause is of first order in the delay and reads short where friction turns over within it.
+    assert 0.75 * 0.02 < one.findings[0].parameters[0].value < 1.05 * 0.02
+    every = run(tmp_path / "all", Machine(hidden={j: late(0.02) for j in range(6)}), seed=5)
+    assert names(every) == [("sensor.delay", None)]
+    delays = {joint.effort_sensor.delay for joint in every.robot.table.joint}
+    assert len(delays) == 1
+    assert 0.75 * 0.02 < delays.pop() < 1.05 * 0.02
+
+
+def test_less_than_a_sample_late_is_refitted_and_no_finding(tmp_path: Path) -> None:
+    diagnosis = run(tmp_path, Machine(hidden={j: late(0.0035) for j in range(6)}, noise=0.02), seed=5)
+    assert diagnosis.findings == ()
+    assert [entry.what for entry in diagnosis.adjustments] == ["delay"]
+    assert diagnosis.robot.table.joint[1].effort_sensor.delay == pytest.approx(0.0035, abs=0.0005)
 
 
 def test_heavier_links_are_no_payload(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from mjfriction.diagnose.causes.asymmetry import Asymmetry
 from mjfriction.diagnose.causes.cause import Cause
 from mjfriction.diagnose.causes.coulomb_viscous import CoulombViscous
+from mjfriction.diagnose.causes.delay import JointDelay, LogDelay
 from mjfriction.diagnose.causes.load import Load
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
@@ -30,6 +31,6 @@ STRUCTURAL: tuple[Cause, ...] = (
     Spring(),
     Payload(),
     GravityDirection(),
+    JointDelay(),
+    LogDelay(),
 )
-
-CAUSES: dict[str, Cause] = {cause.name: cause for cause in (STATED_LEVELS, *STRUCTURAL)}

@@ -79,6 +79,10 @@ class Cause(ABC):
         """Return whether fitted strengths are physical; by default all are."""
         return True
 
+    def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """Return whether the cause, once fitted, is a finding; else it is a value refitted along."""
+        return True
+
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
         """Return the range each shape parameter is searched in."""
         return []
