@@ -215,6 +215,26 @@ def test_less_than_a_sample_late_is_refitted_and_no_finding(tmp_path: Path) -> N
     assert diagnosis.robot.table.joint[1].effort_sensor.delay == pytest.approx(0.0035, abs=0.0005)
 
 
+def test_a_sliding_joint_of_an_mjcf_model_reads_in_newtons(tmp_path: Path) -> None:
+    def bare(model: mujoco.MjModel) -> None:
+        model.dof_damping[:] = 0.0  # the machine's friction is its own formula, not the model file's
+
+    machine = Machine(
+        model=read_robot("linear_axis").model_path,
+        joints=("axis",),
+        coulomb=(25.0,),
+        viscous=(180.0,),
+        hidden={0: lambda i: 40.0 * np.abs(i.v)},
+        change=bare,
+    )
+    diagnosis = run(tmp_path, machine, seed=4)
+    assert names(diagnosis) == [("friction.asymmetry", "axis")]
+    (fitted,) = diagnosis.findings[0].parameters
+    assert fitted.unit == "N·s/m"
+    assert fitted.low < 40.0 < fitted.high
+    assert diagnosis.joints[0].unit == "N"
+
+
 def test_heavier_links_are_no_payload(tmp_path: Path) -> None:
     def stout(model: mujoco.MjModel) -> None:
         body = model.body("upper_arm_link").id
