@@ -14,8 +14,8 @@ from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.trial import Trial, try_out
 from mjfriction.record.log import Floats
 
-# These two were loosened (from 0.01 and 0.03) with the EMPS log in hand, whose offset stands at their edge; no other data
-# speaks for their values yet.
+# These two were loosened (from 0.01 and 0.03) with the EMPS log in hand, whose offset stands at their edge; no other
+# data speaks for their values yet.
 KIN_CHANCE = 0.05  # at which a cause's other half is taken along: that of its 95 % interval leaving out zero
 LEAST_KIN = 0.02  # of its partner's effort that a cause's other half must reach
 MOST_CAUSES = 12
