@@ -2,7 +2,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test check docs lock clean
+.PHONY: demo test check docs bench lock clean
 
 demo: $(READY)
 	$(BIN)/mjfriction demo --out demo_out
@@ -17,6 +17,10 @@ check: $(READY)
 
 docs: $(READY)
 	$(BIN)/python -m scripts.make_docs
+	$(BIN)/python -m scripts.law_pages
+
+bench: $(READY)
+	$(BIN)/python -m scripts.law_costs
 
 # The lock carries hashes and no index address: pip takes the packages from wherever this machine is set up to.
 $(READY): requirements.lock pyproject.toml

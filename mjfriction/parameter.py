@@ -12,7 +12,7 @@ class Parameter:
 
     ``unit`` speaks of a revolute joint; ``{force}`` and ``{length}`` in it become N·m and rad there, N and m on a
     sliding joint.  ``lower`` and ``upper`` are inclusive bounds; ``typical`` is the range seen on real machines, from
-    which tests draw.
+    which tests draw.  ``default`` stands in where a user gives nothing; None says the parameter must be given.
     """
 
     name: str
@@ -21,6 +21,7 @@ class Parameter:
     lower: float = -math.inf
     upper: float = math.inf
     typical: tuple[float, float] = (0.0, 1.0)
+    default: float | None = None
 
     def unit_for(self, *, sliding: bool) -> str:
         """Return the unit as it reads on a sliding (N, m) or a revolute (N·m, rad) joint."""

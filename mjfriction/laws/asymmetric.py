@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from mjfriction.laws.curves import holding
 from mjfriction.laws.law import Floats, Law, kernel, positive
 
 
 @kernel
-def steady(v: float, load: float, p: Floats) -> float:
+def steady(v: float, ambient: Floats, p: Floats) -> float:
     """F_c⁺ + F_v⁺·v for v > 0 and −F_c⁻ + F_v⁻·v for v < 0, with p = (F_c⁺, F_c⁻, F_v⁺, F_v⁻)."""
     if v > 0.0:
         return float(p[0] + p[2] * v)
@@ -16,15 +17,18 @@ def steady(v: float, load: float, p: Floats) -> float:
 
 
 @kernel
-def advance(v: float, load: float, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
-    """No state: the steady torque, and the damping of the direction as its slope."""
-    torque = steady(v, load, p)
-    return torque, p[2] if v >= 0.0 else p[3]
+def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
+    """No state: the steady torque, drawn out over the rest band, and the direction's own slope."""
+    towards, steepness = holding(v)
+    level, damping = (p[0], p[2]) if v >= 0.0 else (p[1], p[3])
+    return level * towards + damping * v, level * steepness + damping
 
 
 ASYMMETRIC = Law(
     name="asymmetric",
     summary="Coulomb-viscous with its own level and damping in each direction; screws, seals, one-sided preload",
+    captures="an axis that runs easier one way than the other",
+    misses="the rise near rest; for any other law with two directions give the term a `negative` set",
     formula="F_c⁺ + F_v⁺·v  (v > 0),   −F_c⁻ + F_v⁻·v  (v < 0)",
     source="Janot, Gautier, Brunot, EMPS data set, Nonlinear System Identification Benchmarks, 2019",
     parameters=(

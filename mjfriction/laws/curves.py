@@ -6,6 +6,9 @@ import math
 
 from mjfriction.laws.law import kernel
 
+FAR = 40.0  # e^(−40) is less than the rounding of 1
+REST = 1e-10  # rad/s or m/s; slower than this, a law without state gives whatever holds the joint
+
 
 @kernel
 def sign(v: float) -> float:
@@ -18,6 +21,43 @@ def sign(v: float) -> float:
 
 
 @kernel
+def holding(v: float) -> tuple[float, float]:
+    """Return the sign of ``v`` drawn out over the rest band |v| < 1e-10, and its slope.
+
+    A step that solves for the velocity at its end finds in the band the one holding force that Coulomb's law leaves
+    open at rest.
+    """
+    if v >= REST:
+        return 1.0, 0.0
+    if v <= -REST:
+        return -1.0, 0.0
+    return v / REST, 1.0 / REST
+
+
+@kernel
+def powered(base: float, exponent: float) -> float:
+    """Return base^exponent for base ≥ 0; the common exponents 1 and 2 without the cost of a power."""
+    if exponent == 2.0:
+        return base * base
+    if exponent == 1.0:
+        return base
+    return float(base**exponent)
+
+
+@kernel
 def stribeck_level(v: float, coulomb: float, static: float, stribeck_velocity: float, exponent: float) -> float:
     """Return the friction level F_c + (F_s − F_c)·exp(−|v/v_s|^δ), an even function of ``v``."""
-    return coulomb + (static - coulomb) * math.exp(-((abs(v) / stribeck_velocity) ** exponent))
+    along = powered(abs(v) / stribeck_velocity, exponent)
+    return coulomb + (static - coulomb) * math.exp(-along) if along < FAR else coulomb
+
+
+@kernel
+def lorentzian_level(v: float, coulomb: float, static: float, stribeck_velocity: float, exponent: float) -> float:
+    """Return the friction level F_c + (F_s − F_c)/(1 + |v/v_s|^δ), an even function of ``v``."""
+    return coulomb + (static - coulomb) / (1.0 + powered(abs(v) / stribeck_velocity, exponent))
+
+
+@kernel
+def arctan_level(v: float, static: float, fall: float, steepness: float) -> float:
+    """Return the friction level τ_s + τ_sc·atan(δ|v|), an even function of ``v``, never below 0."""
+    return max(0.0, static + fall * math.atan(steepness * abs(v)))

@@ -3,23 +3,24 @@
 A law is data: declared parameters, a number of states, and two compiled kernels.  Kernels keep nothing; state goes in
 and comes out.
 
-``steady(v, load, p) -> torque``
+``steady(v, ambient, p) -> torque``
     Friction at velocity ``v`` held for ever.  Torque has the sign of ``v`` where the law dissipates: it is the torque
     the drive must supply, so it stands with a plus sign in the balance of the robot.
 
-``advance(v, load, z, h, p, z_next) -> (torque, slope)``
-    One step of length ``h`` in which the velocity is ``v``: the state goes from ``z`` to ``z_next``.  ``slope`` ≥ 0
-    estimates ∂torque/∂v, so that a joint can be stepped implicitly.
+``advance(v, ambient, z, h, p, z_next) -> (torque, slope)``
+    One step of length ``h`` in which the velocity is ``v``: the state goes from ``z`` to ``z_next``, and ``torque`` is
+    the friction at the end of the step.  ``slope`` ≥ 0 estimates ∂torque/∂v, so that a joint can be stepped implicitly.
 
-``v`` in rad/s or m/s, ``load`` (the torque the transmission carries) in N·m or N, ``p`` and ``z`` one-dimensional
-float64 arrays.
+``v`` in rad/s or m/s; ``ambient`` (5,) holds what else a law may read (:mod:`mjfriction.laws.ambient`: the load of the
+transmission, position, temperature, pressures); ``p`` holds the scalar parameters and then, one array after another,
+those that every element of the law has; ``z`` the state.  All are one-dimensional float64 arrays.
 """
 
 from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, TypeVar, cast
 
@@ -29,11 +30,12 @@ from numba import types
 from numpy.typing import NDArray
 
 from mjfriction.errors import LawError, suggestion
+from mjfriction.laws.rules import Rule, Values
 from mjfriction.parameter import Parameter
 
 Floats = NDArray[np.float64]
-Steady = Callable[[float, float, Floats], float]
-Advance = Callable[[float, float, Floats, float, Floats, Floats], tuple[float, float]]
+Steady = Callable[[float, Floats, Floats], float]
+Advance = Callable[[float, Floats, Floats, float, Floats, Floats], tuple[float, float]]
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 
 
@@ -43,47 +45,59 @@ def kernel(function: Kernel) -> Kernel:
 
 
 @dataclass(frozen=True, slots=True)
-class Ordering:
-    """A requirement ``larger >= smaller`` between two parameters of a law."""
-
-    larger: str
-    smaller: str
-
-
-@dataclass(frozen=True, slots=True)
 class Law:
     """A friction law: what it is called, what it needs, and its kernels.
 
-    ``odd`` says torque(−v) = −torque(v); ``exact_state`` says two half steps equal one whole step to rounding.
+    ``captures`` and ``misses`` say in a line what it can and cannot show.  ``elements`` are the parameters that every
+    element of a law built of elements has.  The state has ``states`` numbers and ``states_per_element`` more for every
+    element.  ``odd`` says torque(−v) = −torque(v); ``exact_state`` says two half steps equal one whole step to
+    rounding.
     """
 
     name: str
     summary: str
+    captures: str
+    misses: str
     formula: str
     source: str
     parameters: tuple[Parameter, ...]
     steady: Steady
     advance: Advance
-    state_count: int = 0
+    elements: tuple[Parameter, ...] = ()
+    states: int = 0
+    states_per_element: int = 0
     odd: bool = True
     exact_state: bool = True
-    orderings: tuple[Ordering, ...] = field(default=())
+    rules: tuple[Rule, ...] = field(default=())
 
     def parameter(self, name: str) -> Parameter:
         """Return the declaration of a parameter; :class:`LawError` names the nearest one when there is none."""
-        for parameter in self.parameters:
-            if parameter.name == name:
-                return parameter
-        names = [parameter.name for parameter in self.parameters]
+        declared = {parameter.name: parameter for parameter in (*self.parameters, *self.elements)}
+        if name in declared:
+            return declared[name]
         raise LawError(
-            f"law '{self.name}' has no parameter '{name}'{suggestion(name, names)} It takes {', '.join(names)}"
+            f"law '{self.name}' has no parameter '{name}'{suggestion(name, declared)} It takes {', '.join(declared)}"
         )
 
-    def pack(self, values: Mapping[str, float], *, where: str = "") -> Floats:
+    def index(self, name: str) -> int | None:
+        """Return where a scalar parameter stands in the packed values, None where the law has none of that name."""
+        names = [parameter.name for parameter in self.parameters]
+        return names.index(name) if name in names else None
+
+    def element_count(self, packed: Floats) -> int:
+        """Return how many elements packed values describe."""
+        return (packed.size - len(self.parameters)) // len(self.elements) if self.elements else 0
+
+    def state_count(self, packed: Floats) -> int:
+        """Return how many numbers the state has."""
+        return self.states + self.states_per_element * self.element_count(packed)
+
+    def pack(self, values: Values, *, where: str = "") -> Floats:
         """Check named values against the declarations and return them in the order the kernels read.
 
         Raises :class:`LawError` naming law, parameter, unit and value for a name that is unknown or missing, a value
-        out of bounds, or two values in the wrong order.  ``where`` (a joint, say) is put in front of the message.
+        out of bounds, arrays of different lengths, or values that break a rule of the law.  ``where`` (a joint, say)
+        is put in front of the message.
         """
         at = f"{where}: " if where else ""
         for name in values:
@@ -91,53 +105,134 @@ class Law:
                 self.parameter(name)
             except LawError as error:
                 raise LawError(f"{at}{error}") from None
-        packed = np.empty(len(self.parameters))
-        for i, parameter in enumerate(self.parameters):
-            if parameter.name not in values:
+        full = {p.name: p.default for p in self.parameters if p.default is not None} | dict(values)
+        packed = [self._checked(parameter, full, at) for parameter in self.parameters]
+        arrays = [self._checked_elements(parameter, full, at) for parameter in self.elements]
+        for parameter, own in zip(self.elements[1:], arrays[1:], strict=True):
+            if len(own) != len(arrays[0]):
                 raise LawError(
-                    f"{at}law '{self.name}' needs '{parameter.name}' ({parameter.meaning}, "
-                    f"{parameter.unit_for(sliding=False)}); add it to the parameters"
+                    f"{at}law '{self.name}': '{self.elements[0].name}' has {len(arrays[0])} values and "
+                    f"'{parameter.name}' {len(own)}; give one of each for every element"
                 )
-            value = float(values[parameter.name])
-            if not parameter.allows(value):
-                raise LawError(
-                    f"{at}law '{self.name}', parameter '{parameter.name}' = {value:g} "
-                    f"{parameter.unit_for(sliding=False)}: allowed is {parameter.allowed}"
-                )
-            packed[i] = value
-        for rule in self.orderings:
-            if values[rule.larger] < values[rule.smaller]:
-                raise LawError(
-                    f"{at}law '{self.name}': '{rule.larger}' = {values[rule.larger]:g} is smaller than "
-                    f"'{rule.smaller}' = {values[rule.smaller]:g}; it must be at least as large"
-                )
-        return packed
+        for rule in self.rules:
+            broken = rule.broken(full)
+            if broken is not None:
+                raise LawError(f"{at}law '{self.name}': {broken}")
+        return np.array([*packed, *(value for own in arrays for value in own)], dtype=np.float64)
 
-    def along(self, velocity: Floats, load: Floats, packed: Floats) -> Floats:
+    def _checked(self, parameter: Parameter, values: Values, at: str) -> float:
+        if parameter.name not in values:
+            raise LawError(
+                f"{at}law '{self.name}' needs '{parameter.name}' ({parameter.meaning}, "
+                f"{parameter.unit_for(sliding=False)}); add it to the parameters"
+            )
+        value = values[parameter.name]
+        if not isinstance(value, (int, float)):
+            raise LawError(f"{at}law '{self.name}', parameter '{parameter.name}' is one number, not a list")
+        return self._allowed(parameter, float(value), parameter.name, at)
+
+    def _checked_elements(self, parameter: Parameter, values: Values, at: str) -> list[float]:
+        if parameter.name not in values:
+            raise LawError(
+                f"{at}law '{self.name}' needs '{parameter.name}' ({parameter.meaning}, "
+                f"{parameter.unit_for(sliding=False)}), a list with one value for every element"
+            )
+        value = values[parameter.name]
+        if isinstance(value, (int, float)) or len(value) == 0:
+            raise LawError(
+                f"{at}law '{self.name}', parameter '{parameter.name}' is a list with one value for every element"
+            )
+        return [self._allowed(parameter, float(x), f"{parameter.name}[{i}]", at) for i, x in enumerate(value)]
+
+    def _allowed(self, parameter: Parameter, value: float, name: str, at: str) -> float:
+        if not parameter.allows(value):
+            raise LawError(
+                f"{at}law '{self.name}', parameter '{name}' = {value:g} "
+                f"{parameter.unit_for(sliding=False)}: allowed is {parameter.allowed}"
+            )
+        return value
+
+    def unpack(self, packed: Floats) -> dict[str, float | tuple[float, ...]]:
+        """Return packed values by name."""
+        scalars = {p.name: float(value) for p, value in zip(self.parameters, packed, strict=False)}
+        arrays = packed[len(self.parameters) :].reshape(len(self.elements), -1) if self.elements else ()
+        return scalars | {p.name: tuple(own.tolist()) for p, own in zip(self.elements, arrays, strict=True)}
+
+    def along(self, velocity: Floats, ambient: Floats, packed: Floats) -> Floats:
         """Return the steady friction at every sample.
 
-        ``velocity`` and ``load`` have shape (n,), ``packed`` comes from :meth:`pack`; the result has shape (n,).
+        ``velocity`` (n,), ``ambient`` (n, 5), ``packed`` from :meth:`pack`; the result has shape (n,).
         """
         out = np.empty(velocity.shape[0])
-        _steady_loop()(self.steady, np.ascontiguousarray(velocity), np.ascontiguousarray(load), packed, out)
+        _steady_loop()(self.steady, _rowwise(velocity), _rowwise(ambient), packed, out)
         return out
 
+    def follow(
+        self, velocity: Floats, ambient: Floats, h: float, packed: Floats, state: Floats | None = None
+    ) -> tuple[Floats, Floats]:
+        """Return the friction at the end of every step of a motion, (n,), and the state then, (n, states).
 
-def _steady_along(steady: Steady, velocity: Floats, load: Floats, packed: Floats, out: Floats) -> None:
+        ``velocity`` (n,) is the velocity held during each step of ``h`` seconds; ``state`` (states,) is where the law
+        starts, at rest without deflection when not given.
+        """
+        count = self.state_count(packed)
+        start = np.zeros(count) if state is None else np.array(state, dtype=np.float64)
+        if start.shape != (count,):
+            raise LawError(f"law '{self.name}' has {count} states here, not {start.shape}; give that many")
+        torque, states = np.empty(velocity.shape[0]), np.empty((velocity.shape[0], count))
+        _advance_loop()(self.advance, _rowwise(velocity), _rowwise(ambient), h, packed, start, torque, states)
+        return torque, states
+
+
+def _rowwise(values: Floats) -> Floats:
+    return np.ascontiguousarray(values, dtype=np.float64)
+
+
+def _steady_along(steady: Steady, velocity: Floats, ambient: Floats, packed: Floats, out: Floats) -> None:
     for i in range(velocity.shape[0]):
-        out[i] = steady(velocity[i], load[i], packed)
+        out[i] = steady(velocity[i], ambient[i], packed)
+
+
+def _advance_along(
+    advance: Advance, v: Floats, ambient: Floats, h: float, p: Floats, start: Floats, torque: Floats, states: Floats
+) -> None:
+    z = start
+    for i in range(v.shape[0]):
+        torque[i], _ = advance(v[i], ambient[i], z, h, p, states[i])
+        z = states[i]
+
+
+_VECTOR = types.float64[::1]
+_TABLE = types.float64[:, ::1]
 
 
 @functools.cache
 def _steady_loop() -> Callable[..., None]:
     # One loop for every law: the kernel comes in as a function pointer, so that the loop is compiled once for all and
     # can be kept on disk.
-    vector = types.float64[::1]
-    steady = types.FunctionType(types.float64(types.float64, types.float64, vector))
-    signature = types.void(steady, vector, vector, vector, vector)
+    steady = types.FunctionType(types.float64(types.float64, _VECTOR, _VECTOR))
+    signature = types.void(steady, _VECTOR, _TABLE, _VECTOR, _VECTOR)
     return cast(Callable[..., None], numba.njit(signature, cache=True)(_steady_along))
 
 
-def positive(name: str, unit: str, meaning: str, typical: tuple[float, float]) -> Parameter:
+@functools.cache
+def _advance_loop() -> Callable[..., None]:
+    scalar = types.float64
+    pair = cast(Any, types).UniTuple(scalar, 2)
+    advance = types.FunctionType(pair(scalar, _VECTOR, _VECTOR, scalar, _VECTOR, _VECTOR))
+    signature = types.void(advance, _VECTOR, _TABLE, scalar, _VECTOR, _VECTOR, _VECTOR, _TABLE)
+    return cast(Callable[..., None], numba.njit(signature, cache=True)(_advance_along))
+
+
+def positive(
+    name: str, unit: str, meaning: str, typical: tuple[float, float], default: float | None = None
+) -> Parameter:
     """Declare a parameter that may not be negative."""
-    return Parameter(name, unit, meaning, lower=0.0, upper=math.inf, typical=typical)
+    return Parameter(name, unit, meaning, lower=0.0, upper=math.inf, typical=typical, default=default)
+
+
+def above_zero(
+    name: str, unit: str, meaning: str, typical: tuple[float, float], default: float | None = None
+) -> Parameter:
+    """Declare a parameter that must be larger than zero."""
+    return Parameter(name, unit, meaning, lower=1e-12, upper=math.inf, typical=typical, default=default)

@@ -13,7 +13,7 @@ import numpy as np
 from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.body.model import Body
 from mjfriction.errors import RobotError
-from mjfriction.laws.catalog import find_law
+from mjfriction.laws.ambient import ROOM_TEMPERATURE, ambient
 from mjfriction.laws.law import Floats
 from mjfriction.record.log import CURRENT
 from mjfriction.record.motion import Motion
@@ -46,10 +46,9 @@ def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
     friction = np.zeros_like(rigid)
     total, reported = np.empty_like(rigid), np.empty_like(rigid)
     for i, joint in enumerate(robot.table.joint):
+        around = surroundings(joint, motion, i, rigid[:, i])
         for term in joint.friction or ():
-            friction[:, i] += term_torque(
-                term, joint.actuator.gear_ratio, motion.velocity[:, i], motion.velocity_noise[i], rigid[:, i]
-            )
+            friction[:, i] += term_torque(term, joint.actuator.gear_ratio, motion, i, around)
         position = motion.position[:, i]
         if joint.friction_waves:
             forward, _ = direction(motion.velocity[:, i], motion.velocity_noise[i])
@@ -78,21 +77,38 @@ def _waves(waves: tuple[Wave, ...], position: Floats) -> Floats:
     return out
 
 
-def term_torque(term: FrictionTerm, gear_ratio: float, velocity: Floats, noise: float, load: Floats) -> Floats:
+def surroundings(joint: Joint, motion: Motion, index: int, load: Floats) -> Floats:
+    """Return what the joint's friction may read along a motion, shape (n, 5); room temperature where none is logged."""
+
+    def column(name: str, otherwise: float) -> Floats | float:
+        return motion.columns.get(f"{name}.{joint.name}", otherwise)
+
+    return ambient(
+        load.size,
+        load=load,
+        position=motion.position[:, index],
+        temperature=column("temperature", ROOM_TEMPERATURE),
+        pressure_head=column("pressure_head", 0.0),
+        pressure_rod=column("pressure_rod", 0.0),
+    )
+
+
+def term_torque(term: FrictionTerm, gear_ratio: float, motion: Motion, index: int, around: Floats) -> Floats:
     """Return one friction law's torque at the joint along a motion, shape (n,).
 
-    ``noise`` is the standard deviation of the estimated velocity.  A law on the motor side reads gear_ratio·velocity
-    and load/gear_ratio, and its torque comes back through the gear.
+    ``around`` (n, 5) is what surrounds the joint.  A law with a state is followed sample by sample, from rest at the
+    start of every piece; one without takes the direction of :func:`direction`.
     """
-    law = find_law(term.law)
-    packed = law.pack(term.parameters)
-    ratio = gear_ratio if term.side == "motor" else 1.0
-
-    def torque(at: Floats) -> Floats:
-        return ratio * law.along(ratio * at, load / ratio, packed)
-
-    forward, speed = direction(velocity, noise)
-    return forward * torque(speed) + (1.0 - forward) * torque(-speed)
+    friction = term.friction(gear_ratio)
+    velocity = motion.velocity[:, index]
+    if friction.state_count == 0:
+        forward, speed = direction(velocity, motion.velocity_noise[index])
+        return forward * friction.steady(speed, around) + (1.0 - forward) * friction.steady(-speed, around)
+    out = np.empty_like(velocity)
+    for piece in np.unique(motion.piece):
+        own = motion.piece == piece
+        out[own] = friction.follow(velocity[own], around[own], 1.0 / motion.rate)[0]
+    return out
 
 
 def direction(velocity: Floats, noise: float) -> tuple[Floats, Floats]:

@@ -2,14 +2,30 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 from mjfriction.laws.asymmetric import ASYMMETRIC
+from mjfriction.laws.catalog import find_law
 from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
 from mjfriction.laws.load_dependent import LOAD_DEPENDENT
+from mjfriction.laws.rules import SumReaches, Values, array, scalar
 from mjfriction.laws.stribeck import STRIBECK
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import FrictionTerm, Joint
+
+LEVELS = (
+    "coulomb",
+    "static",
+    "static_rested",
+    "coulomb_positive",
+    "coulomb_negative",
+    "level",
+    "level_extending",
+    "level_retracting",
+)
+DAMPINGS = ("viscous", "viscous_positive", "viscous_negative", "viscous_extending", "viscous_retracting")
+SUM_REACHES_STATIC = SumReaches("level", "static")
 
 
 def terms(joint: Joint) -> tuple[FrictionTerm, ...]:
@@ -23,25 +39,39 @@ def reflection(term: FrictionTerm, joint: Joint) -> tuple[float, float]:
     return abs(ratio), ratio * ratio
 
 
+def coulomb_level(term: FrictionTerm) -> float:
+    """Return the level that a law keeps at speed, on its own side, its directions averaged."""
+    if "stribeck_fall" in term.parameters:
+        return term.value("static") + 0.5 * math.pi * term.value("stribeck_fall")
+    if "coulomb" not in term.parameters and isinstance(term.parameters.get("level"), tuple):
+        return float(sum(array(term.parameters, "level")))
+    pairs = (("coulomb_positive", "coulomb_negative"), ("level_extending", "level_retracting"))
+    for forward, backward in pairs:
+        if forward in term.parameters:
+            return 0.5 * (term.value(forward) + term.value(backward))
+    return term.value("coulomb") + term.value("level")
+
+
+def viscous_rate(term: FrictionTerm) -> float:
+    """Return a law's linear damping on its own side, its directions averaged."""
+    pairs = (("viscous_positive", "viscous_negative"), ("viscous_extending", "viscous_retracting"))
+    return term.value("viscous") + sum(0.5 * (term.value(one) + term.value(other)) for one, other in pairs)
+
+
 def stated_levels(joint: Joint) -> tuple[float, float]:
     """Return Coulomb and viscous friction as stated, summed over the laws, at the joint."""
     coulomb = viscous = 0.0
     for term in terms(joint):
         level, rate = reflection(term, joint)
-        values = term.parameters
-        if term.law == ASYMMETRIC.name:
-            coulomb += 0.5 * level * (values["coulomb_positive"] + values["coulomb_negative"])
-            viscous += 0.5 * rate * (values["viscous_positive"] + values["viscous_negative"])
-        else:
-            coulomb += level * values.get("coulomb", 0.0)
-            viscous += rate * values.get("viscous", 0.0)
+        coulomb += level * coulomb_level(term)
+        viscous += rate * viscous_rate(term)
     return coulomb, viscous
 
 
 def stribeck_excess(joint: Joint) -> float:
     """Return how much friction near rest is stated above the Coulomb level, at the joint."""
     return sum(
-        reflection(term, joint)[0] * (term.parameters["static"] - term.parameters["coulomb"])
+        reflection(term, joint)[0] * (term.value("static") - term.value("coulomb"))
         for term in terms(joint)
         if term.law == STRIBECK.name
     )
@@ -49,7 +79,7 @@ def stribeck_excess(joint: Joint) -> float:
 
 def stated_load(joint: Joint) -> float:
     """Return how fast friction is stated to grow with the transmitted load; the same on either side of the gear."""
-    return sum(term.parameters["load"] for term in terms(joint) if term.law == LOAD_DEPENDENT.name)
+    return sum(term.value("load") for term in terms(joint) if term.law == LOAD_DEPENDENT.name)
 
 
 def raised_levels(robot: Robot, joint: str, coulomb: float, viscous: float) -> Robot:
@@ -60,28 +90,55 @@ def raised_levels(robot: Robot, joint: str, coulomb: float, viscous: float) -> R
     """
     table = robot.joint(joint)
     changed = []
-    for term in terms(table):
-        level, rate = reflection(term, table)
-        values = dict(term.parameters)
-        for name, room, reflected in (("coulomb", coulomb, level), ("viscous", viscous, rate)):
-            keys = [key for key in (name, f"{name}_positive", f"{name}_negative") if key in values]
-            if not keys:
-                continue
-            lowest = min(values[key] for key in keys)
-            step = max(room / reflected, -lowest)
-            for key in keys:
-                values[key] += step
-            if name == "coulomb":
-                if "static" in values:
-                    values["static"] += step
-                coulomb -= step * reflected
-            else:
-                viscous -= step * reflected
-        changed.append(term.model_copy(update={"parameters": values}))
+    for stated in terms(table):
+        level, rate = reflection(stated, table)
+        step = max(coulomb / level, -min([coulomb_level(stated), *_scalars(stated, LEVELS)]))
+        raised = _level_raised(stated, step)
+        if raised is not None:
+            coulomb -= step * level
+        damped = raised or stated
+        dampings = _scalars(stated, DAMPINGS)
+        if dampings:
+            step = max(viscous / rate, -min(dampings))
+            damped, viscous = _changed(damped, dict.fromkeys(DAMPINGS, step)), viscous - step * rate
+        changed.append(damped)
     if coulomb > 0.0 or viscous > 0.0:
         rest = {"coulomb": max(coulomb, 0.0), "viscous": max(viscous, 0.0)}
         changed.append(FrictionTerm(law=COULOMB_VISCOUS.name, parameters=rest))
     return robot.with_joint(table.model_copy(update={"friction": tuple(changed)}))
+
+
+def _scalars(term: FrictionTerm, names: tuple[str, ...]) -> list[float]:
+    sets = (term.parameters, term.negative or {})
+    return [scalar(values, name) for values in sets for name in names if isinstance(values.get(name), float)]
+
+
+def _level_raised(term: FrictionTerm, step: float) -> FrictionTerm | None:
+    if _scalars(term, LEVELS):
+        raised = _changed(term, dict.fromkeys(LEVELS, step))
+        if SUM_REACHES_STATIC not in find_law(term.law).rules:
+            return raised
+        return _stretched(raised, max(1.0, raised.value("static") / sum(array(raised.parameters, "level"))))
+    if isinstance(term.parameters.get("level"), tuple):
+        return _stretched(term, 1.0 + step / coulomb_level(term))
+    return None
+
+
+def _changed(term: FrictionTerm, steps: Mapping[str, float]) -> FrictionTerm:
+    def moved(values: Mapping[str, float | tuple[float, ...]]) -> dict[str, float | tuple[float, ...]]:
+        return {
+            name: value + steps[name] if name in steps and not isinstance(value, tuple) else value
+            for name, value in values.items()
+        }
+
+    negative = None if term.negative is None else moved(term.negative)
+    return term.model_copy(update={"parameters": moved(term.parameters), "negative": negative})
+
+
+def _stretched(term: FrictionTerm, factor: float) -> FrictionTerm:
+    # Level and stiffness together: every element still breaks away after the same travel.
+    own = {name: tuple(factor * x for x in array(term.parameters, name)) for name in ("level", "stiffness")}
+    return term.model_copy(update={"parameters": {**term.parameters, **own}})
 
 
 def with_term(robot: Robot, joint: str, law: str, parameters: Mapping[str, float]) -> Robot:
@@ -107,14 +164,19 @@ def with_asymmetric_damping(robot: Robot, joint: str, asymmetry: float) -> Robot
             ways = ("positive", "negative")
             # A motor that turns against its joint sees the joint's forward motion as its own backward one.
             turned = ways[::-1] if term.side == "motor" and table.actuator.gear_ratio < 0.0 else ways
+            sides = {"positive": values, "negative": {**values, **(term.negative or {})}}
+
+            def of(name: str, way: str, sides: Mapping[str, Values] = sides) -> float:
+                return scalar(sides[way], f"{name}_{way}" if f"{name}_{way}" in sides[way] else name)
+
             for way, own in zip(ways, turned, strict=True):
-                coulomb[f"coulomb_{way}"] += level * values.get(f"coulomb_{own}", values.get("coulomb", 0.0))
-            forward, backward = (values.get(f"viscous_{own}", values.get("viscous", 0.0)) for own in turned)
+                coulomb[f"coulomb_{way}"] += level * of("coulomb", own)
+            forward, backward = (of("viscous", own) for own in turned)
             viscous += 0.5 * rate * (forward + backward)
             asymmetry += 0.5 * rate * (forward - backward)
             continue
-        viscous += rate * values.pop("viscous", 0.0)
-        kept.append(term.model_copy(update={"parameters": {**term.parameters, **_still(term)}}))
+        viscous += rate * term.value("viscous")
+        kept.append(_still(term))
     # Damping cannot be negative in either direction; past that, friction would drive the joint.
     damping = {
         "viscous_positive": max(viscous + asymmetry, 0.0),
@@ -124,5 +186,9 @@ def with_asymmetric_damping(robot: Robot, joint: str, asymmetry: float) -> Robot
     return robot.with_joint(table.model_copy(update={"friction": (joined, *kept)}))
 
 
-def _still(term: FrictionTerm) -> dict[str, float]:
-    return {"viscous": 0.0} if "viscous" in term.parameters else {}
+def _still(term: FrictionTerm) -> FrictionTerm:
+    def still(values: Mapping[str, float | tuple[float, ...]]) -> dict[str, float | tuple[float, ...]]:
+        return {name: 0.0 if name == "viscous" else value for name, value in values.items()}
+
+    negative = None if term.negative is None else still(term.negative)
+    return term.model_copy(update={"parameters": still(term.parameters), "negative": negative})

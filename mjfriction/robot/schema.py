@@ -6,7 +6,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator
 
+from mjfriction.laws.ambient import ROOM_TEMPERATURE
 from mjfriction.laws.catalog import find_law
+from mjfriction.laws.friction import Friction, Level, friction
+from mjfriction.laws.friction import Wave as LevelWave
 
 Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=True)]
@@ -51,12 +54,38 @@ class EffortSensor(Table):
     delay: Finite = 0.0
 
 
+class Wave(Table):
+    """A torque that repeats along the stroke: ``cosine`` · cos(k q) + ``sine`` · sin(k q), k the ``wavenumber``."""
+
+    wavenumber: Positive
+    cosine: Finite = 0.0
+    sine: Finite = 0.0
+
+
+class LevelTable(Table):
+    """What scales the level of a law, all but its linear damping, by 1 + the following.
+
+    ``per_load``: 1/(N·m) or 1/N of the load on the law's side.  ``per_kelvin``: 1/K above ``reference_temperature``
+    (°C).  ``waves``: shares that repeat along the stroke of the law's side.
+    """
+
+    per_load: Finite = 0.0
+    per_kelvin: Finite = 0.0
+    reference_temperature: Finite = ROOM_TEMPERATURE
+    waves: tuple[Wave, ...] = ()
+
+
 class FrictionTerm(Table):
-    """One friction law on a joint; ``side`` is the side whose velocity and torque the law speaks of."""
+    """One friction law on a joint; ``side`` is the side whose velocity and torque the law speaks of.
+
+    ``negative`` are the parameters for motion backward, where they differ; ``level`` scales the law's level.
+    """
 
     law: str
     side: Literal["joint", "motor"] = "joint"
-    parameters: dict[str, Finite]
+    parameters: dict[str, Finite | tuple[Finite, ...]]
+    negative: dict[str, Finite | tuple[Finite, ...]] | None = None
+    level: LevelTable = LevelTable()
 
     @field_validator("law")
     @classmethod
@@ -66,7 +95,20 @@ class FrictionTerm(Table):
 
     def model_post_init(self, _context: Any, /) -> None:
         """Check the parameters against the law's declarations."""
-        find_law(self.law).pack(self.parameters)
+        self.friction(1.0)
+
+    def friction(self, gear_ratio: float) -> Friction:
+        """Return the law as it stands at a joint whose drive has that gear ratio."""
+        waves = tuple(LevelWave(wave.wavenumber, wave.cosine, wave.sine) for wave in self.level.waves)
+        level = Level(self.level.per_load, self.level.per_kelvin, self.level.reference_temperature, waves)
+        ratio = gear_ratio if self.side == "motor" else 1.0
+        return friction(self.law, self.parameters, negative=self.negative, gear_ratio=ratio, level=level)
+
+    def value(self, name: str) -> float:
+        """Return a parameter that is one number: forward and backward averaged, 0 where the law has none of it."""
+        sets = [self.parameters, {**self.parameters, **(self.negative or {})}]
+        found = [values.get(name, 0.0) for values in sets]
+        return sum(0.0 if isinstance(value, tuple) else value for value in found) / len(sets)
 
 
 class Spring(Table):
@@ -74,14 +116,6 @@ class Spring(Table):
 
     stiffness: Finite = 0.0
     preload: Finite = 0.0
-
-
-class Wave(Table):
-    """A torque that repeats along the stroke: ``cosine`` · cos(k q) + ``sine`` · sin(k q), k the ``wavenumber``."""
-
-    wavenumber: Positive
-    cosine: Finite = 0.0
-    sine: Finite = 0.0
 
 
 class Joint(Table):

@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from mjfriction.errors import RobotError
-from mjfriction.robot.effort import term_torque
+from mjfriction.laws.ambient import ambient
 from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.friction import raised_levels, stated_levels, with_asymmetric_damping, with_term
 from mjfriction.robot.robot import Robot, bundled_robots
@@ -170,7 +170,7 @@ def test_taking_over_the_damping_changes_no_torque_by_itself(ratio: float, side:
 
     def torque(of: Robot) -> np.ndarray:
         (term,) = of.joint("elbow_joint").friction or ()
-        return term_torque(term, ratio, velocity, 1e-9, np.zeros(4))
+        return term.friction(ratio).steady(velocity, ambient(4))
 
     taken = with_asymmetric_damping(robot, "elbow_joint", 0.0)
     np.testing.assert_allclose(torque(taken), torque(robot), rtol=1e-9)

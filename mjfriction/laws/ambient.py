@@ -1,0 +1,33 @@
+"""What surrounds a friction contact: the quantities besides velocity that a law may read."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+LOAD, POSITION, TEMPERATURE, PRESSURE_HEAD, PRESSURE_ROD = range(5)
+AMBIENT_SIZE = 5
+ROOM_TEMPERATURE = 25.0  # °C, taken where nothing measures it
+
+Floats = NDArray[np.float64]
+
+
+def ambient(
+    count: int,
+    *,
+    load: Floats | float = 0.0,
+    position: Floats | float = 0.0,
+    temperature: Floats | float = ROOM_TEMPERATURE,
+    pressure_head: Floats | float = 0.0,
+    pressure_rod: Floats | float = 0.0,
+) -> Floats:
+    """Return the surroundings of ``count`` samples, shape (count, 5), as the kernels read them row by row.
+
+    ``load``: the torque the transmission carries, N·m or N.  ``position``: rad or m.  ``temperature``: °C.
+    ``pressure_head`` and ``pressure_rod``: Pa in the two chambers of a hydraulic cylinder.  Each is one number or
+    shape (count,).
+    """
+    out = np.empty((count, AMBIENT_SIZE))
+    for column, value in enumerate((load, position, temperature, pressure_head, pressure_rod)):
+        out[:, column] = value
+    return out

@@ -1,0 +1,109 @@
+"""Kernels that wrap any law: seen through a gear, its level scaled by its surroundings, its two directions apart.
+
+A wrapped law is one float64 vector ``w``, laid out by :meth:`mjfriction.laws.friction.Friction.packed`:
+(number of the law, gear ratio, count of parameters, where its damping stands or −1, two-way or not, level per load,
+level per kelvin, reference temperature, count of waves, the waves' k, a, b in turn, the parameters, and, two-way,
+the parameters for motion backward).
+"""
+
+from __future__ import annotations
+
+import math
+
+from mjfriction.laws.ambient import LOAD, POSITION, PRESSURE_HEAD, PRESSURE_ROD, TEMPERATURE
+from mjfriction.laws.dispatch import advance_of, steady_of
+from mjfriction.laws.law import Floats, kernel
+
+NUMBER, RATIO, COUNT, DAMPING, TWO_WAY, PER_LOAD, PER_KELVIN, REFERENCE, WAVES, HEADER = range(10)
+
+
+@kernel
+def through_gear(ambient: Floats, ratio: float, near: Floats) -> None:
+    """Write into ``near`` the surroundings on the law's side of a gear: position times, load divided by the ratio."""
+    near[LOAD] = ambient[LOAD] / ratio
+    near[POSITION] = ambient[POSITION] * ratio
+    near[TEMPERATURE] = ambient[TEMPERATURE]
+    near[PRESSURE_HEAD] = ambient[PRESSURE_HEAD]
+    near[PRESSURE_ROD] = ambient[PRESSURE_ROD]
+
+
+@kernel
+def level_factor(near: Floats, w: Floats) -> float:
+    """Return max(0, 1 + μ·|τ| + α·(T − T₀) + Σ aᵢ·cos(kᵢq) + bᵢ·sin(kᵢq)), what the level is multiplied by."""
+    factor = 1.0 + w[PER_LOAD] * abs(near[LOAD]) + w[PER_KELVIN] * (near[TEMPERATURE] - w[REFERENCE])
+    for i in range(int(w[WAVES])):
+        at = HEADER + 3 * i
+        angle = w[at] * near[POSITION]
+        factor += w[at + 1] * math.cos(angle) + w[at + 2] * math.sin(angle)
+    return float(max(0.0, factor))
+
+
+@kernel
+def steady_wrapped(v: float, ambient: Floats, w: Floats, near: Floats) -> float:
+    """Return the steady torque at the joint; ``near`` (5,) is room to work in."""
+    number, count, at = int(w[NUMBER]), int(w[COUNT]), HEADER + 3 * int(w[WAVES])
+    through_gear(ambient, w[RATIO], near)
+    own = w[RATIO] * v
+    if w[TWO_WAY] > 0.0 and own < 0.0:
+        at += count
+    p = w[at : at + count]
+    factor = level_factor(near, w)
+    damping = p[int(w[DAMPING])] if w[DAMPING] >= 0.0 else 0.0
+    return float(w[RATIO] * (factor * steady_of(number, own, near, p) + (1.0 - factor) * damping * own))
+
+
+@kernel
+def advance_wrapped(
+    v: float, ambient: Floats, z: Floats, h: float, w: Floats, z_next: Floats, near: Floats
+) -> tuple[float, float]:
+    """Return (torque, slope) at the joint and write the next state; ``near`` (5,) is room to work in.
+
+    The level's factor s multiplies all but the linear damping: s·(τ − F_v·v) + F_v·v.  A two-way law runs one copy for
+    each direction, each with its own state, and is max(τ⁺, 0) + min(τ⁻, 0): continuous, and as steep as either.
+    """
+    number, count, at = int(w[NUMBER]), int(w[COUNT]), HEADER + 3 * int(w[WAVES])
+    ratio = w[RATIO]
+    through_gear(ambient, ratio, near)
+    own = ratio * v
+    factor = level_factor(near, w)
+    where = int(w[DAMPING])
+    if w[TWO_WAY] == 0.0:
+        p = w[at : at + count]
+        torque, slope = advance_of(number, own, near, z, h, p, z_next)
+        damping = p[where] if where >= 0 else 0.0
+        torque = factor * torque + (1.0 - factor) * damping * own
+        slope = max(0.0, factor * slope + (1.0 - factor) * damping)
+        return ratio * torque, ratio * ratio * slope
+    half = z.shape[0] // 2
+    total = steepness = steepest = 0.0
+    for way in range(2):
+        p = w[at + way * count : at + (way + 1) * count]
+        torque, slope = advance_of(
+            number, own, near, z[way * half : (way + 1) * half], h, p, z_next[way * half : (way + 1) * half]
+        )
+        damping = p[where] if where >= 0 else 0.0
+        torque = factor * torque + (1.0 - factor) * damping * own
+        slope = max(0.0, factor * slope + (1.0 - factor) * damping)
+        steepest = max(steepest, slope)
+        if (torque > 0.0) if way == 0 else (torque < 0.0):
+            total += torque
+            steepness += slope
+    return ratio * total, ratio * ratio * (steepness if total != 0.0 else steepest)
+
+
+@kernel
+def steady_wrapped_along(velocity: Floats, ambient: Floats, w: Floats, near: Floats, out: Floats) -> None:
+    """Write the steady torque of every sample into ``out``."""
+    for i in range(velocity.shape[0]):
+        out[i] = steady_wrapped(velocity[i], ambient[i], w, near)
+
+
+@kernel
+def advance_wrapped_along(
+    velocity: Floats, ambient: Floats, h: float, w: Floats, start: Floats, near: Floats, torque: Floats, states: Floats
+) -> None:
+    """Write torque and state at the end of every step into ``torque`` (n,) and ``states`` (n, states)."""
+    z = start
+    for i in range(velocity.shape[0]):
+        torque[i], _ = advance_wrapped(velocity[i], ambient[i], z, h, w, states[i], near)
+        z = states[i]

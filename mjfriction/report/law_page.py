@@ -1,0 +1,76 @@
+"""What a law looks like: its description and portrait, in the terminal and as a page."""
+
+from __future__ import annotations
+
+import textwrap
+from pathlib import Path
+
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
+from mjfriction.laws.law import Law
+from mjfriction.laws.portrait import Curve, Portrait, portrait
+from mjfriction.report.canvas import line_plot
+
+PANELS = (
+    ("steady", "Steady friction", "velocity, rad/s"),
+    ("presliding", "Before slip: slow, with an inner loop", "travel, rad"),
+    ("lag", "Lag: sliding faster and slower", "velocity, rad/s"),
+    ("breakaway", "Breakaway from rest at three speeds", "travel, rad"),
+)
+COLOURS = ("#1b80c4", "#d1495b", "#b7a26a")
+
+
+def describe(law: Law, width: int = 80) -> str:
+    """Return a law as lines of text: what it is, its formula and parameters, its steady curve and loop."""
+
+    def wrapped(label: str, text: str) -> str:
+        return textwrap.fill(text, width, initial_indent=f"{label:<10}", subsequent_indent=" " * 10)
+
+    lines = [
+        f"{law.name}: {law.summary}",
+        "",
+        wrapped("formula", law.formula),
+        wrapped("captures", law.captures),
+        wrapped("misses", law.misses),
+        wrapped("source", law.source),
+        "",
+        "parameters (of a revolute joint; on a sliding one N·m is N and rad is m)",
+    ]
+    for parameter in (*law.parameters, *law.elements):
+        each = ", one for every element" if parameter in law.elements else ""
+        default = f", default {parameter.default:g}" if parameter.default is not None else ""
+        text = f"{parameter.meaning}; {parameter.unit_for(sliding=False)}, {parameter.allowed}{default}{each}"
+        lines.append(textwrap.fill(text, width, initial_indent=f"  {parameter.name:<24}", subsequent_indent=" " * 26))
+    drawn = portrait(law)
+    inner = width - 12
+    lines += ["", _text(drawn.steady[0], inner, "steady friction", "velocity, rad/s")]
+    lines += ["", _text(drawn.presliding[0], inner, "slow travel to and fro, with an inner loop", "travel, rad")]
+    return "\n".join(lines)
+
+
+def _text(curve: Curve, width: int, title: str, across: str) -> str:
+    return line_plot(curve.x, curve.torque, width=width, height=10, title=title, across=across, up="N·m")
+
+
+def law_figure(law: Law, drawn: Portrait) -> go.Figure:
+    """Return the four panels of a law's portrait."""
+    figure = make_subplots(rows=2, cols=2, subplot_titles=[title for _, title, _ in PANELS])
+    for k, (name, _, across) in enumerate(PANELS):
+        at = {"row": k // 2 + 1, "col": k % 2 + 1}
+        curves: tuple[Curve, ...] = getattr(drawn, name)
+        for curve, colour in zip(curves, COLOURS, strict=False):
+            figure.add_scatter(
+                x=curve.x, y=curve.torque, name=curve.name, line_color=colour, showlegend=len(curves) > 1, **at
+            )
+        figure.update_xaxes(title_text=across, **at)
+        figure.update_yaxes(title_text="torque, N·m", **at)
+    figure.update_layout(title=f"{law.name}: {law.summary}", template="plotly_white", height=760)
+    return figure
+
+
+def write_law_page(law: Law, path: Path) -> None:
+    """Write a law's portrait as one page that needs no network."""
+    beside = path.with_name(f".{path.name}.part")
+    beside.write_text(law_figure(law, portrait(law)).to_html(include_plotlyjs=True, full_html=True), encoding="utf-8")
+    beside.replace(path)
