@@ -39,7 +39,8 @@ Start with `coulomb_viscous`. Go further when something it cannot show matters t
 - **What happens before slip matters** (reversals, fine positioning, a simulation that must stick): a law with a state.
   `lugre` is the usual one; `lugre_arctan` is its form for geared arms. `elasto_plastic` where a stuck joint must not
   drift under vibration. `dahl` for rolling bearings. `maxwell_slip` where the loop's shape and its memory of reversals
-  matter and speed does not; `gms` (or `leuven`) where both do. `dwell_time` where a long rest makes the first move harder.
+  matter and speed does not; `gms` (or `leuven`) where both do. `dwell_time` where a long rest makes the first move
+  harder.
 - **A hydraulic cylinder**: `pressure` when chamber pressures are measured, `static_kinetic` when they are not.
 
 A joint may carry several laws; their torques add.
