@@ -7,6 +7,7 @@
     │   ├── LogError          a log: columns, rows, sampling
     │   ├── RobotError        a robot.toml or its model file
     │   ├── LawError          a friction law's name or parameters
+    │   ├── SimulationError   a MuJoCo model or simulation that cannot carry friction
     │   └── OutputError       a place where results cannot be written
     └── InternalError         a failure of our own (exit status 1)
 
@@ -37,6 +38,10 @@ class RobotError(InputError):
 
 class LawError(InputError):
     """A friction law is unknown or its parameters are not allowed."""
+
+
+class SimulationError(InputError):
+    """A MuJoCo model cannot carry friction, or a simulation has broken down."""
 
 
 class OutputError(InputError):

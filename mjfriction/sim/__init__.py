@@ -1,0 +1,1 @@
+"""Friction laws inside MuJoCo: the only room that knows MuJoCo."""

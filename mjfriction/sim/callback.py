@@ -1,0 +1,89 @@
+"""The one callback of the process: compiled, without Python, for every model there is."""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import mujoco
+import numba
+from numba import types
+
+from mjfriction.errors import SimulationError
+from mjfriction.sim.layout import Field
+from mjfriction.sim.native import call_back, offset_of, offsets_table
+from mjfriction.sim.step import friction_step
+
+PREVIOUS = int(Field.PREVIOUS_CALLBACK)
+
+
+def _callback(model: int, data: int) -> None:
+    previous = offset_of(PREVIOUS)
+    if previous != 0:
+        call_back(previous, model, data)
+    friction_step(model, data)
+
+
+@functools.cache
+def compiled_callback() -> Any:
+    """Return the callback as a ctypes function; compiled once and kept on disk."""
+    offsets_table()
+    return numba.cfunc(types.void(types.intp, types.intp), cache=True, error_model="numpy")(_callback).ctypes
+
+
+_depth = 0
+
+
+@contextmanager
+def friction_active() -> Iterator[None]:
+    """Install the friction callback for the time of a ``with`` block; blocks may be nested.
+
+    A native callback that was installed before (a ctypes function) is called first in every step, and is back
+    afterwards.  A Python callback is refused with :class:`SimulationError`: it could not run in MuJoCo's thread pools.
+    """
+    global _depth  # noqa: PLW0603 the one global of the package: MuJoCo has one control callback
+    if _depth == 0:
+        install()
+    _depth += 1
+    try:
+        yield
+    finally:
+        _depth -= 1
+        if _depth == 0:
+            remove()
+
+
+_replaced: Any = None
+
+
+def install() -> None:
+    """Install the callback for good, for a viewer or an interactive session; :func:`remove` takes it away."""
+    global _replaced  # noqa: PLW0603
+    own = compiled_callback()
+    table = offsets_table()
+    there = mujoco.get_mjcb_control()
+    if there is own:
+        return
+    if there is not None and not isinstance(there, ctypes._CFuncPtr):  # type: ignore[attr-defined]
+        raise SimulationError(
+            f"a Python control callback is installed ({there!r}); friction runs inside MuJoCo's threads and cannot call "
+            "it. Remove it with mujoco.set_mjcb_control(None) and set the controls in your loop, or compile it"
+        )
+    table[PREVIOUS] = 0 if there is None else ctypes.cast(there, ctypes.c_void_p).value or 0
+    _replaced = there
+    mujoco.set_mjcb_control(own)
+
+
+def remove() -> None:
+    """Take the callback away and put back what was there before :func:`install`."""
+    global _replaced  # noqa: PLW0603
+    if mujoco.get_mjcb_control() is not compiled_callback():
+        raise SimulationError(
+            "another control callback was installed over the friction callback; remove that one first"
+        )
+    mujoco.set_mjcb_control(_replaced)
+    offsets_table()[PREVIOUS] = 0
+    _replaced = None

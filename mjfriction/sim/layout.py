@@ -1,0 +1,192 @@
+"""Where the fields that the compiled callback reads lie in MuJoCo's structs: found at run time, never typed in.
+
+Probe models with known contents are built; the places in their structs that hold the addresses the Python bindings
+report (or numbers set through them) in every probe are the fields.  A MuJoCo whose structs do not answer to that is
+refused.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import enum
+import functools
+import os
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from mjfriction.errors import SimulationError
+
+CHUNK = 4096
+FARTHEST = {"mjModel": 64 * 1024, "mjData": 1024 * 1024}  # bytes searched; mjData begins with long statistics
+
+MODEL_ARRAYS = (
+    "numeric_adr",
+    "numeric_data",
+    "M_rownnz",
+    "M_rowadr",
+    "M_colind",
+    "dof_damping",
+    "dof_armature",
+    "actuator_biastype",
+    "actuator_biasprm",
+)
+DATA_ARRAYS = (
+    "qpos",
+    "qvel",
+    "userdata",
+    "M",
+    "qfrc_passive",
+    "qfrc_bias",
+    "qfrc_applied",
+    "xfrc_applied",
+    "qfrc_actuator",
+    "xipos",
+    "moment_rownnz",
+    "moment_rowadr",
+    "moment_colind",
+    "actuator_moment",
+)
+
+
+class Field(enum.IntEnum):
+    """What stands where in the table of offsets; the last entry is the callback to call first, not an offset."""
+
+    NNUMERIC = 0
+    TIMESTEP = 1
+    INTEGRATOR = 2
+    DISABLEFLAGS = 3
+    TIME = 4
+    NUMERIC_ADR = 5
+    NUMERIC_DATA = 6
+    M_ROWNNZ = 7
+    M_ROWADR = 8
+    M_COLIND = 9
+    DOF_DAMPING = 10
+    DOF_ARMATURE = 11
+    ACTUATOR_BIASTYPE = 12
+    ACTUATOR_BIASPRM = 13
+    QPOS = 14
+    QVEL = 15
+    USERDATA = 16
+    M = 17
+    QFRC_PASSIVE = 18
+    QFRC_BIAS = 19
+    QFRC_APPLIED = 20
+    XFRC_APPLIED = 21
+    QFRC_ACTUATOR = 22
+    XIPOS = 23
+    MOMENT_ROWNNZ = 24
+    MOMENT_ROWADR = 25
+    MOMENT_COLIND = 26
+    ACTUATOR_MOMENT = 27
+    PREVIOUS_CALLBACK = 28
+
+
+PROBE = """
+<mujoco>
+  <option timestep="{timestep}" integrator="{integrator}"><flag {flag}="disable"/></option>
+  <size nuserdata="{extra}"/>
+  <worldbody>{bodies}</worldbody>
+  <actuator>{motors}</actuator>
+  <custom>{numerics}</custom>
+</mujoco>
+"""
+PROBES = (
+    (0, "Euler", "gravity"),
+    (1, "implicit", "limit"),
+    (3, "implicitfast", "contact"),
+    (5, "discrete", "equality"),
+)
+
+
+def _probe(extra: int, integrator: str, flag: str) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    joints = range(3 + extra)
+    bodies = "".join(
+        f'<body><joint name="j{i}" damping="1" armature="1"/><geom size=".1"/><body><joint/><geom size=".1"/></body></body>'
+        for i in joints
+    )
+    motors = "".join(f'<position joint="j{i}" kp="1" kv="1"/>' for i in joints)
+    numerics = "".join(f'<numeric name="n{i}" data="1 2"/>' for i in range(11 + 2 * extra))
+    text = PROBE.format(
+        timestep=0.00123 + 1e-5 * extra,
+        integrator=integrator,
+        flag=flag,
+        extra=7 + extra,
+        bodies=bodies,
+        motors=motors,
+        numerics=numerics,
+    )
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    data.time = 0.0456 + extra
+    return model, data
+
+
+def _memory(address: int, limit: int) -> bytes:
+    # Written through a pipe, memory that is not ours is an error of the write, not the end of the process.
+    libc = ctypes.CDLL(None, use_errno=True)
+    libc.write.argtypes = (ctypes.c_int, ctypes.c_void_p, ctypes.c_size_t)
+    libc.write.restype = ctypes.c_ssize_t
+    reader, writer = os.pipe()
+    out = []
+    try:
+        for at in range(address, address + limit, CHUNK):
+            if libc.write(writer, at, CHUNK) != CHUNK:
+                break
+            out.append(os.read(reader, CHUNK))
+    finally:
+        os.close(reader)
+        os.close(writer)
+    return b"".join(out)
+
+
+def _place(structs: list[bytes], values: list[bytes], name: str) -> int:
+    """Return the one aligned offset at which every struct holds its value."""
+    size = len(values[0])
+    places: set[int] | None = None
+    for struct, value in zip(structs, values, strict=True):
+        found, at = set(), struct.find(value)
+        while at >= 0:
+            if at % size == 0:
+                found.add(at)
+            at = struct.find(value, at + 1)
+        places = found if places is None else places & found
+    if not places:
+        raise SimulationError(
+            f"MuJoCo {mujoco.__version__}: field {name} is not where the bindings say; this layout is not understood. "
+            "Use a MuJoCo 4 release that mjfriction was tested with"
+        )
+    return min(places)
+
+
+@functools.cache
+def field_offsets() -> NDArray[np.int64]:
+    """Return the byte offset of every :class:`Field`, shape (fields,); raises :class:`SimulationError` when unknown."""
+    probes = [_probe(*probe) for probe in PROBES]
+    models = [_memory(model._address, FARTHEST["mjModel"]) for model, _ in probes]
+    datas = [_memory(data._address, FARTHEST["mjData"]) for _, data in probes]
+
+    def number(value: float | int, kind: type[np.generic]) -> bytes:
+        return np.array(value, dtype=kind).tobytes()
+
+    def pointer(owner: object, name: str) -> bytes:
+        return number(getattr(owner, name).ctypes.data, np.uint64)
+
+    offsets = np.zeros(len(Field), dtype=np.int64)
+    scalars = (
+        (Field.NNUMERIC, models, [number(m.nnumeric, np.int64) for m, _ in probes]),
+        (Field.TIMESTEP, models, [number(m.opt.timestep, np.float64) for m, _ in probes]),
+        (Field.INTEGRATOR, models, [number(m.opt.integrator, np.int32) for m, _ in probes]),
+        (Field.DISABLEFLAGS, models, [number(m.opt.disableflags, np.int32) for m, _ in probes]),
+        (Field.TIME, datas, [number(d.time, np.float64) for _, d in probes]),
+    )
+    for field, structs, values in scalars:
+        offsets[field] = _place(structs, values, field.name.lower())
+    for name in MODEL_ARRAYS:
+        offsets[Field[name.upper()]] = _place(models, [pointer(m, name) for m, _ in probes], name)
+    for name in DATA_ARRAYS:
+        offsets[Field[name.upper()]] = _place(datas, [pointer(d, name) for _, d in probes], name)
+    return offsets
