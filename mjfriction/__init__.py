@@ -9,19 +9,29 @@ if TYPE_CHECKING:
     from mjfriction.diagnose.diagnosis import diagnose_log
     from mjfriction.diagnose.outcome import Diagnosis
     from mjfriction.errors import MjfrictionError
+    from mjfriction.laws.friction import Friction, Level, friction
     from mjfriction.record.log import Log
     from mjfriction.record.readers import read_log
     from mjfriction.robot.files import read_robot, write_robot
     from mjfriction.robot.predict import predict_log
     from mjfriction.robot.robot import Robot
+    from mjfriction.sim.attach import attach
+    from mjfriction.sim.callback import friction_active
+    from mjfriction.sim.reading import read_friction
 
 _HOMES = {
     "Diagnosis": "mjfriction.diagnose.outcome",
+    "Friction": "mjfriction.laws.friction",
+    "Level": "mjfriction.laws.friction",
     "Log": "mjfriction.record.log",
     "MjfrictionError": "mjfriction.errors",
     "Robot": "mjfriction.robot.robot",
+    "attach": "mjfriction.sim.attach",
     "diagnose_log": "mjfriction.diagnose.diagnosis",
+    "friction": "mjfriction.laws.friction",
+    "friction_active": "mjfriction.sim.callback",
     "predict_log": "mjfriction.robot.predict",
+    "read_friction": "mjfriction.sim.reading",
     "read_log": "mjfriction.record.readers",
     "read_robot": "mjfriction.robot.files",
     "write_robot": "mjfriction.robot.files",
@@ -29,11 +39,17 @@ _HOMES = {
 
 __all__ = [
     "Diagnosis",
+    "Friction",
+    "Level",
     "Log",
     "MjfrictionError",
     "Robot",
+    "attach",
     "diagnose_log",
+    "friction",
+    "friction_active",
     "predict_log",
+    "read_friction",
     "read_log",
     "read_robot",
     "write_robot",

@@ -33,10 +33,12 @@ from mjfriction.laws import (
     stribeck,
     temperature_dependent,
 )
-from mjfriction.laws.law import Floats, kernel
+from mjfriction.laws.ambient import AMBIENT_SIZE
+from mjfriction.laws.law import Floats, routine
+from mjfriction.laws.window import window_at
 
 
-@kernel
+@routine
 def steady_of(number: int, v: float, ambient: Floats, p: Floats) -> float:  # noqa: PLR0911, PLR0912
     """Return the steady friction of law ``number``; NaN for a number that no law has."""
     if number == 0:
@@ -94,11 +96,25 @@ def steady_of(number: int, v: float, ambient: Floats, p: Floats) -> float:  # no
     return float("nan")
 
 
-@kernel
+@routine
 def advance_of(  # noqa: PLR0911, PLR0912
-    number: int, v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats
+    number: int,
+    v: float,
+    ambient_at: int,
+    z_at: int,
+    states: int,
+    h: float,
+    p_at: int,
+    count: int,
+    z_next_at: int,
 ) -> tuple[float, float]:
-    """Return (torque, slope) of law ``number`` and write its next state; NaN for a number that no law has."""
+    """Return (torque, slope) of law ``number`` and write its next state; NaN for a number that no law has.
+
+    The arrays come as addresses: ``states`` numbers of state at ``z_at`` and ``z_next_at``, ``count`` parameters at
+    ``p_at``.  An array handed to a function that is not inlined costs as much as a whole step of a law.
+    """
+    ambient, p = window_at(ambient_at, AMBIENT_SIZE), window_at(p_at, count)
+    z, z_next = window_at(z_at, states), window_at(z_next_at, states)
     if number == 0:
         return coulomb.advance(v, ambient, z, h, p, z_next)
     if number == 1:

@@ -40,7 +40,12 @@ Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 
 
 def kernel(function: Kernel) -> Kernel:
-    """Compile a law's kernel on first use; the machine code is kept between processes."""
+    """Compile a small kernel on first use, inlined where it is called; the machine code is kept between processes."""
+    return cast(Kernel, numba.njit(cache=True, error_model="numpy", forceinline=True)(function))
+
+
+def routine(function: Kernel) -> Kernel:
+    """Compile a function that calls kernels and is called itself rather than inlined."""
     return cast(Kernel, numba.njit(cache=True, error_model="numpy")(function))
 
 

@@ -12,7 +12,8 @@ import math
 
 from mjfriction.laws.ambient import LOAD, POSITION, PRESSURE_HEAD, PRESSURE_ROD, TEMPERATURE
 from mjfriction.laws.dispatch import advance_of, steady_of
-from mjfriction.laws.law import Floats, kernel
+from mjfriction.laws.law import Floats, kernel, routine
+from mjfriction.laws.window import address, window
 
 NUMBER, RATIO, COUNT, DAMPING, TWO_WAY, PER_LOAD, PER_KELVIN, REFERENCE, WAVES, HEADER = range(10)
 
@@ -46,7 +47,7 @@ def steady_wrapped(v: float, ambient: Floats, w: Floats, near: Floats) -> float:
     own = w[RATIO] * v
     if w[TWO_WAY] > 0.0 and own < 0.0:
         at += count
-    p = w[at : at + count]
+    p = window(w, at, count)
     factor = level_factor(near, w)
     damping = p[int(w[DAMPING])] if w[DAMPING] >= 0.0 else 0.0
     return float(w[RATIO] * (factor * steady_of(number, own, near, p) + (1.0 - factor) * damping * own))
@@ -66,39 +67,40 @@ def advance_wrapped(
     through_gear(ambient, ratio, near)
     own = ratio * v
     factor = level_factor(near, w)
-    where = int(w[DAMPING])
-    if w[TWO_WAY] == 0.0:
-        p = w[at : at + count]
-        torque, slope = advance_of(number, own, near, z, h, p, z_next)
-        damping = p[where] if where >= 0 else 0.0
-        torque = factor * torque + (1.0 - factor) * damping * own
-        slope = max(0.0, factor * slope + (1.0 - factor) * damping)
-        return ratio * torque, ratio * ratio * slope
-    half = z.shape[0] // 2
+    ways = 2 if w[TWO_WAY] > 0.0 else 1
+    half = z.shape[0] // ways
     total = steepness = steepest = 0.0
-    for way in range(2):
-        p = w[at + way * count : at + (way + 1) * count]
+    for way in range(ways):
+        here = at + way * count
         torque, slope = advance_of(
-            number, own, near, z[way * half : (way + 1) * half], h, p, z_next[way * half : (way + 1) * half]
+            number,
+            own,
+            address(near, 0),
+            address(z, way * half),
+            half,
+            h,
+            address(w, here),
+            count,
+            address(z_next, way * half),
         )
-        damping = p[where] if where >= 0 else 0.0
-        torque = factor * torque + (1.0 - factor) * damping * own
-        slope = max(0.0, factor * slope + (1.0 - factor) * damping)
+        kept = (1.0 - factor) * w[here + int(w[DAMPING])] if w[DAMPING] >= 0.0 else 0.0
+        torque = factor * torque + kept * own
+        slope = max(0.0, factor * slope + kept)
         steepest = max(steepest, slope)
-        if (torque > 0.0) if way == 0 else (torque < 0.0):
+        if ways == 1 or (torque > 0.0 if way == 0 else torque < 0.0):
             total += torque
             steepness += slope
-    return ratio * total, ratio * ratio * (steepness if total != 0.0 else steepest)
+    return ratio * total, ratio * ratio * (steepness if total != 0.0 or ways == 1 else steepest)
 
 
-@kernel
+@routine
 def steady_wrapped_along(velocity: Floats, ambient: Floats, w: Floats, near: Floats, out: Floats) -> None:
     """Write the steady torque of every sample into ``out``."""
     for i in range(velocity.shape[0]):
         out[i] = steady_wrapped(velocity[i], ambient[i], w, near)
 
 
-@kernel
+@routine
 def advance_wrapped_along(
     velocity: Floats, ambient: Floats, h: float, w: Floats, start: Floats, near: Floats, torque: Floats, states: Floats
 ) -> None:

@@ -31,8 +31,8 @@ def attach(spec: mujoco.MjSpec, laws: Laws, *, keep_native: bool = False) -> muj
     """Compile a model whose joints carry friction laws; the spec itself is left as it is.
 
     ``laws`` maps names of hinge or slide joints to one law or several, which add up.  The model holds the laws in a
-    custom numeric and the simulation their states in user data, so copies, saved files and states carry them.  A joint's
-    own ``damping`` and ``frictionloss`` are replaced, unless ``keep_native``.  Step it inside
+    custom numeric and the simulation their states in user data, so copies, saved files and states carry them.  A
+    joint's own ``damping`` and ``frictionloss`` are replaced, unless ``keep_native``.  Step it inside
     :func:`~mjfriction.sim.callback.friction_active`.
 
     Raises :class:`SimulationError` for a joint that is not there or is a ball or free joint, an empty mapping, a model
@@ -66,16 +66,26 @@ def rewrite(model: mujoco.MjModel, laws: Laws) -> None:
     Raises :class:`SimulationError` when the model has no room for them: it was compiled without friction, or the new
     laws have other states or more parameters.
     """
-    place = numeric_slice(model)
-    old = model.numeric_data[place]
-    block = build_block(model, laws, int(old[at.H_BASE]))
-    same = (at.H_TOUCHED, at.H_RUBBING, at.H_STATES)
-    if block.size != old.size or any(block[i] != old[i] for i in same):
-        raise SimulationError(
-            f"the model has room for {old.size} numbers and {int(old[at.H_STATES])} states of friction, these laws take "
-            f"{block.size} and {int(block[at.H_STATES])}; attach them to the MjSpec and compile anew"
-        )
-    model.numeric_data[place] = block
+    model.numeric_data[numeric_slice(model)] = candidate_blocks(model, [laws])[0]
+
+
+def candidate_blocks(model: mujoco.MjModel, candidates: Sequence[Laws]) -> Floats:
+    """Return the friction blocks of many sets of laws for one model, (candidates, numbers).
+
+    Raises :class:`SimulationError` where a set does not fit into the model, as :func:`rewrite` tells.
+    """
+    old = model.numeric_data[numeric_slice(model)]
+    blocks = []
+    for laws in candidates:
+        block = build_block(model, laws, int(old[at.H_BASE]))
+        same = (at.H_TOUCHED, at.H_RUBBING, at.H_STATES)
+        if block.size != old.size or any(block[i] != old[i] for i in same):
+            raise SimulationError(
+                f"the model has room for {old.size} numbers and {int(old[at.H_STATES])} states of friction, these laws "
+                f"take {block.size} and {int(block[at.H_STATES])}; attach them to the MjSpec and compile anew"
+            )
+        blocks.append(block)
+    return np.array(blocks)
 
 
 def numeric_slice(model: mujoco.MjModel) -> slice:
@@ -128,7 +138,7 @@ def build_block(model: mujoco.MjModel, laws: Laws, base: int) -> Floats:
     table = at.HEADER + len(touched) + model.nv + len(dofs)
     head = np.zeros(at.HEADER)
     head[at.H_MAGIC], head[at.H_VERSION], head[at.H_BASE] = at.MAGIC, at.VERSION, base
-    head[at.H_DOFS], head[at.H_BODIES] = model.nv, model.nbody
+    head[at.H_DOFS], head[at.H_PLACES], head[at.H_BODIES] = model.nv, model.nq, model.nbody
     head[at.H_TOUCHED], head[at.H_RUBBING] = len(touched), len(dofs)
     head[at.H_TERMS], head[at.H_STATES] = len(terms), sum(term.friction.state_count for term in terms)
     head[at.H_LOAD] = any(_reads_load(term.friction) for term in terms)

@@ -7,38 +7,60 @@ Newton's method finds the one solution in two or three rounds; where it does not
 
 from __future__ import annotations
 
-from mjfriction.laws.law import Floats, kernel
-from mjfriction.sim.rub import rub, rub_one
+from mjfriction.laws.law import Floats, kernel, routine
+from mjfriction.laws.window import address
+from mjfriction.sim.rub import rub
 from mjfriction.sim.solve import solve_spd
 
 ROUNDS = 25
 SWEEPS = 60
 BISECTIONS = 200
-TOLERANCE = 1e-11  # of a velocity
-FLOOR = 1e-14  # rad/s or m/s
+# A last correction this small, relative to the velocity, leaves less than as much of the torque: what a slope leaves out
+# (the falling branch, which would be negative) is never steeper than the torque over the velocity.
+TOLERANCE = 1e-5
+FLOOR = 1e-13  # rad/s or m/s
+BALANCED = 1e-7  # of the impulses in balance
 
 
 @kernel
+def lacking(s: Floats, b: Floats, start: Floats, h: float, v: Floats, torque: Floats, residual: Floats) -> bool:
+    """Write what the balance lacks into ``residual`` (k,) and return whether it is worth another round."""
+    found = False
+    for i in range(v.shape[0]):
+        missing = b[i] - h * torque[i]
+        size = abs(b[i]) + h * abs(torque[i])
+        for j in range(v.shape[0]):
+            missing -= s[i, j] * (v[j] - start[j])
+        residual[i] = missing
+        # Little beside the forces, and too little to move the joint; written so that a NaN counts as lacking.
+        if not (abs(missing) <= BALANCED * size and abs(missing) <= s[i, i] * (BALANCED * abs(v[i]) + FLOOR)):
+            found = True
+    return found
+
+
+@routine
 def balance(
-    s: Floats, b: Floats, start: Floats, block: Floats, terms: Floats, jumps: Floats, around: Floats, z: Floats,
-    h: float, v: Floats, change: Floats, work: Floats, torque: Floats, slope: Floats, z_next: Floats, near: Floats,
+    s: Floats, b: Floats, start: Floats, jumps: Floats, block: int, terms: int, count: int, around: int, z: int,
+    h: float, z_next: int, near: int, v: Floats, change: Floats, work: Floats, torque: Floats, slope: Floats,
 ) -> int:  # fmt: skip
     """Write the velocities at the end of the step into ``v`` (k,) and return the rounds it took, −1 where none did.
 
-    ``s`` (k, k; lower triangle), ``b`` and ``start`` = v (k,); ``jumps`` (k,) marks joints whose torque jumps at rest.
-    ``v`` comes in as a first guess.  ``change``, ``torque``, ``slope`` (k,) and ``work`` (k, k) are room to work in.
+    ``s`` (k, k) comes in as its lower triangle and goes out whole; ``b`` and ``start`` = v (k,); ``jumps`` (k,) marks
+    joints whose torque jumps at rest; ``block`` to ``near`` are what :mod:`mjfriction.sim.rub` takes, addresses.  ``v``
+    comes in as a first guess.  ``change``, ``torque``, ``slope`` (k,) and ``work`` (k, k) are room to work in.
     """
     k = v.shape[0]
+    for i in range(k):
+        for j in range(i):
+            s[j, i] = s[i, j]
     for round_ in range(ROUNDS):
-        rub(block, terms, v, around, z, h, z_next, near, torque, slope)
+        rub(block, terms, count, 0, k, address(v, 0), around, z, h, z_next, near, address(torque, 0), address(slope, 0))
+        if not lacking(s, b, start, h, v, torque, change):
+            return round_ + 1
         for i in range(k):
-            residual = b[i] - h * torque[i]
-            for j in range(k):
-                entry = s[i, j] if j <= i else s[j, i]
-                residual -= entry * (v[j] - start[j])
-                work[i, j] = entry
+            for j in range(i + 1):
+                work[i, j] = s[i, j]
             work[i, i] += h * slope[i]
-            change[i] = residual
         solve_spd(work, change)
         settled = True
         for i in range(k):
@@ -51,13 +73,25 @@ def balance(
             v[i] = moved
         if settled:
             return round_ + 1
-    return bracketed(s, b, start, block, terms, around, z, h, v, z_next, near)
+    return bracketed(s, b, start, block, terms, count, around, z, h, z_next, near, v, change, torque, slope)
 
 
-@kernel
+@routine
+def excess(
+    s: Floats, i: int, pull: float, at: float, block: int, terms: int, count: int, around: int, z: int, h: float,
+    z_next: int, near: int, v: Floats, torque: Floats, slope: Floats,
+) -> float:  # fmt: skip
+    """Return how much joint ``i`` moving at ``at`` takes beyond ``pull``; ``v`` (k,) is room to work in."""
+    v[i] = at
+    at_torque, at_slope = address(torque, 0), address(slope, 0)
+    rub(block, terms, count, i, i + 1, address(v, 0), around, z, h, z_next, near, at_torque, at_slope)
+    return float(s[i, i] * at + h * torque[i] - pull)
+
+
+@routine
 def bracketed(
-    s: Floats, b: Floats, start: Floats, block: Floats, terms: Floats, around: Floats, z: Floats, h: float, v: Floats,
-    z_next: Floats, near: Floats,
+    s: Floats, b: Floats, start: Floats, block: int, terms: int, count: int, around: int, z: int, h: float, z_next: int,
+    near: int, v: Floats, trial: Floats, torque: Floats, slope: Floats,
 ) -> int:  # fmt: skip
     """Solve joint by joint, each within a bracket that friction's dissipation guarantees, until none moves."""
     k = v.shape[0]
@@ -67,20 +101,23 @@ def bracketed(
             pull = b[i] + s[i, i] * start[i]
             for j in range(k):
                 if j != i:
-                    pull -= (s[i, j] if j < i else s[j, i]) * (v[j] - start[j])
+                    pull -= s[i, j] * (v[j] - start[j])
             low, high = min(0.0, pull / s[i, i]), max(0.0, pull / s[i, i])
             reach = high - low + 1e-9
-            while s[i, i] * low + h * rub_one(block, terms, i, low, around, z, h, z_next, near) > pull:
+            while excess(s, i, pull, low, block, terms, count, around, z, h, z_next, near, trial, torque, slope) > 0.0:
                 low -= reach
                 reach *= 2.0
-            while s[i, i] * high + h * rub_one(block, terms, i, high, around, z, h, z_next, near) < pull:
+            while excess(s, i, pull, high, block, terms, count, around, z, h, z_next, near, trial, torque, slope) < 0.0:
                 high += reach
                 reach *= 2.0
             for _ in range(BISECTIONS):
                 middle = 0.5 * (low + high)
                 if middle in (low, high):
                     break
-                if s[i, i] * middle + h * rub_one(block, terms, i, middle, around, z, h, z_next, near) > pull:
+                if (
+                    excess(s, i, pull, middle, block, terms, count, around, z, h, z_next, near, trial, torque, slope)
+                    > 0.0
+                ):
                     high = middle
                 else:
                     low = middle

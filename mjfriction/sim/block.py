@@ -16,6 +16,7 @@ NUMERIC_NAME = "mjfriction"
     H_VERSION,
     H_BASE,  # where the simulation's block begins in mjData.userdata
     H_DOFS,  # nv
+    H_PLACES,  # nq
     H_BODIES,  # nbody
     H_TOUCHED,  # n: dofs of the kinematic trees that carry friction, the ones without friction first
     H_RUBBING,  # k: dofs with friction, the last k of the touched
@@ -29,7 +30,7 @@ NUMERIC_NAME = "mjfriction"
     H_POSITIONS,  # address in qpos of every rubbing dof
     H_TERM_TABLE,
     HEADER,
-) = range(17)
+) = range(18)
 
 # A row of the term table.
 T_RUBBING, T_STATE, T_STATES, T_VALUES, T_SIZE, T_JUMPS, TERM_ROW = range(7)

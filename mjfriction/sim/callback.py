@@ -69,8 +69,8 @@ def install() -> None:
         return
     if there is not None and not isinstance(there, ctypes._CFuncPtr):  # type: ignore[attr-defined]
         raise SimulationError(
-            f"a Python control callback is installed ({there!r}); friction runs inside MuJoCo's threads and cannot call "
-            "it. Remove it with mujoco.set_mjcb_control(None) and set the controls in your loop, or compile it"
+            f"a Python control callback is installed ({there!r}); friction runs inside MuJoCo's threads and cannot "
+            "call it. Remove it with mujoco.set_mjcb_control(None) and set the controls in your loop, or compile it"
         )
     table[PREVIOUS] = 0 if there is None else ctypes.cast(there, ctypes.c_void_p).value or 0
     _replaced = there

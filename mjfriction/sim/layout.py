@@ -103,9 +103,9 @@ PROBES = (
 
 def _probe(extra: int, integrator: str, flag: str) -> tuple[mujoco.MjModel, mujoco.MjData]:
     joints = range(3 + extra)
+    child = '<body><joint/><geom size=".1"/></body>'
     bodies = "".join(
-        f'<body><joint name="j{i}" damping="1" armature="1"/><geom size=".1"/><body><joint/><geom size=".1"/></body></body>'
-        for i in joints
+        f'<body><joint name="j{i}" damping="1" armature="1"/><geom size=".1"/>{child}</body>' for i in joints
     )
     motors = "".join(f'<position joint="j{i}" kp="1" kv="1"/>' for i in joints)
     numerics = "".join(f'<numeric name="n{i}" data="1 2"/>' for i in range(11 + 2 * extra))

@@ -1,65 +1,63 @@
-"""All friction of a model at trial velocities: the terms of every joint, added up."""
+"""All friction of a model at trial velocities: the terms of every joint, added up.
+
+Compiled once on its own and reached as a C function: the laws would otherwise be compiled again into each caller.
+"""
 
 from __future__ import annotations
 
-from mjfriction.laws.law import Floats, kernel
+import functools
+from typing import Any, cast
+
+import numba
+from numba import types
+
+from mjfriction.laws.ambient import AMBIENT_SIZE
+from mjfriction.laws.window import window_at
 from mjfriction.laws.wrapped import advance_wrapped
-from mjfriction.sim.block import T_RUBBING, T_SIZE, T_STATE, T_STATES, T_VALUES
+from mjfriction.sim.block import T_RUBBING, T_SIZE, T_STATE, T_STATES, T_VALUES, TERM_ROW
+
+SYMBOL = "mjfriction_rub"
+_ADDRESS, _COUNT = types.intp, types.int64
+SIGNATURE = types.void(
+    _ADDRESS, _ADDRESS, _COUNT, _COUNT, _COUNT, _ADDRESS, _ADDRESS, _ADDRESS, types.float64, *[_ADDRESS] * 4
+)
+rub = cast(Any, types).ExternalFunction(SYMBOL, SIGNATURE)
 
 
-@kernel
-def rub(
-    block: Floats, terms: Floats, v: Floats, around: Floats, z: Floats, h: float, z_next: Floats, near: Floats,
-    torque: Floats, slope: Floats,
+def _rub(
+    block: int, terms: int, count: int, first: int, last: int, v_at: int, around: int, z: int, h: float,
+    z_next: int, near: int, torque_at: int, slope_at: int,
 ) -> None:  # fmt: skip
-    """Write torque and slope (k,) of the rubbing joints at velocities ``v`` (k,), and the states then.
+    """Write torque and slope of rubbing joints ``first`` to ``last`` − 1 at their velocities, and the states then.
 
-    ``block`` is the model's block, ``terms`` (terms, 6) its term table, ``around`` (k, 5) what surrounds the joints.
+    All arrays come as addresses.  ``block``: the model's block; ``terms`` (count, 6): its term table in the order of
+    joints; ``v``, ``torque``, ``slope`` (k,); ``around`` (k, 5): what surrounds the joints; ``z``, ``z_next``: all
+    states; ``near`` (5,): room to work in.
     """
-    for i in range(v.shape[0]):
+    v, torque, slope = window_at(v_at, last), window_at(torque_at, last), window_at(slope_at, last)
+    for i in range(first, last):
         torque[i] = 0.0
         slope[i] = 0.0
-    for t in range(terms.shape[0]):
-        i, state, states = int(terms[t, T_RUBBING]), int(terms[t, T_STATE]), int(terms[t, T_STATES])
-        values = int(terms[t, T_VALUES])
+    for t in range(count):
+        row = window_at(terms + 8 * TERM_ROW * t, TERM_ROW)
+        i = int(row[T_RUBBING])
+        if i < first or i >= last:
+            continue
+        state, states = int(row[T_STATE]), int(row[T_STATES])
         own, steepness = advance_wrapped(
             v[i],
-            around[i],
-            z[state : state + states],
+            window_at(around + 8 * AMBIENT_SIZE * i, AMBIENT_SIZE),
+            window_at(z + 8 * state, states),
             h,
-            block[values : values + int(terms[t, T_SIZE])],
-            z_next[state : state + states],
-            near,
+            window_at(block + 8 * int(row[T_VALUES]), int(row[T_SIZE])),
+            window_at(z_next + 8 * state, states),
+            window_at(near, AMBIENT_SIZE),
         )
         torque[i] += own
         slope[i] += steepness
 
 
-@kernel
-def rub_one(
-    block: Floats,
-    terms: Floats,
-    which: int,
-    v: float,
-    around: Floats,
-    z: Floats,
-    h: float,
-    z_next: Floats,
-    near: Floats,
-) -> float:
-    """Return the torque of one rubbing joint at velocity ``v``."""
-    torque = 0.0
-    for t in range(terms.shape[0]):
-        if int(terms[t, T_RUBBING]) == which:
-            state, states, values = int(terms[t, T_STATE]), int(terms[t, T_STATES]), int(terms[t, T_VALUES])
-            own, _ = advance_wrapped(
-                v,
-                around[which],
-                z[state : state + states],
-                h,
-                block[values : values + int(terms[t, T_SIZE])],
-                z_next[state : state + states],
-                near,
-            )
-            torque += own
-    return torque
+@functools.cache
+def compiled_rub() -> Any:
+    """Return the function in machine code; it must live as long as any code that calls it."""
+    return numba.cfunc(SIGNATURE, cache=True, error_model="numpy")(_rub)

@@ -36,8 +36,10 @@ def solve_spd(a: Floats, x: Floats) -> None:
     """Solve a·y = x for a symmetric positive definite ``a`` (k, k; its lower triangle), overwriting both."""
     k = x.shape[0]
     for i in range(k):
+        inverse = 1.0 / a[i, i]
+        a[i, i] = inverse
         for j in range(i + 1, k):
-            factor = a[j, i] / a[i, i]
+            factor = a[j, i] * inverse
             for c in range(i + 1, j + 1):
                 a[j, c] -= factor * a[c, i]
             x[j] -= factor * x[i]
@@ -45,4 +47,4 @@ def solve_spd(a: Floats, x: Floats) -> None:
         value = x[i]
         for j in range(i + 1, k):
             value -= a[j, i] * x[j]
-        x[i] = value / a[i, i]
+        x[i] = value * a[i, i]

@@ -148,10 +148,12 @@ def test_compiled_equals_interpreted_and_batch_equals_loop(law: Law) -> None:
 def test_the_common_door_leads_to_the_law(law: Law) -> None:
     number, p = list(LAWS).index(law.name), draw(law, 5)
     for v in (-2.0, 0.0, 1e-11, 0.3):
-        one, other = rest(law, p), rest(law, p)
-        direct = law.advance(v, ROOM, rest(law, p), 1e-3, p, other)
+        z, one, other = rest(law, p), rest(law, p), rest(law, p)
+        direct = law.advance(v, ROOM, z, 1e-3, p, other)
+        room, state, values, after = (own.ctypes.data for own in (ROOM, z, p, one))
+        door = advance_of(number, v, room, state, z.size, 1e-3, values, p.size, after)
         assert steady_of(number, v, ROOM, p) == pytest.approx(law.steady(v, ROOM, p), rel=1e-13)
-        assert advance_of(number, v, ROOM, rest(law, p), 1e-3, p, one) == pytest.approx(direct, rel=1e-13)
+        assert door == pytest.approx(direct, rel=1e-13)
         np.testing.assert_allclose(one, other, rtol=1e-13)
 
 

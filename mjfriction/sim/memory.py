@@ -1,0 +1,206 @@
+"""The memory a step works in, as named views: the model's block, the simulation's user data, MuJoCo's stack."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjfriction.laws.ambient import AMBIENT_SIZE
+from mjfriction.laws.law import Floats, kernel
+from mjfriction.laws.window import integers_at, window, window_at
+from mjfriction.sim import block as at
+from mjfriction.sim.layout import Field
+from mjfriction.sim.native import offset_of, stack_numbers, word_at
+
+Integers = NDArray[np.int32]
+
+# Plain integers, which compiled code takes as constants.
+F_NNUMERIC, F_TIMESTEP, F_INTEGRATOR, F_DISABLE = (
+    int(Field.NNUMERIC),
+    int(Field.TIMESTEP),
+    int(Field.INTEGRATOR),
+    int(Field.DISABLEFLAGS),
+)
+F_TIME, F_NUMERIC_ADR, F_NUMERIC_DATA = int(Field.TIME), int(Field.NUMERIC_ADR), int(Field.NUMERIC_DATA)
+F_ROWNNZ, F_ROWADR, F_COLIND = int(Field.M_ROWNNZ), int(Field.M_ROWADR), int(Field.M_COLIND)
+F_DAMPING, F_ARMATURE = int(Field.DOF_DAMPING), int(Field.DOF_ARMATURE)
+F_BIASTYPE, F_BIASPRM = int(Field.ACTUATOR_BIASTYPE), int(Field.ACTUATOR_BIASPRM)
+F_QPOS, F_QVEL, F_USERDATA, F_M = int(Field.QPOS), int(Field.QVEL), int(Field.USERDATA), int(Field.M)
+F_PASSIVE, F_BIAS, F_APPLIED = int(Field.QFRC_PASSIVE), int(Field.QFRC_BIAS), int(Field.QFRC_APPLIED)
+F_XFRC, F_ACTUATOR, F_XIPOS = int(Field.XFRC_APPLIED), int(Field.QFRC_ACTUATOR), int(Field.XIPOS)
+F_MOMENT_ROWNNZ, F_MOMENT_ROWADR = int(Field.MOMENT_ROWNNZ), int(Field.MOMENT_ROWADR)
+F_MOMENT_COLIND, F_MOMENT = int(Field.MOMENT_COLIND), int(Field.ACTUATOR_MOMENT)
+
+
+class Block(NamedTuple):
+    """The model's block, spread out; ``terms`` is the address of its table of ``term_count`` rows."""
+
+    address: int
+    nv: int
+    nq: int
+    bodies: int
+    touched: int
+    rubbing: int
+    term_count: int
+    states: int
+    reads_load: bool
+    actuators: int
+    driven: bool
+    terms: int
+    dofs: Floats
+    local: Floats
+    positions: Floats
+
+
+class Kept(NamedTuple):
+    """The simulation's block: ``stamp`` holds its scalars, the rest are arrays as :mod:`mjfriction.sim.block` says."""
+
+    stamp: Floats
+    before: Floats
+    predicted: Floats
+    unknown: Floats
+    moved: Floats
+    torque: Floats
+    marked: Floats
+    load: Floats
+    warmth: Floats
+    pressure_head: Floats
+    pressure_rod: Floats
+    z: Floats
+
+
+class Desk(NamedTuple):
+    """Room to work in, on MuJoCo's stack: over touched (n), rubbing (k), all dofs (nv) and states."""
+
+    a: Floats
+    j: Floats
+    f: Floats
+    end_velocity: Floats
+    v: Floats
+    change: Floats
+    trial: Floats
+    slope: Floats
+    jumps: Floats
+    start: Floats
+    around: Floats
+    full: Floats
+    near: Floats
+    z_next: Floats
+
+
+@kernel
+def numbers(struct: int, field: int, count: int) -> Floats:
+    """Return a float64 array field of a struct as a view, (count,)."""
+    view: Floats = window_at(word_at(struct + offset_of(field)), count)
+    return view
+
+
+@kernel
+def integers(struct: int, field: int, count: int) -> Integers:
+    """Return an int32 array field of a struct as a view, (count,)."""
+    view: Integers = integers_at(word_at(struct + offset_of(field)), count)
+    return view
+
+
+@kernel
+def scalar(struct: int, field: int) -> float:
+    """Return a float64 that stands in the struct itself."""
+    return float(window_at(struct + offset_of(field), 1)[0])
+
+
+@kernel
+def flag(struct: int, field: int) -> int:
+    """Return an int32 that stands in the struct itself."""
+    return int(integers_at(struct + offset_of(field), 1)[0])
+
+
+@kernel
+def find_block(model: int) -> int:
+    """Return the address of the model's friction block, 0 where it has none."""
+    count = word_at(model + offset_of(F_NNUMERIC))
+    if count == 0:
+        return 0
+    places = integers(model, F_NUMERIC_ADR, count)
+    start = word_at(model + offset_of(F_NUMERIC_DATA))
+    for i in range(count):
+        where = start + 8 * int(places[i])
+        if window_at(where, 1)[0] == at.MAGIC:
+            return int(where)
+    return 0
+
+
+@kernel
+def open_block(address: int) -> Block:
+    """Return the model's block that begins at an address."""
+    head = window_at(address, at.HEADER)
+    n, k, nv = int(head[at.H_TOUCHED]), int(head[at.H_RUBBING]), int(head[at.H_DOFS])
+    return Block(
+        address,
+        nv,
+        int(head[at.H_PLACES]),
+        int(head[at.H_BODIES]),
+        n,
+        k,
+        int(head[at.H_TERMS]),
+        int(head[at.H_STATES]),
+        head[at.H_LOAD] > 0.0,
+        int(head[at.H_ACTUATORS]),
+        head[at.H_DRIVEN] > 0.0,
+        address + 8 * int(head[at.H_TERM_TABLE]),
+        window_at(address + 8 * int(head[at.H_DOF_LIST]), n),
+        window_at(address + 8 * int(head[at.H_LOCAL]), nv),
+        window_at(address + 8 * int(head[at.H_POSITIONS]), k),
+    )
+
+
+@kernel
+def open_kept(data: int, block: Block) -> Kept:
+    """Return the simulation's block."""
+    n, k = block.touched, block.rubbing
+    base = int(window_at(block.address, at.HEADER)[at.H_BASE])
+    user = numbers(data, F_USERDATA, base + at.U_SCALARS + at.TOUCHED_ARRAYS * n + at.RUBBING_ARRAYS * k + block.states)
+    u = base + at.U_SCALARS
+    r = u + at.TOUCHED_ARRAYS * n
+    return Kept(
+        window(user, base, at.U_SCALARS),
+        window(user, u, n),
+        window(user, u + n, n),
+        window(user, u + 2 * n, n),
+        window(user, u + 3 * n, n),
+        window(user, r, k),
+        window(user, r + k, k),
+        window(user, r + 2 * k, k),
+        window(user, r + 3 * k, k),
+        window(user, r + 4 * k, k),
+        window(user, r + 5 * k, k),
+        window(user, r + at.RUBBING_ARRAYS * k, block.states),
+    )
+
+
+@kernel
+def open_desk(data: int, block: Block) -> Desk:
+    """Take room from MuJoCo's stack, which the caller has marked."""
+    n, k, nv, states = block.touched, block.rubbing, block.nv, block.states
+    size = n * n + k * k + 2 * n + (6 + AMBIENT_SIZE) * k + nv + AMBIENT_SIZE + states
+    work = window_at(stack_numbers(data, size), size)
+    o = n * n + k * k
+    r = o + 2 * n
+    e = r + (6 + AMBIENT_SIZE) * k
+    return Desk(
+        window(work, 0, n * n).reshape((n, n)),
+        window(work, n * n, k * k).reshape((k, k)),
+        window(work, o, n),
+        window(work, o + n, n),
+        window(work, r, k),
+        window(work, r + k, k),
+        window(work, r + 2 * k, k),
+        window(work, r + 3 * k, k),
+        window(work, r + 4 * k, k),
+        window(work, r + 5 * k, k),
+        window(work, r + 6 * k, AMBIENT_SIZE * k).reshape((k, AMBIENT_SIZE)),
+        window(work, e, nv),
+        window(work, e + nv, AMBIENT_SIZE),
+        window(work, e + nv + AMBIENT_SIZE, states),
+    )

@@ -1,0 +1,325 @@
+"""What the friction step must hold in MuJoCo: sticking, repeating, batches, integrators, mixed trees."""
+
+from __future__ import annotations
+
+import copy
+
+import mujoco
+import mujoco.batch
+import mujoco.rollout
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mjfriction.laws.ambient import ambient
+from mjfriction.laws.catalog import LAWS
+from mjfriction.laws.friction import friction
+from mjfriction.sim.attach import attach, candidate_blocks, rewrite
+from mjfriction.sim.callback import friction_active, install, remove
+from mjfriction.sim.forces import AFFINE, BIAS_SIZE, EULER, NO_DAMPER, NO_EULER_DAMPING
+from mjfriction.sim.reading import ensure_sound, read_friction, torques, write_candidates
+from mjfriction.sim.step import BAD_FORCE
+from tests.contract.draws import named
+from tests.sim.models import LUGRE, PENDULUM, ROTOR, TWO_ARMS, arm_laws, controls, lugre, spec
+
+INTEGRATORS = ["mjINT_EULER", "mjINT_IMPLICIT", "mjINT_IMPLICITFAST", "mjINT_DISCRETE"]
+FULL = mujoco.mjtState.mjSTATE_INTEGRATION
+pytestmark = pytest.mark.usefixtures("active")
+
+
+@pytest.fixture
+def active():
+    with friction_active():
+        yield
+
+
+def full_state(model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
+    state = np.empty(mujoco.mj_stateSize(model, FULL))
+    mujoco.mj_getState(model, data, state, FULL)
+    return state
+
+
+def arms(integrator: str = "mjINT_EULER") -> mujoco.MjModel:
+    made = spec(TWO_ARMS)
+    made.option.integrator = getattr(mujoco.mjtIntegrator, integrator)
+    return attach(made, arm_laws())
+
+
+def run(model: mujoco.MjModel, steps: int, data: mujoco.MjData | None = None, start: int = 0) -> mujoco.MjData:
+    data = mujoco.MjData(model) if data is None else data
+    ctrl = controls(model, start + steps)
+    for k in range(start, start + steps):
+        data.ctrl[:] = ctrl[k]
+        mujoco.mj_step(model, data)
+    return data
+
+
+def test_the_constants_are_mujocos() -> None:
+    assert mujoco.mjtIntegrator.mjINT_EULER == EULER
+    assert mujoco.mjtWarning.mjWARN_BADCTRL == BAD_FORCE
+    assert mujoco.mjtBias.mjBIAS_AFFINE == AFFINE
+    assert mujoco.mjtDisableBit.mjDSBL_EULERDAMP == NO_EULER_DAMPING
+    assert mujoco.mjtDisableBit.mjDSBL_DAMPER == NO_DAMPER
+    assert mujoco.mjNBIAS == BIAS_SIZE
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("name", [law.name for law in LAWS.values() if law.name not in {"lugre_smooth", "arctan"}])
+def test_it_sticks_under_half_its_level(name: str, integrator: str) -> None:
+    """h²σ₀/J = 400, half the Coulomb level: after two seconds the rotor does not move any more."""
+    law = LAWS[name]
+    values = named(law, 1)
+    if "coulomb" in values and "static" in values:
+        values["coulomb"] = 0.8 * values["static"]
+    values |= {"level": 5.0} if name == "static_kinetic" else {}
+    own = friction(name, values)
+    level = float(own.steady(np.array([1e-9]), ambient(1))[0])
+    made = spec(ROTOR)
+    stiffness = float(values.get("bristle_stiffness", 1e4)) if "stiffness" not in values else sum(values["stiffness"])
+    made.joint("rotor").armature = 1e-6 * stiffness / 400.0
+    made.option.integrator = getattr(mujoco.mjtIntegrator, integrator)
+    model = attach(made, {"rotor": own})
+    data = mujoco.MjData(model)
+    data.qvel[0] = 0.5
+    data.ctrl[0] = 0.5 * level
+    for _ in range(2000):
+        mujoco.mj_step(model, data)
+    assert abs(data.qvel[0]) < 1e-9
+    ensure_sound(model, data)
+
+
+def test_without_friction_it_does_not_stick() -> None:
+    model = spec(ROTOR).compile()
+    data = mujoco.MjData(model)
+    data.ctrl[0] = 0.5
+    for _ in range(100):
+        mujoco.mj_step(model, data)
+    assert data.qvel[0] == pytest.approx(5.0)
+
+
+def test_a_stuck_joint_stays_for_a_minute() -> None:
+    model = attach(spec(ROTOR), {"rotor": lugre()})
+    data = mujoco.MjData(model)
+    data.ctrl[0] = 3.0
+    for _ in range(2000):
+        mujoco.mj_step(model, data)
+    at = data.qpos[0]
+    for _ in range(60_000):
+        mujoco.mj_step(model, data)
+    assert abs(data.qpos[0] - at) / 60.0 < 1e-9
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_forward_twice_changes_nothing(integrator: str) -> None:
+    model = arms(integrator)
+    data = run(model, 200)
+    mujoco.mj_forward(model, data)
+    state, force, acceleration = full_state(model, data), data.qfrc_passive.copy(), data.qacc.copy()
+    warm = data.qacc_warmstart.copy()
+    for _ in range(3):
+        data.qacc_warmstart[:] = warm
+        mujoco.mj_forward(model, data)
+        assert data.qfrc_passive.tolist() == force.tolist()
+        assert data.qacc.tolist() == acceleration.tolist()
+    mujoco.mj_forwardSkip(model, data, mujoco.mjtStage.mjSTAGE_VEL, 1)
+    np.testing.assert_allclose(data.qfrc_passive, force, rtol=1e-12, atol=1e-12)
+    data.qacc_warmstart[:] = warm
+    np.testing.assert_allclose(full_state(model, data), state, rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_a_restored_state_repeats_to_the_bit(integrator: str) -> None:
+    model = arms(integrator)
+    data = run(model, 150)
+    state = full_state(model, data)
+    once = full_state(model, run(model, 150, data, 150))
+    other = mujoco.MjData(model)
+    mujoco.mj_setState(model, other, state, FULL)
+    again = full_state(model, run(model, 150, other, 150))
+    assert once.tolist() == again.tolist()
+
+
+def test_reset_clears_the_states_and_copies_carry_them() -> None:
+    model = arms()
+    data = run(model, 100)
+    twin = copy.copy(data)
+    assert twin.userdata.tolist() == data.userdata.tolist()
+    mujoco.mj_resetData(model, data)
+    assert not np.any(data.userdata)
+    assert full_state(model, run(model, 100, data)).tolist() == full_state(model, run(model, 100)).tolist()
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_batch_is_the_serial_loop_to_the_bit(threads: int) -> None:
+    model, steps = arms(), 120
+    rng = np.random.default_rng(0)
+    start = rng.normal(0.0, 0.3, (5, model.nv))
+    batch = mujoco.batch.Batch(model, 5, nthread=threads)
+    batch.qvel[:] = start
+    ctrl = np.tile(controls(model, steps), (5, 1, 1))
+    out = batch.rollout(steps, control=ctrl, record=("qpos", "qvel", "userdata"))
+    for k in range(5):
+        data = mujoco.MjData(model)
+        data.qvel[:] = start[k]
+        run(model, steps, data)
+        assert out["qpos"][k, -1].tolist() == data.qpos.tolist()
+        assert out["userdata"][k, -1].tolist() == data.userdata.tolist()
+
+
+def test_rollout_runs_with_friction() -> None:
+    model, steps = arms(), 80
+    data = mujoco.MjData(model)
+    initial = np.empty(mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS))
+    mujoco.mj_getState(model, data, initial, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+    states, _ = mujoco.rollout.rollout(model, data, initial, controls(model, steps)[None])
+    serial = run(model, steps)
+    assert states[0, -1, 1 : 1 + model.nq].tolist() == serial.qpos.tolist()
+
+
+def test_a_thousand_parameter_sets_in_one_batch_are_a_thousand_runs() -> None:
+    rng = np.random.default_rng(1)
+    model, steps, count = attach(spec(TWO_ARMS), arm_laws()), 30, 1000
+    sets = []
+    for _ in range(count):
+        laws = arm_laws()
+        coulomb = float(rng.uniform(1.0, 8.0))
+        laws["a1"] = lugre(coulomb=coulomb, static=coulomb * float(rng.uniform(1.0, 1.6)))
+        sets.append(laws)
+    batch = mujoco.batch.Batch(model, count, nthread=2)
+    write_candidates(batch.expand("numeric_data"), model, candidate_blocks(model, sets))
+    ctrl = controls(model, steps)
+    out = batch.rollout(steps, control=np.tile(ctrl, (count, 1, 1)))["qpos"]
+    for k in range(count):
+        rewrite(model, sets[k])
+        assert run(model, steps).qpos.tolist() == out[k, -1].tolist()
+
+
+def test_joints_may_stand_in_any_order() -> None:
+    laws = arm_laws()
+    turned = dict(reversed(laws.items()))
+    one, other = run(attach(spec(TWO_ARMS), laws), 100), run(attach(spec(TWO_ARMS), turned), 100)
+    assert one.qpos.tolist() == other.qpos.tolist()
+
+
+def test_two_models_with_different_laws_share_the_callback() -> None:
+    first, second = (
+        attach(spec(ROTOR), {"rotor": lugre()}),
+        attach(spec(ROTOR), {"rotor": friction("coulomb", {"coulomb": 1.0})}),
+    )
+    plain = spec(ROTOR).compile()
+    together = [mujoco.MjData(m) for m in (first, second, plain)]
+    for data in together:
+        data.ctrl[0] = 9.0
+    for _ in range(50):
+        for model, data in zip((first, second, plain), together, strict=True):
+            mujoco.mj_step(model, data)
+    for model, data in zip((first, second, plain), together, strict=True):
+        alone = mujoco.MjData(model)
+        alone.ctrl[0] = 9.0
+        for _ in range(50):
+            mujoco.mj_step(model, alone)
+        assert alone.qpos.tolist() == data.qpos.tolist()
+
+
+def test_a_model_without_friction_is_untouched() -> None:
+    model = spec(TWO_ARMS).compile()
+    inside = full_state(model, run(model, 100))
+    remove()
+    try:
+        assert full_state(model, run(model, 100)).tolist() == inside.tolist()
+    finally:
+        install()
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_the_joints_land_where_they_were_predicted(integrator: str) -> None:
+    """Without constraints MuJoCo's own integrator ends on the velocity that the friction step solved for."""
+    made = spec(TWO_ARMS)
+    made.option.integrator = getattr(mujoco.mjtIntegrator, integrator)
+    for joint in ("a1", "b1"):
+        made.joint(joint).damping[0] = 0.7
+    model = attach(made, arm_laws(), keep_native=True)
+    data = run(model, 300)
+    block_end = read_friction(model).torque.start
+    n = 4 + 2 + 4  # the hanging arm's four dofs, two and four of the arms
+    predicted = data.userdata[block_end - 3 * n : block_end - 2 * n]
+    velocities = data.qvel[6:]
+    error = np.min(np.abs(predicted[:, None] - velocities[None, :]), axis=1)
+    tolerance = 1e-9 if integrator == "mjINT_EULER" else 2e-3
+    assert np.max(error) < tolerance * max(1.0, float(np.max(np.abs(velocities))))
+
+
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS.keys())
+@settings(max_examples=8)
+@given(seed=st.integers(0, 10**6), angle=st.floats(0.3, 3.0))
+def test_a_free_pendulum_never_gains_energy(law, seed: int, angle: float) -> None:
+    made = spec(PENDULUM)
+    made.option.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
+    made.option.timestep = 5e-4
+    with friction_active():
+        values = dict(named(law, seed))
+        for name in ("coulomb", "static", "static_rested", "level", "viscous", "stribeck_fall"):
+            if isinstance(values.get(name), float):
+                values[name] *= 0.05  # a pendulum of 0.5 kg: let it swing before it sticks
+        for name in ("level_extending", "level_retracting"):
+            if name in values:
+                values[name] *= 1e-3
+        model = attach(made, {"swing": friction(law.name, values)})
+        data = mujoco.MjData(model)
+        data.qpos[0] = angle
+        mujoco.mj_forward(model, data)
+        highest = before = sum(data.energy)
+        for _ in range(1500):
+            mujoco.mj_step(model, data)
+            highest = max(highest, sum(data.energy))
+    scale = 0.5 * 9.81 * 0.5
+    assert highest <= before + 2e-3 * scale  # what semi-implicit Euler gains and loses by itself within a swing
+    assert sum(data.energy) <= before + 2e-3 * scale
+
+
+def test_the_torque_is_the_law_at_the_velocity_reached() -> None:
+    model = attach(spec(ROTOR), {"rotor": lugre()})
+    data = mujoco.MjData(model)
+    law, p = LAWS["lugre"], LAWS["lugre"].pack(LUGRE)
+    reader = read_friction(model)
+    around, z_next = np.array([0.0, 0.0, 25.0, 0.0, 0.0]), np.zeros(1)
+    for k in range(400):
+        data.ctrl[0] = 12.0 * np.sin(0.02 * k)
+        mujoco.mj_step(model, data)
+        z = data.userdata[reader.state("rotor")].copy()
+        torque, _ = law.advance(float(data.qvel[0]), around, z, 1e-3, p, z_next)
+        assert torques(model, data)["rotor"] == pytest.approx(torque, rel=1e-5, abs=1e-7)
+    assert data.userdata[reader.rounds][0] > 0
+
+
+def test_transition_derivatives_agree_with_steps_by_hand() -> None:
+    model = arms()
+    data = run(model, 200)
+    mujoco.mj_forward(model, data)
+    state = full_state(model, data)
+    size, eps = 2 * model.nv, 1e-6
+    a, b = np.zeros((size, size)), np.zeros((size, model.nu))
+    mujoco.mjd_transitionFD(model, data, eps, False, a, b, None, None)
+    assert np.all(np.isfinite(a))
+
+    def stepped(change) -> np.ndarray:
+        twin = mujoco.MjData(model)
+        mujoco.mj_setState(model, twin, state, FULL)
+        change(twin)
+        mujoco.mj_step(model, twin)
+        return twin.qvel.copy()
+
+    base = stepped(lambda d: None)
+    for i in range(model.nu):
+
+        def push(d, i=i):
+            d.ctrl[i] += eps
+
+        np.testing.assert_allclose(b[model.nv :, i], (stepped(push) - base) / eps, atol=2e-4)
+    for j in range(6, model.nv):
+
+        def shove(d, j=j):
+            d.qvel[j] += eps
+
+        np.testing.assert_allclose(a[model.nv :, model.nv + j], (stepped(shove) - base) / eps, atol=5e-3)
