@@ -15,7 +15,6 @@ from mjfriction.sim import block as at
 
 Laws = Mapping[str, Friction | Sequence[Friction]]
 READS_LOAD = frozenset({"load_dependent", "geared_load", "arctan_load"})
-JUMPS_AT_REST = frozenset({"gms"})
 ONE_DOF = frozenset({int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)})
 
 
@@ -151,8 +150,7 @@ def build_block(model: mujoco.MjModel, laws: Laws, base: int) -> Floats:
     where, state = table + rows.size, 0
     for row, term in zip(rows, terms, strict=True):
         count, size = term.friction.state_count, term.friction.packed.size
-        jumps = count == 0 or term.friction.law.name in JUMPS_AT_REST or term.friction.negative is not None
-        row[:] = (term.rubbing, state, count, where, size, jumps)
+        row[:] = (term.rubbing, state, count, where, size)
         where, state = where + size, state + count
     joints = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name) for _, name in rubbing]
     positions = model.jnt_qposadr[joints]

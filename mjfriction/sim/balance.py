@@ -14,8 +14,8 @@ from mjfriction.sim.solve import solve_spd
 
 ROUNDS = 25
 SWEEPS = 60
-BISECTIONS = 200
-# A last correction this small, relative to the velocity, leaves less than as much of the torque: what a slope leaves out
+BISECTIONS = 60
+# A correction this small, relative to the velocity, leaves less than as much of the torque: what a slope leaves out
 # (the falling branch, which would be negative) is never steeper than the torque over the velocity.
 TOLERANCE = 1e-5
 FLOOR = 1e-13  # rad/s or m/s
@@ -38,26 +38,46 @@ def lacking(s: Floats, b: Floats, start: Floats, h: float, v: Floats, torque: Fl
     return found
 
 
+@kernel
+def bend(
+    s: Floats, h: float, v: Floats, torque: Floats, v_before: Floats, torque_before: Floats, slope: Floats
+) -> None:
+    """Lower the slopes (k,) to what the last two rounds show: on a falling branch the laws say 0, which is too much.
+
+    Not below half of what would make the joint's own balance singular.
+    """
+    for i in range(v.shape[0]):
+        apart = v[i] - v_before[i]
+        if abs(apart) > 1e-9 * abs(v[i]) + FLOOR:
+            seen = (torque[i] - torque_before[i]) / apart
+            if seen < slope[i]:
+                slope[i] = max(seen, -0.5 * s[i, i] / h)
+
+
 @routine
 def balance(
-    s: Floats, b: Floats, start: Floats, jumps: Floats, block: int, terms: int, count: int, around: int, z: int,
+    s: Floats, b: Floats, start: Floats, block: int, terms: int, count: int, around: int, z: int,
     h: float, z_next: int, near: int, v: Floats, change: Floats, work: Floats, torque: Floats, slope: Floats,
+    v_before: Floats, torque_before: Floats,
 ) -> int:  # fmt: skip
     """Write the velocities at the end of the step into ``v`` (k,) and return the rounds it took, −1 where none did.
 
-    ``s`` (k, k) comes in as its lower triangle and goes out whole; ``b`` and ``start`` = v (k,); ``jumps`` (k,) marks
-    joints whose torque jumps at rest; ``block`` to ``near`` are what :mod:`mjfriction.sim.rub` takes, addresses.  ``v``
-    comes in as a first guess.  ``change``, ``torque``, ``slope`` (k,) and ``work`` (k, k) are room to work in.
+    ``torque`` and the states at ``z_next`` are those at ``v`` then, and ``change`` the impulse the balance still lacks.
+
+    ``s`` (k, k), symmetric; ``b`` and ``start`` = v (k,); ``block`` to ``near`` are what :mod:`mjfriction.sim.rub`
+    takes, addresses.  ``v`` comes in as a first guess.  The other arrays, (k,), and ``work`` (k, k) are room to work
+    in.
     """
     k = v.shape[0]
-    for i in range(k):
-        for j in range(i):
-            s[j, i] = s[i, j]
+    settled = False
     for round_ in range(ROUNDS):
         rub(block, terms, count, 0, k, address(v, 0), around, z, h, z_next, near, address(torque, 0), address(slope, 0))
-        if not lacking(s, b, start, h, v, torque, change):
+        if not lacking(s, b, start, h, v, torque, change) or settled:
             return round_ + 1
+        if round_ > 0:
+            bend(s, h, v, torque, v_before, torque_before, slope)
         for i in range(k):
+            v_before[i], torque_before[i] = v[i], torque[i]
             for j in range(i + 1):
                 work[i, j] = s[i, j]
             work[i, i] += h * slope[i]
@@ -65,14 +85,12 @@ def balance(
         settled = True
         for i in range(k):
             moved = v[i] + change[i]
-            if jumps[i] > 0.0 and v[i] * moved < 0.0:
-                # Past rest the torque jumps: stop there first, where the joint may stick.
+            if v[i] * moved < 0.0:
+                # Around rest the torque climbs from one side's level to the other's: look there before going past.
                 moved = 0.0
             if abs(moved - v[i]) > TOLERANCE * abs(moved) + FLOOR:
                 settled = False
             v[i] = moved
-        if settled:
-            return round_ + 1
     return bracketed(s, b, start, block, terms, count, around, z, h, z_next, near, v, change, torque, slope)
 
 
@@ -95,6 +113,7 @@ def bracketed(
 ) -> int:  # fmt: skip
     """Solve joint by joint, each within a bracket that friction's dissipation guarantees, until none moves."""
     k = v.shape[0]
+    at_torque, at_slope = address(torque, 0), address(slope, 0)
     for sweep in range(SWEEPS):
         settled = True
         for i in range(k):
@@ -126,5 +145,7 @@ def bracketed(
                 settled = False
             v[i] = middle
         if settled:
+            rub(block, terms, count, 0, k, address(v, 0), around, z, h, z_next, near, at_torque, at_slope)
+            lacking(s, b, start, h, v, torque, trial)
             return ROUNDS + sweep + 1
     return -1

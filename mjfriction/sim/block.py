@@ -33,9 +33,10 @@ NUMERIC_NAME = "mjfriction"
 ) = range(18)
 
 # A row of the term table.
-T_RUBBING, T_STATE, T_STATES, T_VALUES, T_SIZE, T_JUMPS, TERM_ROW = range(7)
+T_RUBBING, T_STATE, T_STATES, T_VALUES, T_SIZE, TERM_ROW = range(6)
 
-# The simulation's block: scalars, then arrays over the touched (n) and the rubbing (k) dofs, then the states.
+# The simulation's block: scalars, then arrays over the touched (n) and the rubbing (k) dofs, then the
+# states as they are and as they were predicted for the end of the step.
 U_TIME, U_STEP, U_FAILED, U_ROUNDS, U_SCALARS = range(5)
 TOUCHED_ARRAYS = 4  # velocity at the last call, velocity predicted then, force not predicted, acceleration
 RUBBING_ARRAYS = 6  # torque, qfrc_passive as left behind, load, temperature above room, head pressure, rod pressure
@@ -43,4 +44,4 @@ RUBBING_ARRAYS = 6  # torque, qfrc_passive as left behind, load, temperature abo
 
 def room_needed(touched: int, rubbing: int, states: int) -> int:
     """Return how many numbers of user data the simulation's block takes."""
-    return U_SCALARS + TOUCHED_ARRAYS * touched + RUBBING_ARRAYS * rubbing + states
+    return U_SCALARS + TOUCHED_ARRAYS * touched + RUBBING_ARRAYS * rubbing + 2 * states

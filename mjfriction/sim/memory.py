@@ -69,12 +69,14 @@ class Kept(NamedTuple):
     pressure_head: Floats
     pressure_rod: Floats
     z: Floats
+    z_next: Floats
 
 
 class Desk(NamedTuple):
-    """Room to work in, on MuJoCo's stack: over touched (n), rubbing (k), all dofs (nv) and states."""
+    """Room to work in, on MuJoCo's stack: over touched (n), rubbing (k) and all dofs (nv)."""
 
     a: Floats
+    s: Floats
     j: Floats
     f: Floats
     end_velocity: Floats
@@ -82,12 +84,12 @@ class Desk(NamedTuple):
     change: Floats
     trial: Floats
     slope: Floats
-    jumps: Floats
     start: Floats
+    v_before: Floats
+    torque_before: Floats
     around: Floats
     full: Floats
     near: Floats
-    z_next: Floats
 
 
 @kernel
@@ -160,7 +162,9 @@ def open_kept(data: int, block: Block) -> Kept:
     """Return the simulation's block."""
     n, k = block.touched, block.rubbing
     base = int(window_at(block.address, at.HEADER)[at.H_BASE])
-    user = numbers(data, F_USERDATA, base + at.U_SCALARS + at.TOUCHED_ARRAYS * n + at.RUBBING_ARRAYS * k + block.states)
+    user = numbers(
+        data, F_USERDATA, base + at.U_SCALARS + at.TOUCHED_ARRAYS * n + at.RUBBING_ARRAYS * k + 2 * block.states
+    )
     u = base + at.U_SCALARS
     r = u + at.TOUCHED_ARRAYS * n
     return Kept(
@@ -176,21 +180,23 @@ def open_kept(data: int, block: Block) -> Kept:
         window(user, r + 4 * k, k),
         window(user, r + 5 * k, k),
         window(user, r + at.RUBBING_ARRAYS * k, block.states),
+        window(user, r + at.RUBBING_ARRAYS * k + block.states, block.states),
     )
 
 
 @kernel
 def open_desk(data: int, block: Block) -> Desk:
     """Take room from MuJoCo's stack, which the caller has marked."""
-    n, k, nv, states = block.touched, block.rubbing, block.nv, block.states
-    size = n * n + k * k + 2 * n + (6 + AMBIENT_SIZE) * k + nv + AMBIENT_SIZE + states
+    n, k, nv = block.touched, block.rubbing, block.nv
+    size = n * n + 2 * k * k + 2 * n + (7 + AMBIENT_SIZE) * k + nv + AMBIENT_SIZE
     work = window_at(stack_numbers(data, size), size)
-    o = n * n + k * k
+    o = n * n + 2 * k * k
     r = o + 2 * n
-    e = r + (6 + AMBIENT_SIZE) * k
+    e = r + (7 + AMBIENT_SIZE) * k
     return Desk(
         window(work, 0, n * n).reshape((n, n)),
         window(work, n * n, k * k).reshape((k, k)),
+        window(work, n * n + k * k, k * k).reshape((k, k)),
         window(work, o, n),
         window(work, o + n, n),
         window(work, r, k),
@@ -199,8 +205,8 @@ def open_desk(data: int, block: Block) -> Desk:
         window(work, r + 3 * k, k),
         window(work, r + 4 * k, k),
         window(work, r + 5 * k, k),
-        window(work, r + 6 * k, AMBIENT_SIZE * k).reshape((k, AMBIENT_SIZE)),
+        window(work, r + 6 * k, k),
+        window(work, r + 7 * k, AMBIENT_SIZE * k).reshape((k, AMBIENT_SIZE)),
         window(work, e, nv),
         window(work, e + nv, AMBIENT_SIZE),
-        window(work, e + nv + AMBIENT_SIZE, states),
     )

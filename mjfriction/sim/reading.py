@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mjfriction.errors import SimulationError, suggestion
 from mjfriction.laws.law import Floats
 from mjfriction.sim import block as at
-from mjfriction.sim.attach import numeric_slice
+from mjfriction.sim.attach import numeric_slice, refuse_integrator
 
 BROKEN = {
     mujoco.mjtWarning.mjWARN_BADQPOS: ("position", "jnt_qposadr"),
@@ -93,6 +93,9 @@ def ensure_sound(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """
     reader = read_friction(model)
     failed = int(data.userdata[int(model.numeric_data[numeric_slice(model)][at.H_BASE]) + at.U_FAILED])
+    if failed < 0:
+        refuse_integrator(model)
+        raise SimulationError("a step was made with integrator RK4, and without friction; start again without it")
     if failed:
         raise SimulationError(
             f"joint '{reader.joints[failed - 1]}': its friction came out NaN or infinite at t = {data.time:g} s; check "

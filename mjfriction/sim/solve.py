@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from mjfriction.laws.law import Floats, kernel
 
+TINY = 1e-12
+
 
 @kernel
 def eliminate(a: Floats, f: Floats, first: int) -> None:
@@ -33,10 +35,13 @@ def restore(a: Floats, f: Floats, x: Floats, first: int) -> None:
 
 @kernel
 def solve_spd(a: Floats, x: Floats) -> None:
-    """Solve a·y = x for a symmetric positive definite ``a`` (k, k; its lower triangle), overwriting both."""
+    """Solve a·y = x for a symmetric positive definite ``a`` (k, k; its lower triangle), overwriting both.
+
+    A pivot that is not positive is taken as tiny: the step then is long, and the caller looks at what came out.
+    """
     k = x.shape[0]
     for i in range(k):
-        inverse = 1.0 / a[i, i]
+        inverse = 1.0 / max(a[i, i], TINY)
         a[i, i] = inverse
         for j in range(i + 1, k):
             factor = a[j, i] * inverse

@@ -13,16 +13,18 @@ import math
 
 from mjfriction.laws.ambient import LOAD, POSITION, PRESSURE_HEAD, PRESSURE_ROD, ROOM_TEMPERATURE, TEMPERATURE
 from mjfriction.laws.law import Floats, kernel, routine
-from mjfriction.laws.window import address, window_at
+from mjfriction.laws.window import address, window
 from mjfriction.sim import block as at
 from mjfriction.sim import memory as mem
 from mjfriction.sim.balance import balance
 from mjfriction.sim.forces import add_implicit_damping, add_known_forces, gather_inertia, symmetric
-from mjfriction.sim.memory import Block, Desk, Kept, find_block, numbers, open_block, open_desk, open_kept, scalar
+from mjfriction.sim.memory import Block, Desk, Kept, find_block, flag, numbers, open_block, open_desk, open_kept, scalar
 from mjfriction.sim.native import free_stack, mark_stack, warning
 from mjfriction.sim.rub import rub
 from mjfriction.sim.solve import eliminate, restore
 
+SAME, STILL = 1e-9, 1e-13  # a velocity this near to the predicted one is the predicted one
+RUNGE_KUTTA = 1  # mjINT_RK4
 BAD_FORCE = 6  # mjWARN_BADCTRL, the warning for a number that would have spoilt the forces; checked by a test
 
 
@@ -30,8 +32,9 @@ BAD_FORCE = 6  # mjWARN_BADCTRL, the warning for a number that would have spoilt
 def look_back(block: Block, kept: Kept, a: Floats, velocity: Floats, time: float, missed: Floats) -> bool:
     """Find out what happened since the last call, and return whether a step was made.
 
-    After a step: accelerations from the change of velocity, and the force that was not predicted from the velocity that
-    was not.  After a jump in time both are forgotten.  ``missed`` (n,) is room to work in.
+    After a step: accelerations from the change of velocity, and the constraints' force of that step, which is the one
+    that was counted on and what the velocity shows to have come on top.  After a jump in time both are forgotten.
+    ``missed`` (n,) is room to work in.
     """
     then, step = kept.stamp[at.U_TIME], kept.stamp[at.U_STEP]
     if time == then:
@@ -42,7 +45,7 @@ def look_back(block: Block, kept: Kept, a: Floats, velocity: Floats, time: float
         missed[p] = now - kept.predicted[p] if stepped else 0.0
         kept.moved[p] = (now - kept.before[p]) / step if stepped else 0.0
     for p in range(block.touched):
-        kept.unknown[p] = symmetric(a, missed, p) / step if stepped else 0.0
+        kept.unknown[p] = kept.unknown[p] + symmetric(a, missed, p) / step if stepped else 0.0
     return stepped
 
 
@@ -74,30 +77,33 @@ def guess(block: Block, kept: Kept, velocity: Floats, h: float, desk: Desk) -> N
         p = first + i
         desk.start[i] = velocity[int(block.dofs[p])]
         desk.v[i] = desk.start[i] + h * kept.moved[p]
-        desk.jumps[i] = 0.0
-    for t in range(block.term_count):
-        row = window_at(block.terms + 8 * at.TERM_ROW * t, at.TERM_ROW)
-        if row[at.T_JUMPS] > 0.0:
-            i = int(row[at.T_RUBBING])
-            desk.jumps[i] = 1.0
-            if desk.v[i] * desk.start[i] <= 0.0:
-                desk.v[i] = 0.0
+        if desk.v[i] * desk.start[i] <= 0.0:
+            desk.v[i] = 0.0
 
 
 @kernel
 def commit(block: Block, kept: Kept, step: float, desk: Desk) -> None:
-    """Move the states by the velocity that really came out of the last step."""
-    rub(
-        block.address, block.terms, block.term_count, 0, block.rubbing, address(desk.start, 0), address(desk.around, 0),
-        address(kept.z, 0), step, address(desk.z_next, 0), address(desk.near, 0), address(desk.trial, 0),
-        address(desk.slope, 0),
-    )  # fmt: skip
+    """Move the states by the velocity that really came out of the last step.
+
+    Where that is the velocity predicted, as it is without constraints, the states predicted with it are the ones.
+    """
+    first, as_predicted = block.touched - block.rubbing, kept.stamp[at.U_ROUNDS] > 0.0
+    for i in range(block.rubbing):
+        missed = abs(desk.start[i] - kept.predicted[first + i])
+        if not missed <= SAME * abs(desk.start[i]) + STILL:
+            as_predicted = False
+    if not as_predicted:
+        rub(
+            block.address, block.terms, block.term_count, 0, block.rubbing, address(desk.start, 0),
+            address(desk.around, 0), address(kept.z, 0), step, address(kept.z_next, 0), address(desk.near, 0),
+            address(desk.trial, 0), address(desk.slope, 0),
+        )  # fmt: skip
     for i in range(block.states):
-        kept.z[i] = desk.z_next[i]
+        kept.z[i] = kept.z_next[i]
 
 
 @kernel
-def apply(data: int, block: Block, kept: Kept, h: float, solved: bool, s: Floats, b: Floats, desk: Desk) -> None:
+def apply(data: int, block: Block, kept: Kept, h: float, solved: bool, desk: Desk) -> None:
     """Subtract the friction from qfrc_passive: what the balance leaves for it, or the law's torque without a balance.
 
     The balance itself, and not the law once more, so that MuJoCo lands on the velocity that was found.
@@ -105,12 +111,9 @@ def apply(data: int, block: Block, kept: Kept, h: float, solved: bool, s: Floats
     passive = numbers(data, mem.F_PASSIVE, block.nv)
     first = block.touched - block.rubbing
     for i in range(block.rubbing):
-        desk.change[i] = desk.v[i] - desk.start[i]
-    for i in range(block.rubbing):
-        force = b[i]
-        for c in range(block.rubbing):
-            force -= s[i, c] * desk.change[c]
-        force = force / h if solved else desk.trial[i]
+        force = desk.trial[i]
+        if solved:
+            force += desk.change[i] / h
         if not math.isfinite(force):
             kept.stamp[at.U_FAILED] = i + 1
             warning(data, BAD_FORCE, i)
@@ -119,7 +122,7 @@ def apply(data: int, block: Block, kept: Kept, h: float, solved: bool, s: Floats
         kept.torque[i] = force
         passive[dof] -= force
         kept.marked[i] = passive[dof]
-        desk.end_velocity[first + i] = desk.change[i]
+        desk.end_velocity[first + i] = desk.v[i] - desk.start[i]
 
 
 @routine
@@ -130,6 +133,9 @@ def friction_step(model: int, data: int) -> None:
         return
     block = open_block(where)
     kept = open_kept(data, block)
+    if flag(model, mem.F_INTEGRATOR) == RUNGE_KUTTA:
+        kept.stamp[at.U_FAILED] = -1.0  # set after attaching refused it; ensure_sound tells
+        return
     mark_stack(data)
     desk = open_desk(data, block)
     time, h = scalar(data, mem.F_TIME), scalar(model, mem.F_TIMESTEP)
@@ -149,14 +155,17 @@ def friction_step(model: int, data: int) -> None:
         desk.f[p] = h * (desk.f[p] + kept.unknown[p])
     first = block.touched - block.rubbing
     eliminate(desk.a, desk.f, first)
-    s, b = desk.a[first:, first:], desk.f[first:]
+    for i in range(block.rubbing):
+        for j in range(i + 1):
+            desk.s[i, j] = desk.s[j, i] = desk.a[first + i, first + j]
+    b = window(desk.f, first, block.rubbing)
     rounds = balance(
-        s, b, desk.start, desk.jumps, block.address, block.terms, block.term_count, address(desk.around, 0),
-        address(kept.z, 0), h, address(desk.z_next, 0), address(desk.near, 0), desk.v, desk.change, desk.j, desk.trial,
-        desk.slope,
+        desk.s, b, desk.start, block.address, block.terms, block.term_count, address(desk.around, 0),
+        address(kept.z, 0), h, address(kept.z_next, 0), address(desk.near, 0), desk.v, desk.change, desk.j, desk.trial,
+        desk.slope, desk.v_before, desk.torque_before,
     )  # fmt: skip
     kept.stamp[at.U_ROUNDS] = rounds
-    apply(data, block, kept, h, rounds > 0, s, b, desk)
+    apply(data, block, kept, h, rounds > 0, desk)
     restore(desk.a, desk.f, desk.end_velocity, first)
     for p in range(block.touched):
         kept.before[p] = velocity[int(block.dofs[p])]

@@ -19,7 +19,7 @@ from mjfriction.sim.attach import attach, candidate_blocks, rewrite
 from mjfriction.sim.callback import friction_active, install, remove
 from mjfriction.sim.forces import AFFINE, BIAS_SIZE, EULER, NO_DAMPER, NO_EULER_DAMPING
 from mjfriction.sim.reading import ensure_sound, read_friction, torques, write_candidates
-from mjfriction.sim.step import BAD_FORCE
+from mjfriction.sim.step import BAD_FORCE, RUNGE_KUTTA
 from tests.contract.draws import named
 from tests.sim.models import LUGRE, PENDULUM, ROTOR, TWO_ARMS, arm_laws, controls, lugre, spec
 
@@ -58,6 +58,7 @@ def run(model: mujoco.MjModel, steps: int, data: mujoco.MjData | None = None, st
 def test_the_constants_are_mujocos() -> None:
     assert mujoco.mjtIntegrator.mjINT_EULER == EULER
     assert mujoco.mjtWarning.mjWARN_BADCTRL == BAD_FORCE
+    assert mujoco.mjtIntegrator.mjINT_RK4 == RUNGE_KUTTA
     assert mujoco.mjtBias.mjBIAS_AFFINE == AFFINE
     assert mujoco.mjtDisableBit.mjDSBL_EULERDAMP == NO_EULER_DAMPING
     assert mujoco.mjtDisableBit.mjDSBL_DAMPER == NO_DAMPER
