@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from mjfriction.robot.files import read_robot, write_robot
     from mjfriction.robot.predict import predict_log
     from mjfriction.robot.robot import Robot
+    from mjfriction.robot.simulation import robot_laws, robot_spec
     from mjfriction.sim.attach import attach
     from mjfriction.sim.callback import friction_active
     from mjfriction.sim.reading import read_friction
@@ -34,6 +35,8 @@ _HOMES = {
     "read_friction": "mjfriction.sim.reading",
     "read_log": "mjfriction.record.readers",
     "read_robot": "mjfriction.robot.files",
+    "robot_laws": "mjfriction.robot.simulation",
+    "robot_spec": "mjfriction.robot.simulation",
     "write_robot": "mjfriction.robot.files",
 }
 
@@ -52,6 +55,8 @@ __all__ = [
     "read_friction",
     "read_log",
     "read_robot",
+    "robot_laws",
+    "robot_spec",
     "write_robot",
 ]
 

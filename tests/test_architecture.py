@@ -28,7 +28,14 @@ FLOOR = {
     "report": 6,
     "cli": 7,
 }
-ONLY_IN = {"pinocchio": {"body"}, "mujoco": {"sim"}, "rerun": {"report"}, "plotly": {"report"}, "numba": {"laws"}}
+ONLY_IN = {
+    "pinocchio": {"body"},
+    "mujoco": {"sim"},
+    "rerun": {"report"},
+    "plotly": {"report"},
+    "numba": {"laws", "sim"},
+    "llvmlite": {"laws", "sim"},
+}
 
 
 def imports() -> list[tuple[Path, str]]:

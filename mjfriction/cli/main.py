@@ -10,6 +10,7 @@ from typer import core, exceptions
 
 from mjfriction.cli.demo import demo
 from mjfriction.cli.diagnose import diagnose
+from mjfriction.cli.export import export
 from mjfriction.cli.laws import laws
 from mjfriction.cli.predict import predict
 from mjfriction.cli.view import view
@@ -25,7 +26,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=True,
 )
-for verb in (demo, diagnose, laws, predict, view):
+for verb in (demo, diagnose, export, laws, predict, view):
     app.command()(verb)
 
 

@@ -10,8 +10,6 @@ from pathlib import Path
 from mjfriction.body.model import Body, Load, load_body
 from mjfriction.errors import RobotError, suggestion
 from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
-from mjfriction.laws.friction import Friction, friction
-from mjfriction.laws.position_dependent import POSITION_DEPENDENT
 from mjfriction.robot.schema import FrictionTerm, Joint, RobotTable
 
 EXAMPLE_ROBOT_DATA = "package://example-robot-data/"
@@ -72,34 +70,6 @@ class Robot:
                 term = FrictionTerm(law=COULOMB_VISCOUS.name, parameters=levels)
                 robot = robot.with_joint(joint.model_copy(update={"friction": (term,)}))
         return robot
-
-    def laws(self) -> dict[str, list[Friction]]:
-        """Return the friction laws that each joint states, as :func:`mjfriction.attach` takes them.
-
-        Raises :class:`RobotError` for ``friction_waves`` on a joint without a ``coulomb_viscous`` law on its side.
-        """
-        return {joint.name: joint_laws(joint) for joint in self.table.joint if joint.friction}
-
-
-def joint_laws(joint: Joint) -> list[Friction]:
-    """Return a joint's laws; its ``friction_waves`` go onto the level of its Coulomb-viscous law."""
-    ratio = joint.actuator.gear_ratio
-    laws = [term.friction(ratio) for term in joint.friction or ()]
-    if not joint.friction_waves:
-        return laws
-    for i, term in enumerate(joint.friction or ()):
-        if term.law == COULOMB_VISCOUS.name and term.side == "joint" and term.negative is None:
-            waves = {
-                "wavenumber": [wave.wavenumber for wave in joint.friction_waves],
-                "cosine": [wave.cosine for wave in joint.friction_waves],
-                "sine": [wave.sine for wave in joint.friction_waves],
-            }
-            laws[i] = friction(POSITION_DEPENDENT.name, {**term.parameters, **waves}, level=laws[i].level)
-            return laws
-    raise RobotError(
-        f"joint '{joint.name}': friction_waves vary the level of a coulomb_viscous law on the joint's side, and it has "
-        "none; add one (its coulomb may be 0)"
-    )
 
 
 def resolve_model(model: str, folder: Path) -> Path:

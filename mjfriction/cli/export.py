@@ -1,0 +1,48 @@
+"""``mjfriction export``: a robot as plain MJCF for stock MuJoCo."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mjfriction.cli.options import Json, RobotSource
+
+Out = Annotated[Path, typer.Option("--out", metavar="MODEL.xml", help="The file to write.", show_default=False)]
+Fastest = Annotated[
+    float, typer.Option("--fastest", help="Highest joint speed the friction must be right for, rad/s or m/s.", min=1e-6)
+]
+
+
+def export(robot: RobotSource, out: Out, fastest: Fastest = 2.0, as_json: Json = False) -> None:
+    """Write a robot as plain MJCF that runs in stock MuJoCo with no callback, and say what it could not carry.
+
+    Example: mjfriction export --robot ur5 --out ur5.xml
+    """
+    import json
+    from dataclasses import asdict
+
+    from mjfriction.errors import OutputError
+    from mjfriction.robot.files import read_robot
+    from mjfriction.robot.simulation import robot_laws, robot_spec
+    from mjfriction.sim.export import export_spec
+
+    read = read_robot(robot)
+    if not out.parent.is_dir():
+        raise OutputError(f"{out}: there is no folder {out.parent}; make it first")
+    spec, carried = export_spec(robot_spec(read), robot_laws(read), fastest=fastest)
+    spec.compile()
+    beside = out.with_name(f".{out.name}.part")
+    beside.write_text(spec.to_xml(), encoding="utf-8")
+    beside.replace(out)
+    lost = [joint.name for joint in read.table.joint if joint.cogging or joint.effort_sensor.delay]
+    if as_json:
+        typer.echo(json.dumps({"model": str(out), "joints": [asdict(one) for one in carried], "not_carried": lost}))
+        return
+    for one in carried:
+        how = "exact" if one.exact else f"fit, off by {one.error:.3g} of {one.size:.3g} (RMS)"
+        typer.echo(f"{one.joint}: {one.element}; {how}")
+    for name in lost:
+        typer.echo(f"{name}: its cogging and its sensor's delay are not in the model")
+    typer.echo(f"written: {out}")

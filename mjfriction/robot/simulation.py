@@ -1,0 +1,59 @@
+"""A robot for MuJoCo: its model file as a spec, and its friction as laws to attach."""
+
+from __future__ import annotations
+
+from mjfriction.errors import RobotError
+from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
+from mjfriction.laws.friction import Friction, friction
+from mjfriction.laws.position_dependent import POSITION_DEPENDENT
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.schema import Joint
+from mjfriction.sim.spec import PointLoad, Spec, add_springs, read_spec
+
+
+def robot_spec(robot: Robot) -> Spec:
+    """Read the model file as a MuJoCo spec with the robot's gravity, payload, links, rotors and springs built in.
+
+    Friction is not in it: :func:`mjfriction.attach` puts :func:`robot_laws` on.  Raises
+    :class:`~mjfriction.errors.SimulationError` where MuJoCo cannot read the file.
+    """
+    table = robot.table
+    payload = table.payload
+    spec = read_spec(
+        robot.model_path,
+        robot.joints,
+        gravity=table.gravity,
+        payload=PointLoad(payload.mass, payload.com, payload.parent) if payload else None,
+        link_scale=table.link_scale,
+        rotor_inertia={j.name: j.actuator.rotor_inertia * j.actuator.gear_ratio**2 for j in table.joint},
+    )
+    add_springs(spec, {joint.name: (joint.spring.stiffness, joint.spring.preload) for joint in table.joint})
+    return spec
+
+
+def robot_laws(robot: Robot) -> dict[str, list[Friction]]:
+    """Return the friction laws that each joint states, as :func:`mjfriction.attach` takes them.
+
+    Raises :class:`RobotError` for ``friction_waves`` on a joint without a ``coulomb_viscous`` law on its side.
+    """
+    return {joint.name: joint_laws(joint) for joint in robot.table.joint if joint.friction}
+
+
+def joint_laws(joint: Joint) -> list[Friction]:
+    """Return a joint's laws; its ``friction_waves`` go onto the level of its Coulomb-viscous law."""
+    laws = [term.friction(joint.actuator.gear_ratio) for term in joint.friction or ()]
+    if not joint.friction_waves:
+        return laws
+    for i, term in enumerate(joint.friction or ()):
+        if term.law == COULOMB_VISCOUS.name and term.side == "joint" and term.negative is None:
+            waves = {
+                "wavenumber": [wave.wavenumber for wave in joint.friction_waves],
+                "cosine": [wave.cosine for wave in joint.friction_waves],
+                "sine": [wave.sine for wave in joint.friction_waves],
+            }
+            laws[i] = friction(POSITION_DEPENDENT.name, {**term.parameters, **waves}, level=laws[i].level)
+            return laws
+    raise RobotError(
+        f"joint '{joint.name}': friction_waves vary the level of a coulomb_viscous law on the joint's side, and it has "
+        "none; add one (its coulomb may be 0)"
+    )

@@ -1,0 +1,250 @@
+"""Friction as stock MuJoCo can carry it: plain MJCF elements, exact where there is one, the nearest fit elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from scipy.optimize import least_squares, nnls
+
+from mjfriction.errors import SimulationError
+from mjfriction.laws.ambient import ROOM_TEMPERATURE, ambient
+from mjfriction.laws.catalog import LAWS
+from mjfriction.laws.friction import Friction, Level, friction
+from mjfriction.laws.law import Floats
+from mjfriction.laws.rules import Values
+
+NO_INPUT = 16  # ctrlspec of an element that only rubs, what input="none" compiles to
+UNFADED = 1e9  # rad/s; bristle damping that fades beyond this does not fade
+SAMPLES, STEP = 4000, 1e-3  # of the motion along which laws are compared
+POSES = 100
+STIFF_SOLREF, STIFF_SOLIMP = (0.002, 1.0), (0.999, 0.9999, 1e-6, 0.5, 2.0)
+
+
+@dataclass(frozen=True)
+class Native:
+    """What stands for a joint's friction in stock MuJoCo, numbers at the joint.
+
+    ``damping``: a·v + b·v|v| + c·v³.  ``frictionloss``: dry friction.  ``lugre``: stiffness, damping, Coulomb and
+    static level, Stribeck velocity of a ``dcmotor``.  ``slip``: stiffness and level of tendons that yield.
+    """
+
+    damping: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    frictionloss: float = 0.0
+    lugre: tuple[float, float, float, float, float] | None = None
+    slip: tuple[tuple[float, float], ...] = ()
+
+
+@dataclass(frozen=True)
+class Probe:
+    """A motion to compare friction along: ``velocity`` (n,) and what surrounds the joint, ``around`` (n, 5)."""
+
+    velocity: Floats
+    around: Floats
+
+
+@dataclass(frozen=True)
+class Carried:
+    """How one joint's friction was carried over.
+
+    ``exact`` says the element's equations are the law's; ``error`` is the RMS difference of the torque along a motion
+    through rest up to ``fastest``, under a swinging load (gravity's in random poses) and ± 10 K, N·m or N, and ``size``
+    the RMS torque there.
+    """
+
+    joint: str
+    element: str
+    exact: bool
+    error: float
+    size: float
+
+
+def export_spec(
+    spec: mujoco.MjSpec, laws: Mapping[str, Sequence[Friction]], *, fastest: float = 2.0
+) -> tuple[mujoco.MjSpec, list[Carried]]:
+    """Return a spec of stock MuJoCo elements only, and how each joint's laws were carried.
+
+    ``fastest`` (rad/s or m/s) bounds the motion that a fit is made for.  The spec uses the integrator implicitfast, the
+    one under which MuJoCo's LuGre element is stable.  Raises :class:`SimulationError` for an unknown joint.
+    """
+    spec = spec.copy()
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    loads, report = gravity_loads(spec), []
+    for name, own in laws.items():
+        joint = spec.joint(name)
+        if joint is None:
+            raise SimulationError(f"joint '{name}' is not in the model")
+        probe = probing_motion(fastest, loads[name])
+        native, exact = as_native(list(own), probe, fastest)
+        joint.damping = np.array(native.damping)
+        joint.frictionloss = native.frictionloss
+        joint.solref_friction, joint.solimp_friction = np.array(STIFF_SOLREF), np.array(STIFF_SOLIMP)
+        add_elements(spec, name, native)
+        wanted, got = along(own, probe), native_torque(native, probe)
+        error, size = (float(np.sqrt(np.mean(x**2))) for x in (wanted - got, wanted))
+        report.append(Carried(name, describe(native), exact, error, size))
+    return spec, report
+
+
+def as_native(own: Sequence[Friction], probe: Probe, fastest: float) -> tuple[Native, bool]:
+    """Return what stands for a joint's laws, and whether it is the same equations."""
+    parts = [exact_native(one) for one in own]
+    found = [part for part in parts if part is not None]
+    if len(found) == len(parts) and sum(part.lugre is not None for part in found) <= 1:
+        return merged(found), True
+    return fitted_native(own, probe, fastest), False
+
+
+def exact_native(own: Friction) -> Native | None:
+    """Return the native element with the same equations as one law, None where MuJoCo has none."""
+    if own.negative is not None or own.level != Level():
+        return None
+    r = abs(own.gear_ratio)
+    p = {name: value for name, value in own.law.unpack(own.values).items() if isinstance(value, float)}
+    viscous = r * r * p.get("viscous", 0.0)
+    if own.law.name in ("coulomb", "coulomb_viscous"):
+        return Native(damping=(viscous, 0.0, 0.0), frictionloss=r * p["coulomb"])
+    if own.law.name == "quadratic_viscous" and p["quadratic"] >= 0.0:
+        return Native(damping=(viscous, r**3 * p["quadratic"], 0.0), frictionloss=r * p["coulomb"])
+    if own.law.name == "lugre" and p["stribeck_exponent"] == 2.0 and p["damping_velocity"] > UNFADED:
+        stiffness, damping = r * r * p["bristle_stiffness"], r * r * p["bristle_damping"]
+        lugre = (stiffness, damping, r * p["coulomb"], r * p["static"], p["stribeck_velocity"] / r)
+        return Native(damping=(viscous, 0.0, 0.0), lugre=lugre)
+    if own.law.name == "maxwell_slip":
+        arrays = own.law.unpack(own.values)
+        springs, levels = np.atleast_1d(arrays["stiffness"]), np.atleast_1d(arrays["level"])
+        slip = tuple((r * r * float(k), r * float(w)) for k, w in zip(springs, levels, strict=True))
+        return Native(damping=(viscous, 0.0, 0.0), slip=slip)
+    return None
+
+
+def merged(parts: Sequence[Native]) -> Native:
+    """Return several native parts of one joint as one."""
+    damping = np.sum([part.damping for part in parts], axis=0)
+    lugre = [part.lugre for part in parts if part.lugre is not None]
+    return Native(
+        damping=(float(damping[0]), float(damping[1]), float(damping[2])),
+        frictionloss=sum(part.frictionloss for part in parts),
+        lugre=lugre[0] if lugre else None,
+        slip=tuple(one for part in parts for one in part.slip),
+    )
+
+
+def fitted_native(own: Sequence[Friction], probe: Probe, fastest: float) -> Native:
+    """Return what comes nearest to the laws' torque along the probe: dry friction, or a LuGre element."""
+    wanted = along(own, probe)
+    found = [fitted_dry(probe, wanted), fitted_lugre(own, probe, wanted, fastest)]
+    return min(found, key=lambda native: float(np.sum((native_torque(native, probe) - wanted) ** 2)))
+
+
+def fitted_dry(probe: Probe, wanted: Floats) -> Native:
+    """Return the nearest dry friction with polynomial damping."""
+    motion = probe.velocity
+    columns = [np.sign(motion), motion, motion * np.abs(motion), motion**3]
+    (level, a, b, c), _ = nnls(np.column_stack(columns), wanted)
+    return Native(damping=(float(a), float(b), float(c)), frictionloss=float(level))
+
+
+def fitted_lugre(own: Sequence[Friction], probe: Probe, wanted: Floats, fastest: float) -> Native:
+    """Return the nearest LuGre element with polynomial damping, as stiff at rest as the laws."""
+    level = max(float(np.max(np.abs(wanted))), 1e-9)
+    # A law without bristles: stiff enough to stick within a ten-thousandth of a radian.
+    stiffness = rest_stiffness(own) or 1e4 * level
+
+    def element(x: Floats) -> Native:
+        coulomb, extra, velocity, linear, cubic, damping = np.exp(x)
+        bristle = (stiffness, damping, coulomb, coulomb + extra, velocity)
+        return Native(damping=(linear, 0.0, cubic), lugre=bristle)
+
+    start = np.log([0.7 * level, 0.1 * level, 0.05 * fastest, 0.1 * level / fastest, 1e-3 * level, 1e-4 * stiffness])
+    bounds = (start - 14.0, start + 7.0)
+    fit = least_squares(lambda x: (native_torque(element(x), probe) - wanted) / level, start, bounds=bounds)
+    return element(fit.x)
+
+
+def rest_stiffness(own: Sequence[Friction]) -> float:
+    """Return how stiff the laws hold at rest, N·m/rad or N/m; 0 for laws without a state."""
+    tiny, around = 1e-9, ambient(1)
+    with_state = [one for one in own if one.state_count]
+    return float(sum(one.follow(np.array([tiny]), around, 1.0)[0][0] for one in with_state)) / tiny
+
+
+def probing_motion(fastest: float, load: float) -> Probe:
+    """Return a motion through rest, slow and fast, under a swinging load and temperature."""
+    t = np.arange(SAMPLES) * STEP
+    velocity = fastest * np.sin(2.0 * t) * np.sin(2.0 * np.pi * 0.9 * t) ** 2 + 0.02 * fastest * np.sin(17.0 * t)
+    around = ambient(
+        SAMPLES,
+        load=load * np.sin(3.3 * t),
+        position=np.cumsum(velocity) * STEP,
+        temperature=ROOM_TEMPERATURE + 10.0 * np.sin(1.1 * t),
+    )
+    return Probe(velocity, around)
+
+
+def gravity_loads(spec: mujoco.MjSpec) -> dict[str, float]:
+    """Return the largest torque of gravity on every joint over random poses, N·m or N."""
+    model = spec.compile()
+    data, rng = mujoco.MjData(model), np.random.default_rng(0)
+    largest = np.zeros(model.nv)
+    for _ in range(POSES):
+        for i in range(model.njnt):
+            if model.jnt_type[i] == mujoco.mjtJoint.mjJNT_HINGE:
+                data.qpos[model.jnt_qposadr[i]] = rng.uniform(-np.pi, np.pi)
+        mujoco.mj_forward(model, data)
+        largest = np.maximum(largest, np.abs(data.qfrc_bias))
+    return {model.joint(i).name: float(largest[model.jnt_dofadr[i]]) for i in range(model.njnt)}
+
+
+def along(own: Sequence[Friction], probe: Probe) -> Floats:
+    """Return the laws' torque along a motion, added up, (n,)."""
+    return np.asarray(sum(one.follow(probe.velocity, probe.around, STEP)[0] for one in own))
+
+
+def native_torque(native: Native, probe: Probe) -> Floats:
+    """Return the torque of the native elements' equations along a motion, (n,)."""
+    velocity, around = probe.velocity, probe.around
+    a, b, c = native.damping
+    total = a * velocity + b * velocity * np.abs(velocity) + c * velocity**3
+    total += LAWS["coulomb"].along(velocity, around, np.array([native.frictionloss]))
+    if native.lugre is not None:
+        stiffness, damping, coulomb, static, fall = native.lugre
+        values = {"coulomb": coulomb, "static": static, "stribeck_velocity": fall, "stribeck_exponent": 2.0}
+        values |= {"bristle_stiffness": stiffness, "bristle_damping": damping, "viscous": 0.0}
+        total += friction("lugre", values).follow(velocity, around, STEP)[0]
+    if native.slip:
+        springs: Values = {
+            "viscous": 0.0,
+            "stiffness": [k for k, _ in native.slip],
+            "level": [w for _, w in native.slip],
+        }
+        total += friction("maxwell_slip", springs).follow(velocity, around, STEP)[0]
+    return np.asarray(total)
+
+
+def add_elements(spec: mujoco.MjSpec, joint: str, native: Native) -> None:
+    """Add the LuGre motor and the yielding tendons of a joint to a spec, in place."""
+    if native.lugre is not None:
+        motor = spec.add_actuator(name=f"{joint}_friction", trntype=mujoco.mjtTrn.mjTRN_JOINT, target=joint)
+        motor.set_to_dcmotor(motorconst=[0.0, 0.0], resistance=1.0, lugre=list(native.lugre), ctrlspec=NO_INPUT)
+    for i, (stiffness, level) in enumerate(native.slip):
+        tendon = spec.add_tendon(name=f"{joint}_slip_{i}")
+        tendon.wrap_joint(joint, 1.0)
+        tendon.stiffness[0] = stiffness
+        tendon.springyield = level / stiffness
+
+
+def describe(native: Native) -> str:
+    """Return in a few words what carries a joint's friction."""
+    parts = []
+    if native.lugre is not None:
+        parts.append("dcmotor lugre")
+    if native.slip:
+        parts.append(f"{len(native.slip)} yielding tendons")
+    if native.frictionloss > 0.0:
+        parts.append("frictionloss")
+    if any(native.damping):
+        parts.append("damping")
+    return " + ".join(parts) or "nothing"

@@ -1,0 +1,106 @@
+"""A robot's model file as a MuJoCo spec: the same bodies that the rest of the package reads with Pinocchio."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from mjfriction.errors import SimulationError, suggestion
+
+Spec = mujoco.MjSpec
+
+
+@dataclass(frozen=True)
+class PointLoad:
+    """A point mass held by the robot: kg, its place in the parent body's frame (m), and that body's name."""
+
+    mass: float
+    com: tuple[float, float, float]
+    parent: str
+
+
+def read_spec(
+    path: Path,
+    joints: Sequence[str],
+    *,
+    gravity: Sequence[float] | None = None,
+    payload: PointLoad | None = None,
+    link_scale: Mapping[str, float] | None = None,
+    rotor_inertia: Mapping[str, float] | None = None,
+) -> mujoco.MjSpec:
+    """Read a URDF or MJCF file and build the robot's own data into it.
+
+    Joints that are not asked for are held at zero.  ``gravity`` (m/s²) replaces the model's own; ``link_scale``
+    multiplies mass and inertia of the link a joint moves, its payload included; ``rotor_inertia`` (kg·m² or kg at the
+    joint) is added as armature.  Shapes and meshes of a URDF are left out: they play no part in the motion.
+
+    Raises :class:`SimulationError` when the file cannot be read or a joint or body is not there.
+    """
+    spec = _read(path)
+    spec.compiler.fusestatic = False
+    if gravity is not None:
+        spec.option.gravity = np.array(gravity)
+    names = [joint.name for joint in spec.joints]
+    for name in joints:
+        if name not in names:
+            raise SimulationError(f"{path}: there is no joint '{name}' in the model{suggestion(name, names)}")
+    for joint in list(spec.joints):
+        if joint.name not in joints:
+            spec.delete(joint)
+    if payload is not None:
+        parent = spec.body(payload.parent)
+        if parent is None:
+            raise SimulationError(f"{path}: payload: there is no body '{payload.parent}' in the model")
+        # The body stays in the parent's frame: a spec takes a place left out of `ipos` from `pos`.
+        parent.add_body(name="payload", ipos=payload.com, mass=payload.mass, inertia=[0.0] * 3, explicitinertial=True)
+    for name, scale in (link_scale or {}).items():
+        for body in _rigid_with(spec.joint(name).parent):
+            body.mass *= scale
+            body.inertia = scale * np.asarray(body.inertia)
+            body.fullinertia = scale * np.asarray(body.fullinertia)
+    for name, inertia in (rotor_inertia or {}).items():
+        spec.joint(name).armature += inertia
+    return spec
+
+
+def _rigid_with(body: mujoco.MjsBody) -> list[mujoco.MjsBody]:
+    found = [body]
+    for child in body.bodies:
+        if not child.joints:
+            found += _rigid_with(child)
+    return found
+
+
+def _read(path: Path) -> mujoco.MjSpec:
+    try:
+        text = path.read_text(encoding="utf-8")
+        root = ET.fromstring(text)
+        if root.tag != "robot":
+            return mujoco.MjSpec.from_file(str(path))
+        for link in root.iter("link"):
+            for shape in [*link.findall("visual"), *link.findall("collision")]:
+                link.remove(shape)
+        return mujoco.MjSpec.from_string(ET.tostring(root, encoding="unicode"))
+    except (OSError, ET.ParseError, ValueError) as error:
+        raise SimulationError(f"{path}: MuJoCo cannot read it: {' '.join(str(error).split())}") from None
+
+
+def add_springs(spec: mujoco.MjSpec, springs: Mapping[str, tuple[float, float]]) -> None:
+    """Add to joints the torque stiffness·q + preload that the drive works against, in place.
+
+    Raises :class:`SimulationError` for a preload without stiffness, which MuJoCo's springs do not have.
+    """
+    for name, (stiffness, preload) in springs.items():
+        if stiffness == 0.0 and preload != 0.0:
+            raise SimulationError(
+                f"joint '{name}': a spring with a preload needs a stiffness in MuJoCo; give it a small one"
+            )
+        if stiffness != 0.0:
+            joint = spec.joint(name)
+            joint.stiffness[0] += stiffness
+            joint.springref = -preload / stiffness

@@ -1,0 +1,82 @@
+"""The same robot file feeds MuJoCo and Pinocchio: both give one torque, for every robot that ships."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import pytest
+
+from mjfriction.body.inverse import inverse_dynamics
+from mjfriction.errors import RobotError, SimulationError
+from mjfriction.robot.files import read_robot
+from mjfriction.robot.robot import Robot, bundled_robots
+from mjfriction.robot.schema import FrictionTerm, Payload, Spring, Wave
+from mjfriction.robot.simulation import robot_laws, robot_spec
+
+
+def changed(robot: Robot, **tables: object) -> Robot:
+    return Robot(robot.table.model_copy(update=tables), robot.folder)
+
+
+def compare(robot: Robot) -> float:
+    body, model = robot.body(), robot_spec(robot).compile()
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    model.dof_damping[:] = 0.0
+    data = mujoco.MjData(model)
+    rng = np.random.default_rng(0)
+    q, v, a = rng.normal(size=(3, 40, len(robot.joints)))
+    columns = [int(model.joint(name).dofadr[0]) for name in robot.joints]
+    worst = 0.0
+    for row, expected in zip(range(40), inverse_dynamics(body, q, v, a), strict=True):
+        data.qpos[columns], data.qvel[columns], data.qacc[columns] = q[row], v[row], a[row]
+        mujoco.mj_inverse(model, data)
+        worst = max(worst, float(np.max(np.abs(data.qfrc_inverse[columns] - expected))))
+    return worst
+
+
+@pytest.mark.parametrize("name", bundled_robots())
+def test_every_robot_that_ships(name: str) -> None:
+    assert compare(read_robot(name)) < 1e-9
+
+
+def test_payload_links_and_gravity_are_built_in_alike() -> None:
+    robot = changed(
+        read_robot("ur5"),
+        payload=Payload(mass=1.2, com=(0.0, 0.02, 0.05), parent="wrist_3_link"),
+        link_scale={"elbow_joint": 1.1, "wrist_3_joint": 1.3},
+        gravity=(0.3, 0.1, -9.7),
+    )
+    assert compare(robot) < 1e-9
+    assert compare(changed(robot, joint=robot.table.joint[:4], link_scale={})) < 1e-9  # the last two held at zero
+
+
+def test_a_spring_is_the_stated_torque() -> None:
+    robot = read_robot("ur5")
+    joint = robot.joint("elbow_joint").model_copy(update={"spring": Spring(stiffness=8.0, preload=4.0)})
+    model = robot_spec(robot.with_joint(joint)).compile()
+    data = mujoco.MjData(model)
+    data.qpos[2] = 0.7
+    mujoco.mj_forward(model, data)
+    assert data.qfrc_spring[2] == pytest.approx(-(8.0 * 0.7 + 4.0))
+    loose = joint.model_copy(update={"spring": Spring(preload=4.0)})
+    with pytest.raises(SimulationError, match="needs a stiffness"):
+        robot_spec(robot.with_joint(loose))
+
+
+def test_friction_waves_go_onto_the_level() -> None:
+    robot = read_robot("ur5")
+    wavy = robot.joint("elbow_joint").model_copy(update={"friction_waves": (Wave(wavenumber=8.0, sine=0.7),)})
+    (law,) = robot_laws(robot.with_joint(wavy))["elbow_joint"]
+    around = np.array([[0.0, 0.2, 25.0, 0.0, 0.0]])
+    stated = wavy.friction[0]  # type: ignore[index]
+    expected = stated.value("coulomb") + 0.7 * np.sin(1.6) + stated.value("viscous")
+    assert law.steady(np.array([1.0]), around)[0] == pytest.approx(expected)
+    term = FrictionTerm(law="coulomb", parameters={"coulomb": 1.0})
+    with pytest.raises(RobotError, match="friction_waves vary the level"):
+        robot_laws(robot.with_joint(wavy.model_copy(update={"friction": (term,)})))
+
+
+def test_a_body_that_is_not_there_is_named() -> None:
+    robot = changed(read_robot("ur5"), payload=Payload(mass=1.0, parent="hand"))
+    with pytest.raises(SimulationError, match="no body 'hand'"):
+        robot_spec(robot)
