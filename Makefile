@@ -20,7 +20,7 @@ docs: $(READY)
 	$(BIN)/python -m scripts.law_pages
 
 bench: $(READY)
-	$(BIN)/python -m scripts.law_costs
+	$(BIN)/python -m scripts.bench
 
 # The lock carries hashes and no index address: pip takes the packages from wherever this machine is set up to.
 $(READY): requirements.lock pyproject.toml
