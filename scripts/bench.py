@@ -36,29 +36,30 @@ def accuracy_table(errors: dict[str, list[np.ndarray]], steps: tuple[float, ...]
     return "\n".join(lines)
 
 
-def speed_table(rates: dict[str, float]) -> str:
+def speed_table(rates: dict[str, np.ndarray]) -> str:
     lines = ["| integrator | ours / no friction | native / no friction | ours / native |", "|---|---:|---:|---:|"]
     for integrator in ("Euler", "implicitfast"):
-        plain, own, native = (
-            rates[f"{integrator}, {what}"] for what in ("no friction", "mjfriction", "native dcmotor lugre")
-        )
-        lines.append(f"| {integrator} | {own / plain:.2f} | {native / plain:.2f} | {own / native:.2f} |")
+        plain, own, native = (f"{integrator}, {what}" for what in ("no friction", "mjfriction", "native dcmotor lugre"))
+        pairs = ((own, plain), (native, plain), (own, native))
+        cells = [f"{sim_speed.ratio(rates, one, other):.2f}" for one, other in pairs]
+        lines.append(f"| {integrator} | {' | '.join(cells)} |")
     return "\n".join(lines)
 
 
-def speed_words(rates: dict[str, float]) -> str:
-    idle = rates["Euler, no friction"] / rates["Euler, no friction, no callback"]
-    threads = rates["Euler, mjfriction, two threads"] / rates["Euler, mjfriction"]
-    python = rates["Euler, Python callback"] / rates["Euler, no friction, no callback"]
+def speed_words(rates: dict[str, np.ndarray]) -> str:
+    bare = "Euler, no friction, no callback"
+    idle = float(np.median(rates["Euler, no friction"]) / np.median(rates[bare]))
+    threads = sim_speed.ratio(rates, "Euler, mjfriction, two threads", "Euler, mjfriction")
+    python = sim_speed.ratio(rates, "Euler, Python callback", bare)
     return (
-        f"A model without friction runs at {idle:.2f} of its rate with the callback installed. Two threads make "
-        f"{threads:.2f} times the steps of one. The same laws called from a Python callback run at {python:.2f} of the "
+        f"A model without friction runs at {idle:.2f} of its rate with the callback installed. Two threads\n"
+        f"make {threads:.2f} times the steps of one. The same laws called from a Python callback run at {python:.2f} of\nthe "
         "frictionless rate, on one thread."
     )
 
 
 def draw(rotor: dict[str, list[np.ndarray]], arm: dict[str, list[np.ndarray]], steps: tuple[float, ...]) -> None:
-    figure = Figure(figsize=(9.0, 3.6), dpi=80, layout="constrained")
+    figure = Figure(figsize=(9.0, 4.0), dpi=80, layout="constrained")
     for axis, (title, errors) in zip(
         figure.subplots(1, 2), (("NS12 rotor", rotor), ("UR5, worst axis", arm)), strict=True
     ):
@@ -71,16 +72,18 @@ def draw(rotor: dict[str, list[np.ndarray]], arm: dict[str, list[np.ndarray]], s
         axis.set_ylabel("RMS position error, rad", fontsize=9)
         axis.grid(alpha=0.25, which="both")
         axis.tick_params(labelsize=8)
-    axis.legend(frameon=False, fontsize=8)
+    handles, labels = axis.get_legend_handles_labels()
+    figure.legend(handles, labels, frameon=False, fontsize=8, loc="outside lower center", ncols=4)
     figure.savefig(PICTURE, metadata={"Software": None})
 
 
-def page(rotor: dict[str, list[np.ndarray]], arm: dict[str, list[np.ndarray]], rates: dict[str, float]) -> str:
+def page(rotor: dict[str, list[np.ndarray]], arm: dict[str, list[np.ndarray]], rates: dict[str, np.ndarray]) -> str:
     steps = sim_accuracy.STEPS
     return f"""# Benchmarks
 
-Written by `make bench` on one machine ({machine()}); ratios are of rates taken in turns within one run. They move by
-some hundredths from run to run.
+Written by `make bench` on one machine ({machine()}).
+Rates are taken in turns and their ratios within each turn; what stands here are medians, and they move by some
+hundredths from run to run.
 
 ## Accuracy in MuJoCo
 

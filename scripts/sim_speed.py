@@ -67,17 +67,19 @@ def python_run(case: Case, steps: int) -> Callable[[], float]:
     return run
 
 
-def best(runs: dict[str, Callable[[], float]], rounds: int) -> dict[str, float]:
-    """Return the best rate of every run, taken in turns."""
-    rates = dict.fromkeys(runs, 0.0)
-    for _ in range(rounds):
-        for name, run in runs.items():
-            rates[name] = max(rates[name], run())
-    return rates
+def turns(runs: dict[str, Callable[[], float]], rounds: int) -> dict[str, np.ndarray]:
+    """Return the rates of every run, (rounds,), taken in turns after one round to warm up."""
+    found = [{name: run() for name, run in runs.items()} for _ in range(rounds + 1)][1:]
+    return {name: np.array([one[name] for one in found]) for name in runs}
 
 
-def measure(steps: int = STEPS, rounds: int = 12) -> dict[str, float]:
-    """Return rates in steps a second."""
+def ratio(rates: dict[str, np.ndarray], one: str, other: str) -> float:
+    """Return the median over the rounds of one rate over another of the same round."""
+    return float(np.median(rates[one] / rates[other]))
+
+
+def measure(steps: int = STEPS, rounds: int = 25) -> dict[str, np.ndarray]:
+    """Return rates in steps a second, (rounds,) each."""
     case = six_axis_case()
     runs = {}
     for name, integrator in (
@@ -91,12 +93,14 @@ def measure(steps: int = STEPS, rounds: int = 12) -> dict[str, float]:
         integrated(ours(case), mujoco.mjtIntegrator.mjINT_EULER), 2, steps
     )
     with friction_active():
-        rates = best(runs, rounds)
+        rates = turns(runs, rounds)
     plain = batch_run(integrated(case.spec.compile(), mujoco.mjtIntegrator.mjINT_EULER), 1, steps)
-    rates |= best({"Euler, no friction, no callback": plain, "Euler, Python callback": python_run(case, steps)}, rounds)
+    rates |= turns(
+        {"Euler, no friction, no callback": plain, "Euler, Python callback": python_run(case, steps)}, rounds
+    )
     return rates
 
 
 if __name__ == "__main__":
     for name, rate in measure().items():
-        print(f"{name:<36}{rate:>10.0f}")
+        print(f"{name:<36}{np.median(rate):>10.0f}")

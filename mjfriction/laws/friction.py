@@ -70,6 +70,7 @@ class Friction:
         header[wrapped.COUNT] = self.values.size
         header[wrapped.DAMPING] = -1.0 if damping is None else damping
         header[wrapped.TWO_WAY] = self.negative is not None
+        header[wrapped.LEVELLED] = self.level != Level()
         header[wrapped.PER_LOAD] = self.level.per_load
         header[wrapped.PER_KELVIN] = self.level.per_kelvin
         header[wrapped.REFERENCE] = self.level.reference_temperature

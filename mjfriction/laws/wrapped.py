@@ -1,9 +1,9 @@
 """Kernels that wrap any law: seen through a gear, its level scaled by its surroundings, its two directions apart.
 
 A wrapped law is one float64 vector ``w``, laid out by :meth:`mjfriction.laws.friction.Friction.packed`:
-(number of the law, gear ratio, count of parameters, where its damping stands or −1, two-way or not, level per load,
-level per kelvin, reference temperature, count of waves, the waves' k, a, b in turn, the parameters, and, two-way,
-the parameters for motion backward).
+(number of the law, gear ratio, count of parameters, where its damping stands or −1, two-way or not, level scaled or
+not, level per load, level per kelvin, reference temperature, count of waves, the waves' k, a, b in turn, the
+parameters, and, two-way, the parameters for motion backward).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from mjfriction.laws.dispatch import advance_of, steady_of
 from mjfriction.laws.law import Floats, kernel, routine
 from mjfriction.laws.window import address, window
 
-NUMBER, RATIO, COUNT, DAMPING, TWO_WAY, PER_LOAD, PER_KELVIN, REFERENCE, WAVES, HEADER = range(10)
+NUMBER, RATIO, COUNT, DAMPING, TWO_WAY, LEVELLED, PER_LOAD, PER_KELVIN, REFERENCE, WAVES, HEADER = range(11)
 
 
 @kernel
@@ -64,18 +64,22 @@ def advance_wrapped(
     """
     number, count, at = int(w[NUMBER]), int(w[COUNT]), HEADER + 3 * int(w[WAVES])
     ratio = w[RATIO]
-    through_gear(ambient, ratio, near)
+    around = ambient
+    if ratio != 1.0:
+        through_gear(ambient, ratio, near)
+        around = near
     own = ratio * v
-    factor = level_factor(near, w)
-    ways = 2 if w[TWO_WAY] > 0.0 else 1
-    half = z.shape[0] // ways
+    factor = level_factor(around, w) if w[LEVELLED] > 0.0 else 1.0
+    ways, half = 1, z.shape[0]
+    if w[TWO_WAY] > 0.0:
+        ways, half = 2, z.shape[0] // 2
     total = steepness = steepest = 0.0
     for way in range(ways):
         here = at + way * count
         torque, slope = advance_of(
             number,
             own,
-            address(near, 0),
+            address(around, 0),
             address(z, way * half),
             half,
             h,

@@ -144,8 +144,8 @@ def bracketed(
             if abs(middle - v[i]) > 1e-9 * abs(middle) + 1e-12:
                 settled = False
             v[i] = middle
-        if settled:
+        if settled or sweep == SWEEPS - 1:
             rub(block, terms, count, 0, k, address(v, 0), around, z, h, z_next, near, at_torque, at_slope)
             lacking(s, b, start, h, v, torque, trial)
-            return ROUNDS + sweep + 1
+            return ROUNDS + sweep + 1 if settled else -1
     return -1

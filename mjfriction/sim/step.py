@@ -39,14 +39,20 @@ def look_back(block: Block, kept: Kept, a: Floats, velocity: Floats, time: float
     then, step = kept.stamp[at.U_TIME], kept.stamp[at.U_STEP]
     if time == then:
         return False
-    stepped = bool(time == then + step)
+    if time != then + step:
+        for p in range(block.touched):
+            kept.moved[p] = kept.unknown[p] = 0.0
+        return False
+    as_predicted, per_step = True, 1.0 / step
     for p in range(block.touched):
         now = velocity[int(block.dofs[p])]
-        missed[p] = now - kept.predicted[p] if stepped else 0.0
-        kept.moved[p] = (now - kept.before[p]) / step if stepped else 0.0
-    for p in range(block.touched):
-        kept.unknown[p] = kept.unknown[p] + symmetric(a, missed, p) / step if stepped else 0.0
-    return stepped
+        missed[p] = now - kept.predicted[p]
+        kept.moved[p] = (now - kept.before[p]) * per_step
+        as_predicted &= abs(missed[p]) <= SAME * abs(now) + STILL
+    if not as_predicted:
+        for p in range(block.touched):
+            kept.unknown[p] += symmetric(a, missed, p) * per_step
+    return True
 
 
 @kernel
@@ -103,17 +109,15 @@ def commit(block: Block, kept: Kept, step: float, desk: Desk) -> None:
 
 
 @kernel
-def apply(data: int, block: Block, kept: Kept, h: float, solved: bool, desk: Desk) -> None:
-    """Subtract the friction from qfrc_passive: what the balance leaves for it, or the law's torque without a balance.
+def apply(data: int, block: Block, kept: Kept, h: float, desk: Desk) -> None:
+    """Subtract the friction from qfrc_passive: the laws' torque with what the balance still lacks.
 
-    The balance itself, and not the law once more, so that MuJoCo lands on the velocity that was found.
+    So MuJoCo lands on the velocity that was found, to rounding, even in the rare step in which no balance was.
     """
     passive = numbers(data, mem.F_PASSIVE, block.nv)
     first = block.touched - block.rubbing
     for i in range(block.rubbing):
-        force = desk.trial[i]
-        if solved:
-            force += desk.change[i] / h
+        force = desk.trial[i] + desk.change[i] / h
         if not math.isfinite(force):
             kept.stamp[at.U_FAILED] = i + 1
             warning(data, BAD_FORCE, i)
@@ -165,7 +169,7 @@ def friction_step(model: int, data: int) -> None:
         desk.slope, desk.v_before, desk.torque_before,
     )  # fmt: skip
     kept.stamp[at.U_ROUNDS] = rounds
-    apply(data, block, kept, h, rounds > 0, desk)
+    apply(data, block, kept, h, desk)
     restore(desk.a, desk.f, desk.end_velocity, first)
     for p in range(block.touched):
         kept.before[p] = velocity[int(block.dofs[p])]
