@@ -52,9 +52,9 @@ def speed_words(rates: dict[str, np.ndarray]) -> str:
     threads = sim_speed.ratio(rates, "Euler, mjfriction, two threads", "Euler, mjfriction")
     python = sim_speed.ratio(rates, "Euler, Python callback", bare)
     return (
-        f"A model without friction runs at {idle:.2f} of its rate with the callback installed. Two threads\n"
-        f"make {threads:.2f} times the steps of one. The same laws called from a Python callback run at {python:.2f} of\nthe "
-        "frictionless rate, on one thread."
+        f"A model without friction runs at {idle:.2f} of its rate with the callback installed.\n"
+        f"Two threads make {threads:.2f} times the steps of one.\n"
+        f"The same laws called from a Python callback run at {python:.2f} of the frictionless rate, on one thread."
     )
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from mjfriction.laws.law import kernel
+from mjfriction.laws.ambient import SLIDING
+from mjfriction.laws.law import Floats, kernel
 
 FAR = 40.0  # e^(−40) is less than the rounding of 1
 REST = 1e-10  # rad/s or m/s; slower than this, a law without state gives whatever holds the joint
@@ -32,6 +33,18 @@ def holding(v: float) -> tuple[float, float]:
     if v <= -REST:
         return -1.0, 0.0
     return v / REST, 1.0 / REST
+
+
+@kernel
+def sliding_velocity(v: float, ambient: Floats) -> float:
+    """Return the velocity at which a step takes the level that falls with speed: the ambient's, or else its own.
+
+    A simulation gives the velocity at the beginning of its step.  The torque then never falls as the velocity at the
+    end rises, which leaves an implicit step one solution; the level lags by a step, an error of first order like the
+    step's own.
+    """
+    given = ambient[SLIDING]
+    return v if math.isnan(given) else float(given)
 
 
 @kernel

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mjfriction.laws.curves import sign
+from mjfriction.laws.curves import sign, sliding_velocity
 from mjfriction.laws.declared import (
     BRISTLE_STIFFNESS,
     COULOMB,
@@ -30,15 +30,16 @@ def steady(v: float, ambient: Floats, p: Floats) -> float:
 @kernel
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
     """Stretch or slip; z = (deflection, time stuck, what the last rest added to the breakaway level)."""
+    slid = sliding_velocity(v, ambient)
     trial = z[0] + v * h
     waited = z[1] + h
     added = max(z[2], (p[2] - p[1]) * waited / (waited + p[3]))
-    if trial * v <= 0.0 or abs(p[5] * trial) <= fallen(v, p[1] + added, p[0], p[4]):
+    if trial * v <= 0.0 or abs(p[5] * trial) <= fallen(slid, p[1] + added, p[0], p[4]):
         z_next[0], z_next[1], z_next[2] = trial, waited, added
         return p[5] * trial + p[6] * v, p[5] * h + p[6]
     # The level won by waiting fades with travel as the contact renews itself over the Stribeck length v_s·γ.
     kept = z[2] / (1.0 + abs(v) * h / (p[4] * p[3]))
-    force = fallen(v, p[1] + kept, p[0], p[4]) * sign(trial)
+    force = fallen(slid, p[1] + kept, p[0], p[4]) * sign(trial)
     z_next[0], z_next[1], z_next[2] = force / p[5], 0.0, kept
     return force + p[6] * v, p[6]
 

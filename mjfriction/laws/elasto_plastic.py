@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from mjfriction.laws.curves import sign, stribeck_level
+from mjfriction.laws.curves import sign, sliding_velocity, stribeck_level
 from mjfriction.laws.declared import (
     BRISTLE_DAMPING,
     BRISTLE_STIFFNESS,
@@ -65,7 +65,7 @@ def steady(v: float, ambient: Floats, p: Floats) -> float:
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
     """Step z = (z,) through its elastic travel, the mixed range (implicit) and the limit (closed solution) in turn."""
     direction = 1.0 if v >= 0.0 else -1.0
-    limit = stribeck_level(v, p[0], p[1], p[2], p[3]) / p[4]
+    limit = stribeck_level(sliding_velocity(v, ambient), p[0], p[1], p[2], p[3]) / p[4]
     elastic = p[7] * p[0] / p[4]
     outward, travel = direction * z[0], abs(v) * h
     growth = 1.0  # ∂z⁺/∂travel

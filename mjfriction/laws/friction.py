@@ -82,7 +82,7 @@ class Friction:
         return out
 
     def steady(self, velocity: Floats, ambient: Floats) -> Floats:
-        """Return the steady torque at the joint, (n,), for ``velocity`` (n,) and ``ambient`` (n, 5) of the joint."""
+        """Return the steady torque at the joint, (n,), for ``velocity`` (n,) and ``ambient`` (n, 6) of the joint."""
         out = np.empty(velocity.shape[0])
         near = np.empty(AMBIENT_SIZE)
         wrapped.steady_wrapped_along(_even(velocity), _even(ambient), self._writable, near, out)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from mjfriction.laws.curves import REST, sign, stribeck_level
+from mjfriction.laws.curves import REST, sign, sliding_velocity, stribeck_level
 from mjfriction.laws.declared import (
     COULOMB,
     STATIC,
@@ -35,7 +35,7 @@ def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: F
     """
     count = z.shape[0] // 2
     direction = sign(v)
-    level = stribeck_level(v, p[0], p[1], p[2], p[3])
+    level = stribeck_level(sliding_velocity(v, ambient), p[0], p[1], p[2], p[3])
     fade = -p[4] / level if level > 0.0 else -math.inf
     awake = min(1.0, abs(v) / REST)
     whole = math.exp(fade * h * awake) if awake > 0.0 else 1.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from mjfriction.laws.curves import sign, stribeck_level
+from mjfriction.laws.curves import sign, sliding_velocity, stribeck_level
 from mjfriction.laws.declared import (
     BRISTLE_DAMPING,
     COULOMB,
@@ -82,7 +82,7 @@ def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: F
     """Pull the elements by the step of the bristle variable; z = (F₁…F_N), the elements' torques."""
     count = z.shape[0]
     direction = 1.0 if v >= 0.0 else -1.0
-    level = max(1e-12, stribeck_level(v, p[0], p[1], p[2], p[3]))
+    level = max(1e-12, stribeck_level(sliding_velocity(v, ambient), p[0], p[1], p[2], p[3]))
     travel = abs(v) * h
     shift = pulled(z, direction, travel, level, p) if travel > 0.0 else 0.0
     torque, stiffness = hysteresis(z, shift * direction, p)

@@ -6,7 +6,7 @@ import math
 
 from mjfriction.laws.arctan import BEND, FALL, STATIC, STEEPNESS, VISCOUS
 from mjfriction.laws.bristle import bristle_step
-from mjfriction.laws.curves import arctan_level, sign
+from mjfriction.laws.curves import arctan_level, sign, sliding_velocity
 from mjfriction.laws.law import Floats, Law, above_zero, kernel, positive
 
 TWO_OVER_PI = 2.0 / math.pi
@@ -24,7 +24,7 @@ def steady(v: float, ambient: Floats, p: Floats) -> float:
 @kernel
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
     """Step the bristle deflection z = (z,) by its closed solution at velocity ``v``."""
-    level = arctan_level(v, p[0], p[1], p[4])
+    level = arctan_level(sliding_velocity(v, ambient), p[0], p[1], p[4])
     fading = 1.0 - TWO_OVER_PI * math.atan(p[4] * abs(v))
     z_next[0], torque, slope = bristle_step(v, z[0], h, level, p[5], fading * p[6])
     return torque + p[2] * v + p[3] * v * abs(v), slope + max(0.0, p[2] + 2.0 * p[3] * abs(v))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mjfriction.laws.bristle import bristle_step, faded
-from mjfriction.laws.curves import lorentzian_level, sign
+from mjfriction.laws.curves import lorentzian_level, sign, sliding_velocity
 from mjfriction.laws.law import Floats, Law, kernel
 from mjfriction.laws.lugre import LUGRE
 
@@ -17,7 +17,7 @@ def steady(v: float, ambient: Floats, p: Floats) -> float:
 @kernel
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
     """Step the bristle deflection z = (z,) by its closed solution at velocity ``v``."""
-    level = lorentzian_level(v, p[0], p[1], p[2], p[3])
+    level = lorentzian_level(sliding_velocity(v, ambient), p[0], p[1], p[2], p[3])
     z_next[0], torque, slope = bristle_step(v, z[0], h, level, p[4], p[5] * faded(v, p[7]))
     return torque + p[6] * v, slope + p[6]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from mjfriction.laws.arctan import BEND, FALL, SHARPNESS, STATIC, STEEPNESS, TWO_OVER_PI, VISCOUS
-from mjfriction.laws.curves import arctan_level
+from mjfriction.laws.curves import arctan_level, sliding_velocity
 from mjfriction.laws.law import Floats, Law, kernel
 from mjfriction.laws.lugre_arctan import DAMPING, STIFFNESS
 
@@ -22,7 +22,7 @@ def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: F
     """Step z = (z,) by the closed solution of (26): z⁺ = z_ss + (z − z_ss)·e^(−k), z_ss = S₀g/σ₀, k = σ₀S₀vh/g."""
     smooth = TWO_OVER_PI * math.atan(p[7] * v)
     rising = TWO_OVER_PI * p[7] / (1.0 + (p[7] * v) ** 2)
-    level = max(1e-12, arctan_level(v, p[0], p[1], p[4]))
+    level = max(1e-12, arctan_level(sliding_velocity(v, ambient), p[0], p[1], p[4]))
     rate = p[5] * h / level
     end = smooth * level / p[5]
     grown = math.expm1(-rate * smooth * v)

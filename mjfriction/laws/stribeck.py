@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mjfriction.laws.curves import holding, sign, stribeck_level
+from mjfriction.laws.curves import holding, sign, sliding_velocity, stribeck_level
 from mjfriction.laws.declared import (
     COULOMB,
     STATIC,
@@ -24,7 +24,7 @@ def steady(v: float, ambient: Floats, p: Floats) -> float:
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
     """No state: the steady torque.  The falling branch has a negative slope; F_v is the part a step can rely on."""
     towards, steepness = holding(v)
-    level = stribeck_level(v, p[0], p[1], p[2], p[3])
+    level = stribeck_level(sliding_velocity(v, ambient), p[0], p[1], p[2], p[3])
     return level * towards + p[4] * v, level * steepness + p[4]
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from mjfriction.laws.ambient import LOAD, POSITION, PRESSURE_HEAD, PRESSURE_ROD, TEMPERATURE
+from mjfriction.laws.ambient import LOAD, POSITION, PRESSURE_HEAD, PRESSURE_ROD, SLIDING, TEMPERATURE
 from mjfriction.laws.dispatch import advance_of, steady_of
 from mjfriction.laws.law import Floats, kernel, routine
 from mjfriction.laws.window import address, window
@@ -20,12 +20,15 @@ NUMBER, RATIO, COUNT, DAMPING, TWO_WAY, LEVELLED, PER_LOAD, PER_KELVIN, REFERENC
 
 @kernel
 def through_gear(ambient: Floats, ratio: float, near: Floats) -> None:
-    """Write into ``near`` the surroundings on the law's side of a gear: position times, load divided by the ratio."""
+    """Write into ``near`` the surroundings on the law's side of a gear: position and
+    sliding velocity times, load divided by the ratio.
+    """
     near[LOAD] = ambient[LOAD] / ratio
     near[POSITION] = ambient[POSITION] * ratio
     near[TEMPERATURE] = ambient[TEMPERATURE]
     near[PRESSURE_HEAD] = ambient[PRESSURE_HEAD]
     near[PRESSURE_ROD] = ambient[PRESSURE_ROD]
+    near[SLIDING] = ambient[SLIDING] * ratio
 
 
 @kernel
@@ -41,7 +44,7 @@ def level_factor(near: Floats, w: Floats) -> float:
 
 @kernel
 def steady_wrapped(v: float, ambient: Floats, w: Floats, near: Floats) -> float:
-    """Return the steady torque at the joint; ``near`` (5,) is room to work in."""
+    """Return the steady torque at the joint; ``near`` (6,) is room to work in."""
     number, count, at = int(w[NUMBER]), int(w[COUNT]), HEADER + 3 * int(w[WAVES])
     through_gear(ambient, w[RATIO], near)
     own = w[RATIO] * v
@@ -57,7 +60,7 @@ def steady_wrapped(v: float, ambient: Floats, w: Floats, near: Floats) -> float:
 def advance_wrapped(
     v: float, ambient: Floats, z: Floats, h: float, w: Floats, z_next: Floats, near: Floats
 ) -> tuple[float, float]:
-    """Return (torque, slope) at the joint and write the next state; ``near`` (5,) is room to work in.
+    """Return (torque, slope) at the joint and write the next state; ``near`` (6,) is room to work in.
 
     The level's factor s multiplies all but the linear damping: s·(τ − F_v·v) + F_v·v.  A two-way law runs one copy for
     each direction, each with its own state, and is max(τ⁺, 0) + min(τ⁻, 0): continuous, and as steep as either.

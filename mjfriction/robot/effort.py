@@ -78,7 +78,7 @@ def _waves(waves: tuple[Wave, ...], position: Floats) -> Floats:
 
 
 def surroundings(joint: Joint, motion: Motion, index: int, load: Floats) -> Floats:
-    """Return what the joint's friction may read along a motion, shape (n, 5); room temperature where none is logged."""
+    """Return what the joint's friction may read along a motion, shape (n, 6); room temperature where none is logged."""
 
     def column(name: str, otherwise: float) -> Floats | float:
         return motion.columns.get(f"{name}.{joint.name}", otherwise)
@@ -96,7 +96,7 @@ def surroundings(joint: Joint, motion: Motion, index: int, load: Floats) -> Floa
 def term_torque(term: FrictionTerm, gear_ratio: float, motion: Motion, index: int, around: Floats) -> Floats:
     """Return one friction law's torque at the joint along a motion, shape (n,).
 
-    ``around`` (n, 5) is what surrounds the joint.  A law with a state is followed sample by sample, from rest at the
+    ``around`` (n, 6) is what surrounds the joint.  A law with a state is followed sample by sample, from rest at the
     start of every piece; one without takes the direction of :func:`direction`.
     """
     friction = term.friction(gear_ratio)

@@ -42,7 +42,7 @@ def lacking(s: Floats, b: Floats, start: Floats, h: float, v: Floats, torque: Fl
 def bend(
     s: Floats, h: float, v: Floats, torque: Floats, v_before: Floats, torque_before: Floats, slope: Floats
 ) -> None:
-    """Lower the slopes (k,) to what the last two rounds show: on a falling branch the laws say 0, which is too much.
+    """Take a falling torque, seen between the last two rounds, for the slope (k,), where the laws give 0.
 
     Not below half of what would make the joint's own balance singular.
     """
@@ -50,7 +50,7 @@ def bend(
         apart = v[i] - v_before[i]
         if abs(apart) > 1e-9 * abs(v[i]) + FLOOR:
             seen = (torque[i] - torque_before[i]) / apart
-            if seen < slope[i]:
+            if seen < 0.0:
                 slope[i] = max(seen, -0.5 * s[i, i] / h)
 
 
@@ -86,8 +86,9 @@ def balance(
         for i in range(k):
             moved = v[i] + change[i]
             if v[i] * moved < 0.0:
-                # Around rest the torque climbs from one side's level to the other's: look there before going past.
-                moved = 0.0
+                # Past rest the torque stands the other way.  Either the joint slides there against it, or it sticks.
+                turned = moved + 2.0 * h * torque[i] / (s[i, i] + h * slope[i])
+                moved = turned if turned * moved > 0.0 else 0.0
             if abs(moved - v[i]) > TOLERANCE * abs(moved) + FLOOR:
                 settled = False
             v[i] = moved

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from mjfriction.laws.ambient import LOAD, POSITION, PRESSURE_HEAD, PRESSURE_ROD, ROOM_TEMPERATURE, TEMPERATURE
+from mjfriction.laws.ambient import LOAD, POSITION, PRESSURE_HEAD, PRESSURE_ROD, ROOM_TEMPERATURE, SLIDING, TEMPERATURE
 from mjfriction.laws.law import Floats, kernel, routine
 from mjfriction.laws.window import address, window
 from mjfriction.sim import block as at
@@ -57,7 +57,7 @@ def look_back(block: Block, kept: Kept, a: Floats, velocity: Floats, time: float
 
 @kernel
 def look_around(model: int, data: int, block: Block, kept: Kept, a: Floats, around: Floats) -> None:
-    """Write what surrounds the rubbing joints into ``around`` (k, 5)."""
+    """Write what surrounds the rubbing joints into ``around`` (k, 6)."""
     first = block.touched - block.rubbing
     if block.reads_load:
         bias, armature = numbers(data, mem.F_BIAS, block.nv), numbers(model, mem.F_ARMATURE, block.nv)
@@ -73,6 +73,7 @@ def look_around(model: int, data: int, block: Block, kept: Kept, a: Floats, arou
         around[i, TEMPERATURE] = ROOM_TEMPERATURE + kept.warmth[i]
         around[i, PRESSURE_HEAD] = kept.pressure_head[i]
         around[i, PRESSURE_ROD] = kept.pressure_rod[i]
+        around[i, SLIDING] = kept.before[first + i]  # of the step to commit; the present one's is set after
 
 
 @kernel
@@ -151,6 +152,8 @@ def friction_step(model: int, data: int) -> None:
     guess(block, kept, velocity, h, desk)
     if stepped:
         commit(block, kept, kept.stamp[at.U_STEP], desk)
+    for i in range(block.rubbing):
+        desk.around[i, SLIDING] = desk.start[i]
     kept.stamp[at.U_TIME], kept.stamp[at.U_STEP] = time, h
 
     add_known_forces(model, data, block, kept, desk.full, desk.f)

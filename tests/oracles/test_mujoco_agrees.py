@@ -8,6 +8,7 @@ import pytest
 
 from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.errors import RobotError, SimulationError
+from mjfriction.laws.ambient import ambient
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot, bundled_robots
 from mjfriction.robot.schema import FrictionTerm, Payload, Spring, Wave
@@ -67,7 +68,7 @@ def test_friction_waves_go_onto_the_level() -> None:
     robot = read_robot("ur5")
     wavy = robot.joint("elbow_joint").model_copy(update={"friction_waves": (Wave(wavenumber=8.0, sine=0.7),)})
     (law,) = robot_laws(robot.with_joint(wavy))["elbow_joint"]
-    around = np.array([[0.0, 0.2, 25.0, 0.0, 0.0]])
+    around = ambient(1, position=0.2)
     stated = wavy.friction[0]  # type: ignore[index]
     expected = stated.value("coulomb") + 0.7 * np.sin(1.6) + stated.value("viscous")
     assert law.steady(np.array([1.0]), around)[0] == pytest.approx(expected)
