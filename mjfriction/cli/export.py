@@ -23,19 +23,25 @@ def export(robot: RobotSource, out: Out, fastest: Fastest = 2.0, as_json: Json =
     import json
     from dataclasses import asdict
 
-    from mjfriction.errors import OutputError
+    from mjfriction.errors import OutputError, RobotError
     from mjfriction.robot.files import read_robot
     from mjfriction.robot.simulation import robot_laws, robot_spec
     from mjfriction.sim.export import export_spec
 
     read = read_robot(robot)
-    if not out.parent.is_dir():
-        raise OutputError(f"{out}: there is no folder {out.parent}; make it first")
-    spec, carried = export_spec(robot_spec(read), robot_laws(read), fastest=fastest)
-    spec.compile()
+    if not out.parent.is_dir() or out.is_dir():
+        raise OutputError(f"{out}: give the name of a file in a folder that is there")
+    try:
+        spec, carried = export_spec(robot_spec(read), robot_laws(read), fastest=fastest)
+        spec.compile()
+    except ValueError as error:
+        raise RobotError(f"{read.model_path}: MuJoCo cannot compile it: {' '.join(str(error).split())}") from None
     beside = out.with_name(f".{out.name}.part")
-    beside.write_text(spec.to_xml(), encoding="utf-8")
-    beside.replace(out)
+    try:
+        beside.write_text(spec.to_xml(), encoding="utf-8")
+        beside.replace(out)
+    except OSError as error:
+        raise OutputError(f"{out}: cannot be written: {error.strerror}") from None
     lost = [joint.name for joint in read.table.joint if joint.cogging or joint.effort_sensor.delay]
     if as_json:
         typer.echo(json.dumps({"model": str(out), "joints": [asdict(one) for one in carried], "not_carried": lost}))

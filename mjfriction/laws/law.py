@@ -20,7 +20,8 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable
+import numbers
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar, cast
 
@@ -132,7 +133,7 @@ class Law:
                 f"{parameter.unit_for(sliding=False)}); add it to the parameters"
             )
         value = values[parameter.name]
-        if not isinstance(value, (int, float)):
+        if not isinstance(value, numbers.Real):
             raise LawError(f"{at}law '{self.name}', parameter '{parameter.name}' is one number, not a list")
         return self._allowed(parameter, float(value), parameter.name, at)
 
@@ -143,11 +144,14 @@ class Law:
                 f"{parameter.unit_for(sliding=False)}), a list with one value for every element"
             )
         value = values[parameter.name]
-        if isinstance(value, (int, float)) or len(value) == 0:
+        if isinstance(value, numbers.Real) or not hasattr(value, "__len__") or len(value) == 0:
             raise LawError(
                 f"{at}law '{self.name}', parameter '{parameter.name}' is a list with one value for every element"
             )
-        return [self._allowed(parameter, float(x), f"{parameter.name}[{i}]", at) for i, x in enumerate(value)]
+        return [
+            self._allowed(parameter, float(x), f"{parameter.name}[{i}]", at)
+            for i, x in enumerate(cast(Sequence[float], value))
+        ]
 
     def _allowed(self, parameter: Parameter, value: float, name: str, at: str) -> float:
         if not parameter.allows(value):

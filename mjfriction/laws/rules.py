@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import itertools
+import numbers
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, cast
 
 Values = Mapping[str, float | Sequence[float]]
 
@@ -21,13 +22,13 @@ class Rule(Protocol):
 def scalar(values: Values, name: str) -> float:
     """Return a value that is one number; where an array was given, its first."""
     value = values[name]
-    return float(value if isinstance(value, (int, float)) else value[0])
+    return float(value) if isinstance(value, numbers.Real) else float(cast(Sequence[float], value)[0])
 
 
 def array(values: Values, name: str) -> list[float]:
     """Return a value as a list of numbers."""
     value = values[name]
-    return [float(value)] if isinstance(value, (int, float)) else [float(item) for item in value]
+    return [float(value)] if isinstance(value, numbers.Real) else [float(x) for x in cast(Sequence[float], value)]
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,7 +36,7 @@ def robot_laws(robot: Robot) -> dict[str, list[Friction]]:
 
     Raises :class:`RobotError` for ``friction_waves`` on a joint without a ``coulomb_viscous`` law on its side.
     """
-    return {joint.name: joint_laws(joint) for joint in robot.table.joint if joint.friction}
+    return {joint.name: joint_laws(joint) for joint in robot.table.joint if joint.friction or joint.friction_waves}
 
 
 def joint_laws(joint: Joint) -> list[Friction]:

@@ -40,6 +40,11 @@ def attach(spec: mujoco.MjSpec, laws: Laws, *, keep_native: bool = False) -> muj
     spec = spec.copy()
     if not laws:
         raise SimulationError("no joint was given a friction law; give at least one")
+    for name, own in laws.items():
+        if not _several(own):
+            raise SimulationError(
+                f"joint '{name}': its list of friction laws is empty; give one or leave the joint out"
+            )
     if any(numeric.name == at.NUMERIC_NAME for numeric in spec.numerics):
         raise SimulationError("the model already carries friction; attach to the model it was made from")
     plain = spec.compile()
@@ -77,14 +82,21 @@ def candidate_blocks(model: mujoco.MjModel, candidates: Sequence[Laws]) -> Float
     blocks = []
     for laws in candidates:
         block = build_block(model, laws, int(old[at.H_BASE]))
-        same = (at.H_TOUCHED, at.H_RUBBING, at.H_STATES)
-        if block.size != old.size or any(block[i] != old[i] for i in same):
+        if block.size != old.size or layout_of(block) != layout_of(old):
             raise SimulationError(
-                f"the model has room for {old.size} numbers and {int(old[at.H_STATES])} states of friction, these laws "
-                f"take {block.size} and {int(block[at.H_STATES])}; attach them to the MjSpec and compile anew"
+                f"the model has room for {old.size} numbers and {int(old[at.H_STATES])} states of friction on its "
+                f"joints, these laws take {block.size} and {int(block[at.H_STATES])} or stand on others; attach them to the "
+                "MjSpec and compile anew"
             )
         blocks.append(block)
     return np.array(blocks)
+
+
+def layout_of(block: Floats) -> tuple[list[float], list[list[float]]]:
+    """Return what two blocks must share to fit one model: the dofs, and which law's states and values stand where."""
+    table, count = int(block[at.H_TERM_TABLE]), int(block[at.H_TERMS])
+    rows = block[table : table + count * at.TERM_ROW].reshape(count, at.TERM_ROW)
+    return block[at.HEADER : table].tolist(), rows.tolist()
 
 
 def numeric_slice(model: mujoco.MjModel) -> slice:
@@ -133,7 +145,9 @@ def build_block(model: mujoco.MjModel, laws: Laws, base: int) -> Floats:
     local = np.full(model.nv, -1.0)
     local[touched] = np.arange(len(touched))
     terms = [Term(i, own) for i, (_, name) in enumerate(rubbing) for own in _several(laws[name])]
-    one_output = model.nout == model.nu == model.nactuator
+    # A drive at its limit has no velocity gain, and whether it is there is known only in the step: counted on by none.
+    limited = np.any(model.actuator_forcelimited) or np.any(model.jnt_actfrclimited) or model.opt.disableactuator
+    one_output = model.nout == model.nu == model.nactuator and not limited
     table = at.HEADER + len(touched) + model.nv + len(dofs)
     head = np.zeros(at.HEADER)
     head[at.H_MAGIC], head[at.H_VERSION], head[at.H_BASE] = at.MAGIC, at.VERSION, base

@@ -6,7 +6,7 @@ Its header and the arrays behind it are laid out below, as are the simulation's 
 
 from __future__ import annotations
 
-MAGIC = 61221.8125  # begins the block; exact in binary
+MAGIC = 61221.5  # begins the block; exact in binary and in the six digits of a saved XML
 VERSION = 1.0
 NUMERIC_NAME = "mjfriction"
 

@@ -34,9 +34,6 @@ def compiled_callback() -> Any:
     return numba.cfunc(types.void(types.intp, types.intp), cache=True, error_model="numpy")(_callback).ctypes
 
 
-_depth = 0
-
-
 @contextmanager
 def friction_active() -> Iterator[None]:
     """Install the friction callback for the time of a ``with`` block; blocks may be nested.
@@ -44,29 +41,28 @@ def friction_active() -> Iterator[None]:
     A native callback that was installed before (a ctypes function) is called first in every step, and is back
     afterwards.  A Python callback is refused with :class:`SimulationError`: it could not run in MuJoCo's thread pools.
     """
-    global _depth  # noqa: PLW0603 the one global of the package: MuJoCo has one control callback
-    if _depth == 0:
-        install()
-    _depth += 1
+    installed = install()
     try:
         yield
     finally:
-        _depth -= 1
-        if _depth == 0:
+        if installed:
             remove()
 
 
 _replaced: Any = None
 
 
-def install() -> None:
-    """Install the callback for good, for a viewer or an interactive session; :func:`remove` takes it away."""
-    global _replaced  # noqa: PLW0603
+def install() -> bool:
+    """Install the callback for good, for a viewer or a notebook; False where it is installed already.
+
+    :func:`remove` takes it away again.
+    """
+    global _replaced  # noqa: PLW0603 the one global of the package: MuJoCo has one control callback
     own = compiled_callback()
     table = offsets_table()
     there = mujoco.get_mjcb_control()
     if there is own:
-        return
+        return False
     if there is not None and not isinstance(there, ctypes._CFuncPtr):  # type: ignore[attr-defined]
         raise SimulationError(
             f"a Python control callback is installed ({there!r}); friction runs inside MuJoCo's threads and cannot "
@@ -75,12 +71,16 @@ def install() -> None:
     table[PREVIOUS] = 0 if there is None else ctypes.cast(there, ctypes.c_void_p).value or 0
     _replaced = there
     mujoco.set_mjcb_control(own)
+    return True
 
 
 def remove() -> None:
     """Take the callback away and put back what was there before :func:`install`."""
     global _replaced  # noqa: PLW0603
-    if mujoco.get_mjcb_control() is not compiled_callback():
+    there = mujoco.get_mjcb_control()
+    if there is None:
+        raise SimulationError("no control callback is installed; there is nothing to remove")
+    if there is not compiled_callback():
         raise SimulationError(
             "another control callback was installed over the friction callback; remove that one first"
         )

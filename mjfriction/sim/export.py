@@ -115,7 +115,8 @@ def exact_native(own: Friction) -> Native | None:
     if own.law.name == "maxwell_slip":
         arrays = own.law.unpack(own.values)
         springs, levels = np.atleast_1d(arrays["stiffness"]), np.atleast_1d(arrays["level"])
-        slip = tuple((r * r * float(k), r * float(w)) for k, w in zip(springs, levels, strict=True))
+        pairs = [(float(k), float(w)) for k, w in zip(springs, levels, strict=True) if w > 0.0]  # 0 never yields there
+        slip = tuple((r * r * k, r * w) for k, w in pairs)
         return Native(damping=(viscous, 0.0, 0.0), slip=slip)
     return None
 

@@ -81,7 +81,8 @@ class Field(enum.IntEnum):
     MOMENT_ROWADR = 25
     MOMENT_COLIND = 26
     ACTUATOR_MOMENT = 27
-    PREVIOUS_CALLBACK = 28
+    NUSERDATA = 28
+    PREVIOUS_CALLBACK = 29
 
 
 PROBE = """
@@ -178,6 +179,7 @@ def field_offsets() -> NDArray[np.int64]:
     offsets = np.zeros(len(Field), dtype=np.int64)
     scalars = (
         (Field.NNUMERIC, models, [number(m.nnumeric, np.int64) for m, _ in probes]),
+        (Field.NUSERDATA, models, [number(m.nuserdata, np.int64) for m, _ in probes]),
         (Field.TIMESTEP, models, [number(m.opt.timestep, np.float64) for m, _ in probes]),
         (Field.INTEGRATOR, models, [number(m.opt.integrator, np.int32) for m, _ in probes]),
         (Field.DISABLEFLAGS, models, [number(m.opt.disableflags, np.int32) for m, _ in probes]),

@@ -23,6 +23,7 @@ F_NNUMERIC, F_TIMESTEP, F_INTEGRATOR, F_DISABLE = (
     int(Field.INTEGRATOR),
     int(Field.DISABLEFLAGS),
 )
+F_NUSERDATA = int(Field.NUSERDATA)
 F_TIME, F_NUMERIC_ADR, F_NUMERIC_DATA = int(Field.TIME), int(Field.NUMERIC_ADR), int(Field.NUMERIC_DATA)
 F_ROWNNZ, F_ROWADR, F_COLIND = int(Field.M_ROWNNZ), int(Field.M_ROWADR), int(Field.M_COLIND)
 F_DAMPING, F_ARMATURE = int(Field.DOF_DAMPING), int(Field.DOF_ARMATURE)
@@ -155,6 +156,14 @@ def open_block(address: int) -> Block:
         window_at(address + 8 * int(head[at.H_LOCAL]), nv),
         window_at(address + 8 * int(head[at.H_POSITIONS]), k),
     )
+
+
+@kernel
+def has_room(model: int, block: Block) -> bool:
+    """Return whether the simulation has the user data that the block counts on; a block taken from elsewhere has not."""
+    base = int(window_at(block.address, at.HEADER)[at.H_BASE])
+    room = at.U_SCALARS + at.TOUCHED_ARRAYS * block.touched + at.RUBBING_ARRAYS * block.rubbing + 2 * block.states
+    return bool(base + room <= word_at(model + offset_of(F_NUSERDATA)))
 
 
 @kernel

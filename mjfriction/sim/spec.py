@@ -59,7 +59,14 @@ def read_spec(
         # The body stays in the parent's frame: a spec takes a place left out of `ipos` from `pos`.
         parent.add_body(name="payload", ipos=payload.com, mass=payload.mass, inertia=[0.0] * 3, explicitinertial=True)
     for name, scale in (link_scale or {}).items():
+        if name not in names:
+            raise SimulationError(f"{path}: link_scale: there is no joint '{name}'{suggestion(name, names)}")
         for body in _rigid_with(spec.joint(name).parent):
+            if body.geoms and not body.explicitinertial:
+                raise SimulationError(
+                    f"{path}: link_scale of '{name}': body '{body.name}' has no inertial element but shapes to compute "
+                    "it from; write its <inertial> into the model"
+                )
             body.mass *= scale
             body.inertia = scale * np.asarray(body.inertia)
             body.fullinertia = scale * np.asarray(body.fullinertia)
@@ -102,5 +109,8 @@ def add_springs(spec: mujoco.MjSpec, springs: Mapping[str, tuple[float, float]])
             )
         if stiffness != 0.0:
             joint = spec.joint(name)
-            joint.stiffness[0] += stiffness
-            joint.springref = -preload / stiffness
+            in_degrees = spec.compiler.degree and joint.type == mujoco.mjtJoint.mjJNT_HINGE
+            unit = 180.0 / np.pi if in_degrees else 1.0
+            own, rest = float(joint.stiffness[0]), float(joint.springref) / unit
+            joint.stiffness[0] = own + stiffness
+            joint.springref = unit * (own * rest - preload) / (own + stiffness)

@@ -18,7 +18,19 @@ from mjfriction.sim import block as at
 from mjfriction.sim import memory as mem
 from mjfriction.sim.balance import balance
 from mjfriction.sim.forces import add_implicit_damping, add_known_forces, gather_inertia, symmetric
-from mjfriction.sim.memory import Block, Desk, Kept, find_block, flag, numbers, open_block, open_desk, open_kept, scalar
+from mjfriction.sim.memory import (
+    Block,
+    Desk,
+    Kept,
+    find_block,
+    flag,
+    has_room,
+    numbers,
+    open_block,
+    open_desk,
+    open_kept,
+    scalar,
+)
 from mjfriction.sim.native import free_stack, mark_stack, warning
 from mjfriction.sim.rub import rub
 from mjfriction.sim.solve import eliminate, restore
@@ -42,6 +54,9 @@ def look_back(block: Block, kept: Kept, a: Floats, velocity: Floats, time: float
     if time != then + step:
         for p in range(block.touched):
             kept.moved[p] = kept.unknown[p] = 0.0
+        if time < then:  # begun again, by a rollout say, which leaves user data as it was
+            for i in range(block.states):
+                kept.z[i] = 0.0
         return False
     as_predicted, per_step = True, 1.0 / step
     for p in range(block.touched):
@@ -137,6 +152,9 @@ def friction_step(model: int, data: int) -> None:
     if where == 0:
         return
     block = open_block(where)
+    if not has_room(model, block):
+        warning(data, BAD_FORCE, 0)
+        return
     kept = open_kept(data, block)
     if flag(model, mem.F_INTEGRATOR) == RUNGE_KUTTA:
         kept.stamp[at.U_FAILED] = -1.0  # set after attaching refused it; ensure_sound tells

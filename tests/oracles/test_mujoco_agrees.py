@@ -13,6 +13,7 @@ from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot, bundled_robots
 from mjfriction.robot.schema import FrictionTerm, Payload, Spring, Wave
 from mjfriction.robot.simulation import robot_laws, robot_spec
+from mjfriction.sim.spec import add_springs
 
 
 def changed(robot: Robot, **tables: object) -> Robot:
@@ -62,6 +63,21 @@ def test_a_spring_is_the_stated_torque() -> None:
     loose = joint.model_copy(update={"spring": Spring(preload=4.0)})
     with pytest.raises(SimulationError, match="needs a stiffness"):
         robot_spec(robot.with_joint(loose))
+
+
+def test_springs_add_to_the_models_own_in_either_unit() -> None:
+    for angle, unit in (("degree", 180.0 / np.pi), ("radian", 1.0)):
+        text = (
+            f'<mujoco><compiler angle="{angle}"/><worldbody><body><joint name="j" stiffness="5" springref="{0.2 * unit}"/>'
+            '<geom size=".1"/></body></worldbody></mujoco>'
+        )
+        spec = mujoco.MjSpec.from_string(text)
+        add_springs(spec, {"j": (2.0, 1.0)})
+        model = spec.compile()
+        data = mujoco.MjData(model)
+        data.qpos[0] = 0.7
+        mujoco.mj_forward(model, data)
+        assert data.qfrc_spring[0] == pytest.approx(-(5.0 * (0.7 - 0.2) + 2.0 * 0.7 + 1.0))
 
 
 def test_friction_waves_go_onto_the_level() -> None:

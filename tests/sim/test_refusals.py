@@ -7,6 +7,7 @@ import subprocess
 import sys
 
 import mujoco
+import mujoco.rollout
 import numpy as np
 import pytest
 
@@ -131,12 +132,24 @@ def test_a_native_callback_is_called_first_and_is_back_afterwards() -> None:
 
 def test_another_callback_on_top_is_named() -> None:
     install()
-    mujoco.set_mjcb_control(None)
+    mujoco.set_mjcb_control(lambda model, data: None)
     with pytest.raises(SimulationError, match="another control callback"):
         remove()
     mujoco.set_mjcb_control(compiled_callback())
     remove()
     assert mujoco.get_mjcb_control() is None
+    with pytest.raises(SimulationError, match="nothing to remove"):
+        remove()
+
+
+def test_a_callback_installed_for_good_outlives_a_with_block() -> None:
+    assert install()
+    try:
+        with friction_active():
+            assert not install()
+        assert mujoco.get_mjcb_control() is compiled_callback()
+    finally:
+        remove()
 
 
 def test_a_nan_is_an_error_naming_the_joint() -> None:
@@ -187,3 +200,35 @@ def test_a_saved_model_carries_its_friction_into_another_process(tmp_path) -> No
     with friction_active():
         mujoco.mj_step(model, data, nstep=50)
     assert float(out.stdout) == data.qpos[0]
+
+
+def test_a_block_without_its_user_data_is_not_acted_on() -> None:
+    made = spec(ROTOR)
+    block = attach(spec(ROTOR), {"rotor": lugre()}).numeric_data
+    made.add_numeric(name="from_elsewhere", data=block, size=block.size)
+    model = made.compile()
+    data = mujoco.MjData(model)
+    data.ctrl[0] = 1.0
+    with friction_active():
+        mujoco.mj_step(model, data)
+    assert data.qvel[0] == pytest.approx(0.1)  # as without friction, and a warning
+    assert data.warning[mujoco.mjtWarning.mjWARN_BADCTRL].number == 1
+
+
+def test_laws_for_other_joints_do_not_fit() -> None:
+    model = attach(spec(TWO_ARMS), {"a1": lugre()})
+    with pytest.raises(SimulationError, match="or stand on others"):
+        rewrite(model, {"a2": lugre()})
+    with pytest.raises(SimulationError, match="list of friction laws is empty"):
+        attach(spec(TWO_ARMS), {"a1": []})
+
+
+def test_a_rollout_begins_with_relaxed_bristles() -> None:
+    model = attach(spec(ROTOR), {"rotor": lugre()})
+    data = mujoco.MjData(model)
+    kind = mujoco.mjtState.mjSTATE_FULLPHYSICS
+    initial = np.empty(mujoco.mj_stateSize(model, kind))
+    mujoco.mj_getState(model, data, initial, kind)
+    with friction_active():
+        states, _ = mujoco.rollout.rollout(model, data, np.tile(initial, (3, 1)), np.full((3, 50, 1), 5.0))
+    assert states[0].tolist() == states[1].tolist() == states[2].tolist()
