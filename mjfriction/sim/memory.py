@@ -160,7 +160,7 @@ def open_block(address: int) -> Block:
 
 @kernel
 def has_room(model: int, block: Block) -> bool:
-    """Return whether the simulation has the user data that the block counts on; a block taken from elsewhere has not."""
+    """Return whether the simulation has the user data that the block counts on; one taken from elsewhere has not."""
     base = int(window_at(block.address, at.HEADER)[at.H_BASE])
     room = at.U_SCALARS + at.TOUCHED_ARRAYS * block.touched + at.RUBBING_ARRAYS * block.rubbing + 2 * block.states
     return bool(base + room <= word_at(model + offset_of(F_NUSERDATA)))

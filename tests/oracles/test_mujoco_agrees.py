@@ -68,8 +68,8 @@ def test_a_spring_is_the_stated_torque() -> None:
 def test_springs_add_to_the_models_own_in_either_unit() -> None:
     for angle, unit in (("degree", 180.0 / np.pi), ("radian", 1.0)):
         text = (
-            f'<mujoco><compiler angle="{angle}"/><worldbody><body><joint name="j" stiffness="5" springref="{0.2 * unit}"/>'
-            '<geom size=".1"/></body></worldbody></mujoco>'
+            f'<mujoco><compiler angle="{angle}"/><worldbody><body>'
+            f'<joint name="j" stiffness="5" springref="{0.2 * unit}"/><geom size=".1"/></body></worldbody></mujoco>'
         )
         spec = mujoco.MjSpec.from_string(text)
         add_springs(spec, {"j": (2.0, 1.0)})
