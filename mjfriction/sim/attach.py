@@ -85,8 +85,8 @@ def candidate_blocks(model: mujoco.MjModel, candidates: Sequence[Laws]) -> Float
         if block.size != old.size or layout_of(block) != layout_of(old):
             raise SimulationError(
                 f"the model has room for {old.size} numbers and {int(old[at.H_STATES])} states of friction on its "
-                f"joints, these laws take {block.size} and {int(block[at.H_STATES])} or stand on others; attach them to "
-                "the MjSpec and compile anew"
+                f"joints, these laws take {block.size} and {int(block[at.H_STATES])} or stand on others; attach them "
+                "to the MjSpec and compile anew"
             )
         blocks.append(block)
     return np.array(blocks)
