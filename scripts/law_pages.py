@@ -64,8 +64,8 @@ waves. `negative` runs one copy of an odd law for each direction, max(τ⁺, 0) 
 COSTS = """## What they cost
 
 One step of one joint: numbers kept, operations counted on the kernel's own source, and time in a compiled loop on the
-machine that wrote this page (laws built of elements with 10 of them; Stribeck curves with exponent 2, any other costs a
-power more, about 15 ns).
+machine that wrote this page (laws built of elements with 10 of them; Stribeck curves with exponent 2; the last row
+shows what any other exponent costs).
 """
 
 

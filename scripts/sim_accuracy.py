@@ -20,6 +20,7 @@ from mjfriction.laws.friction import friction
 from mjfriction.robot.robot import resolve_model
 from mjfriction.sim.attach import attach
 from mjfriction.sim.callback import friction_active
+from mjfriction.sim.export import Native, exact_native, put_on
 
 CONTROL_PERIOD = 1e-3
 STEPS = (1e-4, 5e-4, 1e-3, 2e-3, 5e-3)
@@ -49,7 +50,6 @@ MOTORS = {  # levels of the six motors, N·m: the NS12's table scaled to a UR5
     "wrist_3_joint": 0.02,
 }
 
-NO_INPUT = 16  # what input="none" compiles to: the element only rubs
 Control = Callable[[mujoco.MjModel, mujoco.MjData, float], np.ndarray]
 
 
@@ -113,30 +113,29 @@ def ours(case: Case) -> mujoco.MjModel:
     return attach(case.spec, {name: friction("lugre", law) for name, law in case.laws.items()})
 
 
-def native_lugre(case: Case) -> mujoco.MjModel:
-    """Return the model with MuJoCo's own LuGre element on every joint; under Euler it is unstable."""
+def native(case: Case, element: Callable[[dict[str, float]], Native]) -> mujoco.MjModel:
+    """Return the model with MuJoCo's own elements on every joint, under the integrator they are most stable with."""
     spec = case.spec.copy()
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    for joint in spec.joints:
-        law = case.laws[joint.name]
-        element = spec.add_actuator(name=f"{joint.name}_friction", trntype=mujoco.mjtTrn.mjTRN_JOINT, target=joint.name)
-        names = ("bristle_stiffness", "bristle_damping", "coulomb", "static", "stribeck_velocity")
-        element.set_to_dcmotor(
-            motorconst=[0.0, 0.0], resistance=1.0, lugre=[law[name] for name in names], ctrlspec=NO_INPUT
-        )
-        joint.damping[0] = law["viscous"]
+    for name, law in case.laws.items():
+        put_on(spec, name, element(law))
     return spec.compile()
+
+
+def native_lugre(case: Case) -> mujoco.MjModel:
+    """Return the model with MuJoCo's LuGre element; under Euler it is unstable."""
+
+    def element(law: dict[str, float]) -> Native:
+        found = exact_native(friction("lugre", law))
+        assert found is not None
+        return found
+
+    return native(case, element)
 
 
 def native_frictionloss(case: Case) -> mujoco.MjModel:
-    """Return the model with MuJoCo's dry friction and damping on every joint, its solver as stiff as it goes."""
-    spec = case.spec.copy()
-    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    for joint in spec.joints:
-        law = case.laws[joint.name]
-        joint.frictionloss, joint.damping[0] = law["coulomb"], law["viscous"]
-        joint.solref_friction, joint.solimp_friction = [0.002, 1.0], [0.999, 0.9999, 1e-6, 0.5, 2.0]
-    return spec.compile()
+    """Return the model with MuJoCo's dry friction and damping, its solver as stiff as it goes."""
+    return native(case, lambda law: Native(damping=(law["viscous"], 0.0, 0.0), frictionloss=law["coulomb"]))
 
 
 def run(case: Case, model: mujoco.MjModel, h: float) -> np.ndarray:

@@ -51,4 +51,5 @@ ARCTAN_LOAD = Law(
     ),
     steady=steady,
     advance=advance,
+    reads=(LOAD,),
 )

@@ -23,3 +23,4 @@ STRIBECK_EXPONENT = Parameter(
 BRISTLE_STIFFNESS = above_zero("bristle_stiffness", "{force}/{length}", "stiffness of the contact at rest", (1e3, 1e5))
 BRISTLE_DAMPING = positive("bristle_damping", "{force}·s/{length}", "damping of the contact's deflection", (0.0, 20.0))
 STATIC_ABOVE_COULOMB = Ordering("static", "coulomb")
+STRIBECK_CURVE = (COULOMB, STATIC, STRIBECK_VELOCITY, STRIBECK_EXPONENT)

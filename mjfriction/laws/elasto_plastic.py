@@ -5,16 +5,7 @@ from __future__ import annotations
 import math
 
 from mjfriction.laws.curves import sign, sliding_velocity, stribeck_level
-from mjfriction.laws.declared import (
-    BRISTLE_DAMPING,
-    BRISTLE_STIFFNESS,
-    COULOMB,
-    STATIC,
-    STATIC_ABOVE_COULOMB,
-    STRIBECK_EXPONENT,
-    STRIBECK_VELOCITY,
-    VISCOUS,
-)
+from mjfriction.laws.declared import BRISTLE_DAMPING, BRISTLE_STIFFNESS, STATIC_ABOVE_COULOMB, STRIBECK_CURVE, VISCOUS
 from mjfriction.laws.law import Floats, Law, kernel
 from mjfriction.parameter import Parameter
 
@@ -97,10 +88,7 @@ ELASTO_PLASTIC = Law(
     ),
     source="Dupont, Hayward, Armstrong, Altpeter, IEEE Trans. Automatic Control 47(5), 2002",
     parameters=(
-        COULOMB,
-        STATIC,
-        STRIBECK_VELOCITY,
-        STRIBECK_EXPONENT,
+        *STRIBECK_CURVE,
         BRISTLE_STIFFNESS,
         BRISTLE_DAMPING,
         VISCOUS,

@@ -128,7 +128,10 @@ def friction(
     a negative set for a law that is not odd, or a gear ratio that is not a finite number other than 0.
     """
     at = f"{where}: " if where else ""
-    found = find_law(law)
+    try:
+        found = find_law(law)
+    except LawError as error:
+        raise LawError(f"{at}{error}") from None
     values = found.pack(parameters, where=where)
     if not (math.isfinite(gear_ratio) and gear_ratio != 0.0):
         raise LawError(f"{at}law '{law}': gear_ratio = {gear_ratio:g}; allowed is any finite number but 0")

@@ -39,4 +39,5 @@ GEARED_LOAD = Law(
     ),
     steady=steady,
     advance=advance,
+    reads=(LOAD,),
 )

@@ -5,14 +5,7 @@ from __future__ import annotations
 import math
 
 from mjfriction.laws.curves import REST, sign, sliding_velocity, stribeck_level
-from mjfriction.laws.declared import (
-    COULOMB,
-    STATIC,
-    STATIC_ABOVE_COULOMB,
-    STRIBECK_EXPONENT,
-    STRIBECK_VELOCITY,
-    VISCOUS,
-)
+from mjfriction.laws.declared import STATIC_ABOVE_COULOMB, STRIBECK_CURVE, VISCOUS
 from mjfriction.laws.law import Floats, Law, above_zero, kernel, positive
 from mjfriction.laws.maxwell_slip import STIFFNESS
 from mjfriction.laws.rules import BreakawayOrder, SumIsOne
@@ -78,10 +71,7 @@ GMS = Law(
         "Automatic Control 50(11), 2005.  s(v) is printed with its sign"
     ),
     parameters=(
-        COULOMB,
-        STATIC,
-        STRIBECK_VELOCITY,
-        STRIBECK_EXPONENT,
+        *STRIBECK_CURVE,
         positive(
             "attraction", "{force}/s", "C: how fast slipping elements approach the Stribeck curve", (200.0, 2000.0)
         ),

@@ -57,7 +57,7 @@ class Law:
     ``captures`` and ``misses`` say in a line what it can and cannot show.  ``elements`` are the parameters that every
     element of a law built of elements has.  The state has ``states`` numbers and ``states_per_element`` more for every
     element.  ``odd`` says torque(−v) = −torque(v); ``exact_state`` says two half steps equal one whole step to
-    rounding.
+    rounding; ``reads`` names the columns of ``ambient`` that change its torque.
     """
 
     name: str
@@ -74,6 +74,7 @@ class Law:
     states_per_element: int = 0
     odd: bool = True
     exact_state: bool = True
+    reads: tuple[int, ...] = ()
     rules: tuple[Rule, ...] = field(default=())
 
     def parameter(self, name: str) -> Parameter:

@@ -5,15 +5,7 @@ from __future__ import annotations
 import math
 
 from mjfriction.laws.curves import sign, sliding_velocity, stribeck_level
-from mjfriction.laws.declared import (
-    BRISTLE_DAMPING,
-    COULOMB,
-    STATIC,
-    STATIC_ABOVE_COULOMB,
-    STRIBECK_EXPONENT,
-    STRIBECK_VELOCITY,
-    VISCOUS,
-)
+from mjfriction.laws.declared import BRISTLE_DAMPING, STATIC_ABOVE_COULOMB, STRIBECK_CURVE, VISCOUS
 from mjfriction.laws.law import Floats, Law, kernel
 from mjfriction.laws.maxwell_slip import LEVEL, STIFFNESS
 from mjfriction.laws.rules import BreakawayOrder, SumReaches
@@ -111,10 +103,7 @@ LEUVEN = Law(
         "its sign: r is positive where hysteresis and motion point the same way"
     ),
     parameters=(
-        COULOMB,
-        STATIC,
-        STRIBECK_VELOCITY,
-        STRIBECK_EXPONENT,
+        *STRIBECK_CURVE,
         BRISTLE_DAMPING,
         Parameter(
             "shape_exponent", "1", "δ_l: how early the hysteresis yields", lower=0.05, upper=20.0, typical=(0.5, 3.0)

@@ -36,4 +36,5 @@ LOAD_DEPENDENT = Law(
     ),
     steady=steady,
     advance=advance,
+    reads=(LOAD,),
 )

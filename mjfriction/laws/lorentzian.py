@@ -3,14 +3,7 @@
 from __future__ import annotations
 
 from mjfriction.laws.curves import holding, lorentzian_level, sign, sliding_velocity
-from mjfriction.laws.declared import (
-    COULOMB,
-    STATIC,
-    STATIC_ABOVE_COULOMB,
-    STRIBECK_EXPONENT,
-    STRIBECK_VELOCITY,
-    VISCOUS,
-)
+from mjfriction.laws.declared import STATIC_ABOVE_COULOMB, STRIBECK_CURVE, VISCOUS
 from mjfriction.laws.law import Floats, Law, kernel
 
 
@@ -35,7 +28,7 @@ LORENTZIAN = Law(
     misses="the elastic travel before slip, lag when speed changes, load and temperature",
     formula="(F_c + (F_s − F_c)/(1 + |v/v_s|^δ))·sgn v + F_v·v",
     source="Hess and Soom, ASME J. Tribology 112(1), 1990; Armstrong-Hélouvry et al., Automatica 30(7), 1994, eq. (6)",
-    parameters=(COULOMB, STATIC, STRIBECK_VELOCITY, STRIBECK_EXPONENT, VISCOUS),
+    parameters=(*STRIBECK_CURVE, VISCOUS),
     steady=steady,
     advance=advance,
     rules=(STATIC_ABOVE_COULOMB,),

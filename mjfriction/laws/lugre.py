@@ -4,16 +4,7 @@ from __future__ import annotations
 
 from mjfriction.laws.bristle import bristle_step, faded
 from mjfriction.laws.curves import sign, sliding_velocity, stribeck_level
-from mjfriction.laws.declared import (
-    BRISTLE_DAMPING,
-    BRISTLE_STIFFNESS,
-    COULOMB,
-    STATIC,
-    STATIC_ABOVE_COULOMB,
-    STRIBECK_EXPONENT,
-    STRIBECK_VELOCITY,
-    VISCOUS,
-)
+from mjfriction.laws.declared import BRISTLE_DAMPING, BRISTLE_STIFFNESS, STATIC_ABOVE_COULOMB, STRIBECK_CURVE, VISCOUS
 from mjfriction.laws.law import Floats, Law, above_zero, kernel
 
 # Damping that fades over a speed no joint reaches does not fade: the law of 1995.
@@ -52,10 +43,7 @@ LUGRE = Law(
         "Olsson, PhD thesis, Lund, 1996"
     ),
     parameters=(
-        COULOMB,
-        STATIC,
-        STRIBECK_VELOCITY,
-        STRIBECK_EXPONENT,
+        *STRIBECK_CURVE,
         BRISTLE_STIFFNESS,
         BRISTLE_DAMPING,
         VISCOUS,

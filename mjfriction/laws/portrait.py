@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mjfriction.laws.ambient import ambient
+from mjfriction.laws.ambient import LOAD, POSITION, PRESSURE_HEAD, TEMPERATURE, ambient
 from mjfriction.laws.law import Floats, Law
 from mjfriction.laws.rules import BreakawayOrder, Ordering, SumIsOne, SumReaches, Values, scalar
 
 ELEMENTS = 4
 STEPS = 4000
+OTHER_WAY = ("_negative", "_braking", "_retracting")
 
 
 @dataclass(frozen=True)
@@ -25,8 +26,9 @@ class Curve:
 
 @dataclass(frozen=True)
 class Portrait:
-    """Steady torque against velocity; torque against travel before slip, with an inner loop; torque against velocity
-    while sliding ever faster to and fro; torque against travel from rest at three speeds.
+    """Steady torque against velocity, in three surroundings where the law reads them; torque against travel before
+    slip, with an inner loop; torque against velocity while sliding ever faster to and fro; torque against travel from
+    rest at three speeds.
     """
 
     steady: tuple[Curve, ...]
@@ -39,6 +41,9 @@ def typical_values(law: Law, elements: int = ELEMENTS) -> dict[str, float | tupl
     """Return a plausible set of values of a law: the middle of its typical ranges, in keeping with its rules."""
     values = {p.name: p.default if p.default is not None else 0.5 * sum(p.typical) for p in law.parameters}
     scalars = {name: float(value) for name, value in values.items()}
+    for name in scalars:
+        if name.endswith(OTHER_WAY):  # else both directions would come out alike
+            scalars[name] *= 1.5
     for rule in law.rules:
         if isinstance(rule, Ordering):
             scalars[rule.larger] = 1.5 * scalars[rule.smaller]
@@ -61,7 +66,7 @@ def portrait(law: Law, values: Values | None = None) -> Portrait:
     packed = law.pack(values)
     fall = _fall_velocity(values)
     v = np.linspace(-10.0 * fall, 10.0 * fall, 801)
-    steady = Curve("steady", v, law.along(v, ambient(v.size), packed))
+    steady = [Curve(name, v, law.along(v, around, packed)) for name, around in _surroundings(law, v.size)]
 
     def drawn(corners: list[float], speed: float, name: str) -> Curve:
         path = np.cumsum(np.abs(np.diff(corners)))
@@ -85,7 +90,20 @@ def portrait(law: Law, values: Values | None = None) -> Portrait:
         last = t >= 3.0 / frequency
         lag.append(Curve(f"{frequency:.2g} Hz", velocity[last], torque[last]))
     away = [drawn([0.0, 2.0 * reach], speed, f"{speed:.2g}/s") for speed in (0.01 * fall, 0.3 * fall, 3.0 * fall)]
-    return Portrait((steady,), (loop,), tuple(lag), tuple(away))
+    return Portrait(tuple(steady), (loop,), tuple(lag), tuple(away))
+
+
+def _surroundings(law: Law, count: int) -> list[tuple[str, Floats]]:
+    # For a law that reads its surroundings three of them, else one.
+    if LOAD in law.reads:
+        return [(f"load {load:g} N·m", ambient(count, load=load)) for load in (0.0, 25.0, 50.0)]
+    if TEMPERATURE in law.reads:
+        return [(f"{degrees:g} °C", ambient(count, temperature=degrees)) for degrees in (10.0, 25.0, 40.0)]
+    if POSITION in law.reads:
+        return [(f"position {place:g} rad", ambient(count, position=place)) for place in (0.0, 0.1, 0.2)]
+    if PRESSURE_HEAD in law.reads:
+        return [(f"head {bar:g} bar", ambient(count, pressure_head=1e5 * bar)) for bar in (0.0, 20.0, 40.0)]
+    return [("steady", ambient(count))]
 
 
 def _fall_velocity(values: Values) -> float:

@@ -51,4 +51,5 @@ POSITION_DEPENDENT = Law(
     ),
     steady=steady,
     advance=advance,
+    reads=(POSITION,),
 )

@@ -84,5 +84,6 @@ PRESSURE = Law(
     parameters=(*_direction("extending"), *_direction("retracting")),
     steady=steady,
     advance=advance,
+    reads=(PRESSURE_HEAD, PRESSURE_ROD),
     odd=False,
 )

@@ -3,14 +3,7 @@
 from __future__ import annotations
 
 from mjfriction.laws.curves import holding, sign, sliding_velocity, stribeck_level
-from mjfriction.laws.declared import (
-    COULOMB,
-    STATIC,
-    STATIC_ABOVE_COULOMB,
-    STRIBECK_EXPONENT,
-    STRIBECK_VELOCITY,
-    VISCOUS,
-)
+from mjfriction.laws.declared import STATIC_ABOVE_COULOMB, STRIBECK_CURVE, VISCOUS
 from mjfriction.laws.law import Floats, Law, kernel
 
 
@@ -35,7 +28,7 @@ STRIBECK = Law(
     misses="the elastic travel before slip, lag when speed changes, load and temperature",
     formula="(F_c + (F_s − F_c)·exp(−|v/v_s|^δ))·sgn v + F_v·v",
     source="Bo and Pavelescu, Wear 82(3), 1982; Armstrong-Hélouvry et al., Automatica 30(7), 1994, eq. (5)",
-    parameters=(COULOMB, STATIC, STRIBECK_VELOCITY, STRIBECK_EXPONENT, VISCOUS),
+    parameters=(*STRIBECK_CURVE, VISCOUS),
     steady=steady,
     advance=advance,
     rules=(STATIC_ABOVE_COULOMB,),

@@ -60,4 +60,5 @@ TEMPERATURE_DEPENDENT = Law(
     ),
     steady=steady,
     advance=advance,
+    reads=(TEMPERATURE,),
 )

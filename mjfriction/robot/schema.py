@@ -7,7 +7,6 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator
 
 from mjfriction.laws.ambient import ROOM_TEMPERATURE
-from mjfriction.laws.catalog import find_law
 from mjfriction.laws.friction import Friction, Level, friction
 from mjfriction.laws.friction import Wave as LevelWave
 
@@ -87,22 +86,15 @@ class FrictionTerm(Table):
     negative: dict[str, Finite | tuple[Finite, ...]] | None = None
     level: LevelTable = LevelTable()
 
-    @field_validator("law")
-    @classmethod
-    def _known(cls, value: str) -> str:
-        find_law(value)
-        return value
+    def friction(self, gear_ratio: float, *, where: str = "") -> Friction:
+        """Return the law as it stands at a joint whose drive has that gear ratio.
 
-    def model_post_init(self, _context: Any, /) -> None:
-        """Check the parameters against the law's declarations."""
-        self.friction(1.0)
-
-    def friction(self, gear_ratio: float) -> Friction:
-        """Return the law as it stands at a joint whose drive has that gear ratio."""
+        Raises :class:`~mjfriction.errors.LawError`, ``where`` (the joint) in front, for what the law does not allow.
+        """
         waves = tuple(LevelWave(wave.wavenumber, wave.cosine, wave.sine) for wave in self.level.waves)
         level = Level(self.level.per_load, self.level.per_kelvin, self.level.reference_temperature, waves)
         ratio = gear_ratio if self.side == "motor" else 1.0
-        return friction(self.law, self.parameters, negative=self.negative, gear_ratio=ratio, level=level)
+        return friction(self.law, self.parameters, negative=self.negative, gear_ratio=ratio, level=level, where=where)
 
     def value(self, name: str) -> float:
         """Return a parameter that is one number: forward and backward averaged, 0 where the law has none of it."""
@@ -132,6 +124,11 @@ class Joint(Table):
     cogging: tuple[Wave, ...] = ()
     spring: Spring = Spring()
     effort_sensor: EffortSensor = EffortSensor()
+
+    def model_post_init(self, _context: Any, /) -> None:
+        """Check the friction laws against their declarations."""
+        for term in self.friction or ():
+            term.friction(self.actuator.gear_ratio, where=f"joint '{self.name}'")
 
 
 class Payload(Table):

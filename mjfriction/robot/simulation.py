@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mjfriction.errors import RobotError
 from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
-from mjfriction.laws.friction import Friction, friction
+from mjfriction.laws.friction import Friction, Level, friction
 from mjfriction.laws.position_dependent import POSITION_DEPENDENT
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Joint
@@ -34,7 +34,7 @@ def robot_spec(robot: Robot) -> Spec:
 def robot_laws(robot: Robot) -> dict[str, list[Friction]]:
     """Return the friction laws that each joint states, as :func:`mjfriction.attach` takes them.
 
-    Raises :class:`RobotError` for ``friction_waves`` on a joint without a ``coulomb_viscous`` law on its side.
+    Raises :class:`RobotError` for ``friction_waves`` on a joint without a plain ``coulomb_viscous`` law on its side.
     """
     return {joint.name: joint_laws(joint) for joint in robot.table.joint if joint.friction or joint.friction_waves}
 
@@ -45,15 +45,16 @@ def joint_laws(joint: Joint) -> list[Friction]:
     if not joint.friction_waves:
         return laws
     for i, term in enumerate(joint.friction or ()):
-        if term.law == COULOMB_VISCOUS.name and term.side == "joint" and term.negative is None:
+        plain = term.side == "joint" and term.negative is None and laws[i].level == Level()
+        if term.law == COULOMB_VISCOUS.name and plain:
             waves = {
                 "wavenumber": [wave.wavenumber for wave in joint.friction_waves],
                 "cosine": [wave.cosine for wave in joint.friction_waves],
                 "sine": [wave.sine for wave in joint.friction_waves],
             }
-            laws[i] = friction(POSITION_DEPENDENT.name, {**term.parameters, **waves}, level=laws[i].level)
+            laws[i] = friction(POSITION_DEPENDENT.name, {**term.parameters, **waves})
             return laws
     raise RobotError(
-        f"joint '{joint.name}': friction_waves vary the level of a coulomb_viscous law on the joint's side, and it has "
-        "none; add one (its coulomb may be 0)"
+        f"joint '{joint.name}': friction_waves vary the level of a plain coulomb_viscous law on the joint's side, and "
+        "it has none; add one (without `negative` and `level`; its coulomb may be 0)"
     )

@@ -9,12 +9,12 @@ import mujoco
 import numpy as np
 
 from mjfriction.errors import SimulationError, suggestion
+from mjfriction.laws.ambient import LOAD
 from mjfriction.laws.friction import Friction
 from mjfriction.laws.law import Floats
 from mjfriction.sim import block as at
 
 Laws = Mapping[str, Friction | Sequence[Friction]]
-READS_LOAD = frozenset({"load_dependent", "geared_load", "arctan_load"})
 ONE_DOF = frozenset({int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)})
 
 
@@ -107,6 +107,8 @@ def numeric_slice(model: mujoco.MjModel) -> slice:
             "the model carries no friction and was compiled without room for it; attach laws to its MjSpec"
         )
     start = int(model.numeric_adr[number])
+    if model.numeric_data[start + at.H_VERSION] != at.VERSION:
+        raise SimulationError("the model's friction was written by another release; attach the laws to its MjSpec anew")
     return slice(start, start + int(model.numeric_size[number]))
 
 
@@ -177,4 +179,4 @@ def _several(own: Friction | Sequence[Friction]) -> tuple[Friction, ...]:
 
 
 def _reads_load(own: Friction) -> bool:
-    return own.law.name in READS_LOAD or own.level.per_load != 0.0
+    return LOAD in own.law.reads or own.level.per_load != 0.0

@@ -73,15 +73,11 @@ def export_spec(
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     loads, report = gravity_loads(spec), []
     for name, own in laws.items():
-        joint = spec.joint(name)
-        if joint is None:
+        if spec.joint(name) is None:
             raise SimulationError(f"joint '{name}' is not in the model")
         probe = probing_motion(fastest, loads[name])
         native, exact = as_native(list(own), probe, fastest)
-        joint.damping = np.array(native.damping)
-        joint.frictionloss = native.frictionloss
-        joint.solref_friction, joint.solimp_friction = np.array(STIFF_SOLREF), np.array(STIFF_SOLIMP)
-        add_elements(spec, name, native)
+        put_on(spec, name, native)
         wanted, got = along(own, probe), native_torque(native, probe)
         error, size = (float(np.sqrt(np.mean(x**2))) for x in (wanted - got, wanted))
         report.append(Carried(name, describe(native), exact, error, size))
@@ -225,14 +221,18 @@ def native_torque(native: Native, probe: Probe) -> Floats:
     return np.asarray(total)
 
 
-def add_elements(spec: mujoco.MjSpec, joint: str, native: Native) -> None:
-    """Add the LuGre motor and the yielding tendons of a joint to a spec, in place."""
+def put_on(spec: mujoco.MjSpec, name: str, native: Native) -> None:
+    """Put native friction on a joint of a spec, in place of its damping and dry friction."""
+    joint = spec.joint(name)
+    joint.damping = np.array(native.damping)
+    joint.frictionloss = native.frictionloss
+    joint.solref_friction, joint.solimp_friction = np.array(STIFF_SOLREF), np.array(STIFF_SOLIMP)
     if native.lugre is not None:
-        motor = spec.add_actuator(name=f"{joint}_friction", trntype=mujoco.mjtTrn.mjTRN_JOINT, target=joint)
+        motor = spec.add_actuator(name=f"{name}_friction", trntype=mujoco.mjtTrn.mjTRN_JOINT, target=name)
         motor.set_to_dcmotor(motorconst=[0.0, 0.0], resistance=1.0, lugre=list(native.lugre), ctrlspec=NO_INPUT)
     for i, (stiffness, level) in enumerate(native.slip):
-        tendon = spec.add_tendon(name=f"{joint}_slip_{i}")
-        tendon.wrap_joint(joint, 1.0)
+        tendon = spec.add_tendon(name=f"{name}_slip_{i}")
+        tendon.wrap_joint(name, 1.0)
         tendon.stiffness[0] = stiffness
         tendon.springyield = level / stiffness
 

@@ -26,7 +26,7 @@ F_NNUMERIC, F_TIMESTEP, F_INTEGRATOR, F_DISABLE = (
 F_NUSERDATA = int(Field.NUSERDATA)
 F_TIME, F_NUMERIC_ADR, F_NUMERIC_DATA = int(Field.TIME), int(Field.NUMERIC_ADR), int(Field.NUMERIC_DATA)
 F_ROWNNZ, F_ROWADR, F_COLIND = int(Field.M_ROWNNZ), int(Field.M_ROWADR), int(Field.M_COLIND)
-F_DAMPING, F_ARMATURE = int(Field.DOF_DAMPING), int(Field.DOF_ARMATURE)
+F_DAMPING = int(Field.DOF_DAMPING)
 F_BIASTYPE, F_BIASPRM = int(Field.ACTUATOR_BIASTYPE), int(Field.ACTUATOR_BIASPRM)
 F_QPOS, F_QVEL, F_USERDATA, F_M = int(Field.QPOS), int(Field.QVEL), int(Field.USERDATA), int(Field.M)
 F_PASSIVE, F_BIAS, F_APPLIED = int(Field.QFRC_PASSIVE), int(Field.QFRC_BIAS), int(Field.QFRC_APPLIED)
@@ -129,7 +129,7 @@ def find_block(model: int) -> int:
     start = word_at(model + offset_of(F_NUMERIC_DATA))
     for i in range(count):
         where = start + 8 * int(places[i])
-        if window_at(where, 1)[0] == at.MAGIC:
+        if window_at(where, 1)[0] == at.MAGIC and window_at(where, at.HEADER)[at.H_VERSION] == at.VERSION:
             return int(where)
     return 0
 

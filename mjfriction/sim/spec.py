@@ -49,9 +49,7 @@ def read_spec(
     for name in joints:
         if name not in names:
             raise SimulationError(f"{path}: there is no joint '{name}' in the model{suggestion(name, names)}")
-    for joint in list(spec.joints):
-        if joint.name not in joints:
-            spec.delete(joint)
+    _hold(spec, set(names) - set(joints))
     if payload is not None:
         parent = spec.body(payload.parent)
         if parent is None:
@@ -75,6 +73,14 @@ def read_spec(
     return spec
 
 
+def _hold(spec: mujoco.MjSpec, names: set[str]) -> None:
+    # An actuator of a joint that is no more would stop the compiler.
+    for actuator in [one for one in spec.actuators if one.target in names]:
+        spec.delete(actuator)
+    for joint in [one for one in spec.joints if one.name in names]:
+        spec.delete(joint)
+
+
 def _rigid_with(body: mujoco.MjsBody) -> list[mujoco.MjsBody]:
     found = [body]
     for child in body.bodies:
@@ -88,7 +94,11 @@ def _read(path: Path) -> mujoco.MjSpec:
         text = path.read_text(encoding="utf-8")
         root = ET.fromstring(text)
         if root.tag != "robot":
-            return mujoco.MjSpec.from_file(str(path))
+            spec = mujoco.MjSpec.from_file(str(path))
+            # From here on the spec may be written elsewhere: its meshes stay where they are.
+            spec.meshdir = str((path.parent / spec.meshdir).resolve())
+            spec.texturedir = str((path.parent / spec.texturedir).resolve())
+            return spec
         for link in root.iter("link"):
             for shape in [*link.findall("visual"), *link.findall("collision")]:
                 link.remove(shape)

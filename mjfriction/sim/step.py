@@ -71,16 +71,14 @@ def look_back(block: Block, kept: Kept, a: Floats, velocity: Floats, time: float
 
 
 @kernel
-def look_around(model: int, data: int, block: Block, kept: Kept, a: Floats, around: Floats) -> None:
+def look_around(data: int, block: Block, kept: Kept, a: Floats, around: Floats) -> None:
     """Write what surrounds the rubbing joints into ``around`` (k, 6)."""
     first = block.touched - block.rubbing
     if block.reads_load:
-        bias, armature = numbers(data, mem.F_BIAS, block.nv), numbers(model, mem.F_ARMATURE, block.nv)
+        bias = numbers(data, mem.F_BIAS, block.nv)
         for i in range(block.rubbing):
             p = first + i
-            dof = int(block.dofs[p])
-            inertial = symmetric(a, kept.moved, p) - armature[dof] * kept.moved[p]
-            kept.load[i] = bias[dof] + inertial - kept.unknown[p]
+            kept.load[i] = bias[int(block.dofs[p])] + symmetric(a, kept.moved, p) - kept.unknown[p]
     place = numbers(data, mem.F_QPOS, block.nq)
     for i in range(block.rubbing):
         around[i, LOAD] = kept.load[i]
@@ -166,7 +164,7 @@ def friction_step(model: int, data: int) -> None:
 
     gather_inertia(model, data, block.dofs, block.local, desk.a)
     stepped = look_back(block, kept, desk.a, velocity, time, desk.end_velocity)
-    look_around(model, data, block, kept, desk.a, desk.around)
+    look_around(data, block, kept, desk.a, desk.around)
     guess(block, kept, velocity, h, desk)
     if stepped:
         commit(block, kept, kept.stamp[at.U_STEP], desk)

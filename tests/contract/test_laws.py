@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import sys
-import types as python_types
 
 import numpy as np
 import pytest
@@ -18,6 +16,7 @@ from mjfriction.laws.ambient import ambient
 from mjfriction.laws.catalog import LAWS, find_law
 from mjfriction.laws.dispatch import advance_of, steady_of
 from mjfriction.laws.law import Law
+from scripts.law_costs import plain
 from tests.contract.draws import draw, named
 
 every_law = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS.keys())
@@ -110,27 +109,13 @@ def test_a_closed_cycle_dissipates(law: Law, seed: int, amplitude: float) -> Non
     assert float(np.sum(torque[1000:] * v[1000:])) >= 0.0  # the second cycle: the first may load the state
 
 
-def interpreted(law: Law, name: str):
-    """Rebuild a kernel as plain Python, with every kernel that it calls."""
-
-    def plain(function):
-        module = sys.modules[function.__module__]
-        scope = dict(vars(module))
-        for key, value in scope.items():
-            if hasattr(value, "py_func") and key in function.__code__.co_names:
-                scope[key] = plain(value.py_func)
-        return python_types.FunctionType(function.__code__, scope, function.__name__)
-
-    return plain(getattr(law, name).py_func)
-
-
 @every_law
 def test_compiled_equals_interpreted_and_batch_equals_loop(law: Law) -> None:
     p = draw(law, 11)
     v = np.random.default_rng(0).normal(0.0, 2.0, 200)
     batch = law.along(v, ambient(v.size), p)
     assert batch.tolist() == [law.steady(x, ROOM, p) for x in v]
-    steady, advance = interpreted(law, "steady"), interpreted(law, "advance")
+    steady, advance = plain(law, "steady"), plain(law, "advance")
     np.testing.assert_allclose([steady(x, ROOM, p) for x in v], batch, rtol=1e-13)
     torque, states = law.follow(v, ambient(v.size), 1e-3, p)
     z = rest(law, p)
@@ -243,7 +228,7 @@ def test_hidden_values_are_recovered_within_the_stated_interval(law: Law) -> Non
     fit = least_squares(residual, start, x_scale="jac", bounds=(0.5, 2.0))
     errors = np.sqrt(np.diag(np.linalg.inv(fit.jac.T @ fit.jac)))
     assert fit.cost / t.size == pytest.approx(0.5, rel=0.1)
-    assert np.all(np.abs(fit.x - 1.0) < 5.0 * errors + 1e-6), np.c_[fit.x, errors]
+    assert np.all(np.abs(fit.x - 1.0) < 4.0 * errors + 1e-6), np.c_[fit.x, errors]
 
 
 @every_law

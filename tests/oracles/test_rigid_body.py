@@ -34,7 +34,7 @@ def states(joints: int, count: int = 50) -> tuple[np.ndarray, ...]:
     return tuple(rng.normal(size=(count, joints)) for _ in range(3))
 
 
-def agree(path: Path, joints: tuple[str, ...], armature: np.ndarray | None = None) -> None:
+def assert_agrees(path: Path, joints: tuple[str, ...], armature: np.ndarray | None = None) -> None:
     model = mujoco_model(path)
     if armature is not None:
         model.dof_armature[:] += armature
@@ -62,8 +62,8 @@ def agree(path: Path, joints: tuple[str, ...], armature: np.ndarray | None = Non
 
 
 def test_urdf_arm_agrees() -> None:
-    agree(UR5, UR5_JOINTS)
-    agree(UR5, UR5_JOINTS, armature=np.array([0.5, 0.4, 0.3, 0.2, 0.1, 0.05]))
+    assert_agrees(UR5, UR5_JOINTS)
+    assert_agrees(UR5, UR5_JOINTS, armature=np.array([0.5, 0.4, 0.3, 0.2, 0.1, 0.05]))
 
 
 def test_joints_may_come_in_any_order() -> None:
@@ -79,7 +79,7 @@ def test_joints_may_come_in_any_order() -> None:
 def test_mjcf_with_slides_own_gravity_and_armature_agrees(tmp_path: Path) -> None:
     path = tmp_path / "mixed.xml"
     path.write_text(MIXED)
-    agree(path, ("turn", "slide", "tip"))
+    assert_agrees(path, ("turn", "slide", "tip"))
     body = load_body(path, ("turn", "slide", "tip"))
     assert body.sliding == (False, True, False)
     assert body.damping[0] == 0.5
@@ -89,7 +89,7 @@ def test_mjcf_with_slides_own_gravity_and_armature_agrees(tmp_path: Path) -> Non
 @pytest.mark.parametrize("name", sorted(bundled_robots()))
 def test_every_bundled_robot_agrees(name: str) -> None:
     robot = read_robot(name)
-    agree(robot.model_path, robot.joints)
+    assert_agrees(robot.model_path, robot.joints)
 
 
 def test_links_sum_to_the_whole() -> None:

@@ -82,6 +82,14 @@ def test_wrong_values_are_one_line_with_the_file_and_the_joint(tmp_path: Path) -
         assert "\n" not in str(caught.value)
 
 
+def test_a_value_out_of_bounds_says_joint_law_parameter_unit_and_value(tmp_path: Path) -> None:
+    line = 'friction = { law = "coulomb_viscous", parameters = { coulomb = -2.5, viscous = 0.1 } }'
+    with pytest.raises(RobotError) as caught:
+        read_robot(write(tmp_path, line))
+    for word in ("hinge", "coulomb_viscous", "coulomb", "N·m", "-2.5"):
+        assert word in str(caught.value)
+
+
 def test_a_gear_ratio_of_nothing_is_refused() -> None:
     with pytest.raises(LawError, match="gear_ratio = 0"):
         friction("coulomb", {"coulomb": 1.0}, gear_ratio=0.0)

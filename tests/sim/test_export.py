@@ -105,6 +105,28 @@ def test_the_file_runs_in_a_process_that_has_no_mjfriction(tmp_path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["arm.xml", "plain.xml", "robot.toml"]
 
 
+def test_a_model_with_meshes_is_exported_elsewhere(tmp_path) -> None:
+    corners = [(0, 0, 0), (0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.1)]
+    (tmp_path / "shapes").mkdir()
+    faces = ("1 3 2", "1 2 4", "2 3 4", "3 1 4")
+    (tmp_path / "shapes" / "tip.obj").write_text(
+        "".join(f"v {x} {y} {z}\n" for x, y, z in corners) + "".join(f"f {face}\n" for face in faces)
+    )
+    (tmp_path / "arm.xml").write_text(
+        '<mujoco><compiler meshdir="shapes"/><asset><mesh name="tip" file="tip.obj"/></asset><worldbody><body>'
+        '<joint name="rotor" axis="0 0 1"/><geom type="mesh" mesh="tip"/></body></worldbody></mujoco>'
+    )
+    (tmp_path / "robot.toml").write_text(
+        'name = "one"\nmodel = "arm.xml"\n[[joint]]\nname = "rotor"\n'
+        'friction = { law = "coulomb", parameters = { coulomb = 1.0 } }\n'
+    )
+    (tmp_path / "out").mkdir()
+    done = mjfriction("export", "--robot", tmp_path / "robot.toml", "--out", tmp_path / "out" / "plain.xml")
+    assert done.returncode == 0, done.stderr
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "plain.xml"))
+    assert (model.nmesh, model.dof_frictionloss[0]) == (1, 1.0)
+
+
 def test_a_folder_that_is_not_there_is_one_line() -> None:
     done = mjfriction("export", "--robot", "ur5", "--out", "/nowhere/arm.xml")
     assert done.returncode == 2

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from mjfriction.laws.ambient import ambient
 from mjfriction.laws.catalog import LAWS
 from mjfriction.laws.friction import friction
+from mjfriction.sim import block as at
 from mjfriction.sim.attach import attach, candidate_blocks, rewrite
 from mjfriction.sim.callback import friction_active, install, remove
 from mjfriction.sim.forces import AFFINE, BIAS_SIZE, EULER, NO_DAMPER, NO_EULER_DAMPING
@@ -242,41 +243,49 @@ def test_the_joints_land_where_they_were_predicted(integrator: str) -> None:
         made.joint(joint).damping[0] = 0.7
     model = attach(made, arm_laws(), keep_native=True)
     data = run(model, 300)
-    block_end = read_friction(model).torque.start
-    n = 4 + 2 + 4  # the hanging arm's four dofs, two and four of the arms
-    predicted = data.userdata[block_end - 3 * n : block_end - 2 * n]
-    velocities = data.qvel[6:]
-    error = np.min(np.abs(predicted[:, None] - velocities[None, :]), axis=1)
+    header = model.numeric("mjfriction").data
+    base, n = (int(header[i]) for i in (at.H_BASE, at.H_TOUCHED))
+    assert n == 4 + 2 + 4  # the hanging arm's four dofs, two and four of the arms
+    start = int(header[at.H_DOF_LIST])
+    dofs = header[start : start + n].astype(int)
+    assert len(set(dofs.tolist())) == n
+    predicted = data.userdata[base + at.U_SCALARS + n : base + at.U_SCALARS + 2 * n]
+    # Euler is predicted to rounding; the implicit integrators add the derivative of Coriolis forces, which is not.
     tolerance = 1e-9 if integrator == "mjINT_EULER" else 2e-3
-    assert np.max(error) < tolerance * max(1.0, float(np.max(np.abs(velocities))))
+    assert np.max(np.abs(predicted - data.qvel[dofs])) < tolerance * max(1.0, float(np.max(np.abs(data.qvel[dofs]))))
 
 
 @pytest.mark.parametrize("law", LAWS.values(), ids=LAWS.keys())
 @settings(max_examples=8)
 @given(seed=st.integers(0, 10**6), angle=st.floats(0.3, 3.0))
 def test_a_free_pendulum_never_gains_energy(law, seed: int, angle: float) -> None:
+    """No more than the same steps gain without friction, semi-implicit Euler's own breathing."""
     made = spec(PENDULUM)
     made.option.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
     made.option.timestep = 5e-4
-    with friction_active():
-        values = dict(named(law, seed))
-        for name in ("coulomb", "static", "static_rested", "level", "viscous", "stribeck_fall"):
-            if isinstance(values.get(name), float):
-                values[name] *= 0.05  # a pendulum of 0.5 kg: let it swing before it sticks
-        for name in ("level_extending", "level_retracting"):
-            if name in values:
-                values[name] *= 1e-3
-        model = attach(made, {"swing": friction(law.name, values)})
+    values = dict(named(law, seed))
+    for name in ("coulomb", "static", "static_rested", "level", "viscous", "stribeck_fall"):
+        if isinstance(values.get(name), float):
+            values[name] *= 0.05  # a pendulum of 0.5 kg: let it swing before it sticks
+    for name in ("level_extending", "level_retracting"):
+        if name in values:
+            values[name] *= 1e-3
+
+    def energies(model: mujoco.MjModel) -> np.ndarray:
         data = mujoco.MjData(model)
         data.qpos[0] = angle
         mujoco.mj_forward(model, data)
-        highest = before = sum(data.energy)
+        out = [sum(data.energy)]
         for _ in range(1500):
             mujoco.mj_step(model, data)
-            highest = max(highest, sum(data.energy))
-    scale = 0.5 * 9.81 * 0.5
-    assert highest <= before + 2e-3 * scale  # what semi-implicit Euler gains and loses by itself within a swing
-    assert sum(data.energy) <= before + 2e-3 * scale
+            out.append(sum(data.energy))
+        return np.array(out)
+
+    free = energies(made.compile())
+    rubbed = energies(attach(made, {"swing": friction(law.name, values)}))
+    breathing = free.max() - free[0]
+    assert np.max(rubbed) <= rubbed[0] + breathing + 1e-9
+    assert rubbed[-1] <= rubbed[0] + breathing + 1e-9
 
 
 def test_the_torque_is_the_law_at_the_velocity_reached() -> None:
