@@ -69,11 +69,11 @@ def plain(law: Law, name: str, **replaced: Any) -> Any:
     """Return a kernel of a law as plain Python, with every kernel it calls; ``replaced`` are globals put in its way."""
 
     def opened(function: Any) -> Any:
-        scope = {**vars(sys.modules[function.__module__]), **replaced}
+        scope = dict(vars(sys.modules[function.__module__]))
         for key in function.__code__.co_names:
             if hasattr(scope.get(key), "py_func"):
                 scope[key] = opened(scope[key].py_func)
-        return types.FunctionType(function.__code__, scope, function.__name__)
+        return types.FunctionType(function.__code__, {**scope, **replaced}, function.__name__)
 
     return opened(getattr(law, name).py_func)
 
