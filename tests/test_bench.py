@@ -11,5 +11,5 @@ def test_the_small_benchmark_runs() -> None:
         [sys.executable, "-m", "scripts.bench", "--small"], check=False, capture_output=True, text=True, timeout=400
     )
     assert done.returncode == 0, done.stderr
-    for word in ("Cost(law='lugre'", "mjfriction", "native dcmotor lugre", "ours / native", "Two threads"):
+    for word in ("Cost(law='`lugre`'", "mjfriction", "native dcmotor lugre", "ours / native", "Two threads"):
         assert word in done.stdout
