@@ -40,6 +40,23 @@ def link_torques(body: Body, position: Floats, velocity: Floats, acceleration: F
     return out[:, list(body.columns), :]
 
 
+def motion_derivatives(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> tuple[Floats, ...]:
+    """Return how the links' torques change with position, velocity and acceleration, each (n, joints, joints).
+
+    Entry (t, i, k) is what moving joint k adds to the torque of joint i.  Rotors are left out.
+    """
+    model, data = body.model, body.model.createData()
+    q = configuration(body, position)
+    v, a = in_model_order(body, velocity), in_model_order(body, acceleration)
+    out = np.empty((3, q.shape[0], model.nv, model.nv))
+    for i in range(q.shape[0]):
+        pin.computeRNEADerivatives(model, data, q[i], v[i], a[i])
+        out[0, i], out[1, i], out[2, i] = data.dtau_dq, data.dtau_dv, data.M
+    out[2] -= np.diag(np.array(model.armature))
+    order = list(body.columns)
+    return tuple(out[:, :, order][:, :, :, order])
+
+
 def inertia_at(body: Body, position: Floats) -> Floats:
     """Return the diagonal of the mass matrix at one pose, shape (joints,): kg·m², or kg on sliding joints."""
     model, data = body.model, body.model.createData()

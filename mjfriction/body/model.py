@@ -48,6 +48,11 @@ class Body:
     model: pin.Model
     columns: tuple[int, ...]  # of each asked joint, in the model's velocity vector
 
+    @property
+    def armature(self) -> Floats:
+        """The rotors' inertia at the joints, (joints,): kg·m², or kg on sliding joints."""
+        return np.array(self.model.armature)[list(self.columns)]
+
 
 def load_body(
     path: Path,

@@ -11,6 +11,8 @@ from mjfriction.diagnose.causes.cause import Cause, Site
 from mjfriction.diagnose.gap import Gap
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Nuisance
+from mjfriction.diagnose.regression import Columns
+from mjfriction.diagnose.tangent import straightened
 from mjfriction.diagnose.trial import Trial, try_out
 from mjfriction.record.log import Floats
 
@@ -68,8 +70,8 @@ def compete(gap: Gap, nuisance: Nuisance, field: Field) -> Model:
         if not passing:
             break
         best = max(passing, key=lambda trial: trial.merit)
-        model = reshaped(build_model(gap, nuisance, (*model.chosen, best.chosen)))
-    return _with_kin(_pruned(model, size(field)), field)
+        model = straightened(reshaped(build_model(gap, nuisance, (*model.chosen, best.chosen))))
+    return straightened(_with_kin(_pruned(model, size(field)), field))
 
 
 def contenders(model: Model, field: Field) -> list[Trial]:
@@ -80,7 +82,7 @@ def contenders(model: Model, field: Field) -> list[Trial]:
     for entrant in field:
         if entrant.key in present:
             continue
-        strengths, gains = model.system.screen(entrant.cause.screening(model.gap, entrant.sites, every), every)
+        strengths, gains = model.system.screen(_screening(model.gap, entrant, every), every)
         for i in np.argsort(-gains):
             if entrant.cause.admissible(model.gap, entrant.sites[i], strengths[i]):
                 gain = float(gains[i]) - _price(model.gap, strengths.shape[1] + len(entrant.sites[i].shape))
@@ -89,6 +91,13 @@ def contenders(model: Model, field: Field) -> list[Trial]:
     ranked = sorted(best, key=lambda entry: -entry[0])[:SHORT_LIST]
     shaped = [_best_shape(model, choice) for gain, choice in ranked if gain > 0.0]
     return [trial for choice in shaped if (trial := try_out(model, choice)) is not None]
+
+
+def _screening(gap: Gap, entrant: Entrant, every: int) -> Columns:
+    key = f"screening {type(entrant.cause).__name__} {entrant.joint}"
+    if key not in gap.kept:
+        gap.kept[key] = dict(entrant.cause.screening(gap, entrant.sites, every))
+    return gap.kept[key]
 
 
 def _price(gap: Gap, freedoms: int) -> float:

@@ -48,7 +48,7 @@ def extend_robot(model: Model) -> Robot:
     for choice, place in zip(model.chosen, model.places, strict=True):
         joint = choice.site.joint
         before = sensor[joint] if choice.cause.before_sensor else 1.0
-        robot = choice.cause.extend(robot, robot.joints[joint], strengths[place] / before, choice.site.shape)
+        robot = choice.cause.extend(robot, choice.site, strengths[place] / before)
     return robot
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mjfriction.body.inverse import motion_derivatives
 from mjfriction.body.model import Body
 from mjfriction.diagnose.blocks import Blocks, cut_blocks
 from mjfriction.diagnose.rows import Chain, make_chain
@@ -15,7 +16,7 @@ from mjfriction.diagnose.units import check_units
 from mjfriction.record.log import Floats, Log, check_joints
 from mjfriction.record.motion import Motion, estimate_motion, raw_noise
 from mjfriction.robot.bandwidth import choose_cutoff
-from mjfriction.robot.effort import Effort, direction, effort_per_reported, predict_effort
+from mjfriction.robot.effort import Effort, effort_per_reported, forward_share, link_motion, predict_effort
 from mjfriction.robot.robot import Robot
 
 DOUBT_SPEED = 0.02  # of a joint's RMS speed: below it no law can be told from its own rounding at zero
@@ -80,8 +81,18 @@ class Gap:
 
     def forward(self, joint: int) -> Floats:
         """Return the direction of friction on a joint, −1 to 1, between the two while it may be stuck, (n,)."""
-        forward, _ = direction(self.motion.velocity[:, joint], self.motion.velocity_noise[joint])
-        return 2.0 * forward - 1.0
+        return forward_share(self.motion, joint)
+
+    @functools.cached_property
+    def linked(self) -> Motion:
+        """The motion of the links as stated, behind the offsets and transmissions of the sensors' motion."""
+        return link_motion(self.robot, self.body, self.motion)
+
+    @functools.cached_property
+    def derivatives(self) -> tuple[Floats, ...]:
+        """How the links' torques change with position, velocity and acceleration, each (n, joints, joints)."""
+        linked = self.linked
+        return motion_derivatives(self.body, linked.position, linked.velocity, linked.acceleration)
 
 
 def measure_gap(log: Log, robot: Robot) -> Gap:

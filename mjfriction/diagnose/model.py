@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from mjfriction.diagnose.causes.cause import Cause, Site
 from mjfriction.diagnose.gap import Gap
 from mjfriction.diagnose.nuisance import Nuisance
-from mjfriction.diagnose.regression import Columns, Rows, System
+from mjfriction.diagnose.regression import Columns, Normal, Rows, System
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_levels
 
@@ -22,11 +22,20 @@ BACKWARD_VISCOUS = 0.3  # and its damping, which errors of the links' inertias r
 
 
 @dataclass(frozen=True)
+class Tangent:
+    """A curved effect around a point: effort = ``columns`` · strengths + ``bend`` (rows, joints)."""
+
+    columns: Columns
+    bend: Floats
+
+
+@dataclass(frozen=True)
 class Chosen:
-    """A cause at a place, as part of a model."""
+    """A cause at a place, as part of a model; ``tangent`` stands for a curved cause's columns once it is fitted."""
 
     cause: Cause
     site: Site
+    tangent: Tangent | None = None
 
     @property
     def key(self) -> tuple[str, int]:
@@ -73,6 +82,19 @@ class Model:
         rest = tuple(choice for choice in self.chosen if choice.key != target.key)
         return build_model(self.gap, self.nuisance, rest)
 
+    def with_candidate(self, choice: Chosen) -> Normal:
+        """Return the normal equations with one more cause, its strengths last."""
+        columns, precision = cause_block(self.gap, choice)
+        if choice.tangent is None:
+            return self.system.extended(columns, precision)
+        blocks = [cause_block(self.gap, own) for own in self.chosen]
+        rows = replace(self.system.rows, target=self.system.rows.target - choice.tangent.bend)
+        return System(
+            rows,
+            [*self.nuisance.columns, *(block for block, _ in blocks), columns],
+            [*self.nuisance.precisions, *(own for _, own in blocks), precision],
+        ).normal
+
     def friction_is_physical(self, strengths: Floats, joints: list[int]) -> bool:
         """Return whether fitted friction levels work against the motion.
 
@@ -95,7 +117,7 @@ class Model:
 
 def cause_block(gap: Gap, choice: Chosen) -> tuple[Columns, Floats]:
     """Return a cause's columns and the precision that keeps them from blowing up where the data say nothing."""
-    columns = choice.cause.columns(gap, choice.site)
+    columns = choice.tangent.columns if choice.tangent else choice.cause.columns(gap, choice.site)
     size = np.sqrt(sum(np.mean(np.square(values), axis=0) for values in columns.values()))
     effort = np.sqrt(np.mean(np.square(gap.measured[:, choice.site.joint])))
     return columns, np.square(size / (PRIOR_SHARE * effort))
@@ -110,23 +132,24 @@ def build_model(gap: Gap, nuisance: Nuisance, chosen: tuple[Chosen, ...]) -> Mod
     blocks = [cause_block(gap, choice) for choice in chosen]
     columns = nuisance.columns + [block for block, _ in blocks]
     precisions = nuisance.precisions + [precision for _, precision in blocks]
+    target = np.nan_to_num(gap.residual) - sum(choice.tangent.bend for choice in chosen if choice.tangent)
     floor = np.maximum(np.nan_to_num(gap.noise_floor), LEAST_NOISE * _rms(np.nan_to_num(gap.measured)))
     noise = np.maximum(floor, _rms(np.nan_to_num(gap.residual)))
     for _ in range(3):
-        model = Model(gap, nuisance, chosen, System(_weighted_rows(gap, noise), columns, precisions))
+        model = Model(gap, nuisance, chosen, System(_weighted_rows(gap, target, noise), columns, precisions))
         left = model.residual()
         for joint in gap.examined:
             clear = gap.doubt[:, joint] < CLEAR * noise[joint]
             values = left[clear, joint] if np.count_nonzero(clear) > 50 else left[:, joint]
             noise[joint] = max(floor[joint], 1.4826 * float(np.median(np.abs(values))))
-    return Model(gap, nuisance, chosen, System(_weighted_rows(gap, noise), columns, precisions))
+    return Model(gap, nuisance, chosen, System(_weighted_rows(gap, target, noise), columns, precisions))
 
 
-def _weighted_rows(gap: Gap, noise: Floats) -> Rows:
+def _weighted_rows(gap: Gap, target: Floats, noise: Floats) -> Rows:
     measured = np.isfinite(gap.residual)
     deviation = np.sqrt(np.square(noise) + np.square(np.nan_to_num(gap.doubt)))
     weight = np.divide(1.0, deviation, out=np.zeros_like(deviation), where=measured & (deviation > 0.0))
-    return Rows(np.nan_to_num(gap.residual), weight, gap.blocks.row)
+    return Rows(target, weight, gap.blocks.row)
 
 
 def _rms(values: Floats) -> Floats:

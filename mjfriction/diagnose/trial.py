@@ -69,7 +69,7 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
     """
     gap, system = model.gap, model.system
     columns, precision = cause_block(gap, choice)
-    normal = system.extended(columns, precision)
+    normal = model.with_candidate(choice)
     fitted = normal.strengths(np.ones(gap.blocks.count, dtype=bool))
     strengths = fitted[-precision.size :]
     touched = list(columns)

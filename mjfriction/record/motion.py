@@ -146,6 +146,22 @@ def estimate_motion(log: Log, joints: Sequence[str], cutoff: float) -> Motion:
     )
 
 
+def smooth_derivatives(motion: Motion, values: Floats) -> list[Floats]:
+    """Return values (n,) on a motion's clock through its position filter, with their two derivatives, each (n,).
+
+    What is held against filtered positions must be filtered alike.
+    """
+    sos = butter(FILTER_ORDER, motion.cutoff, fs=motion.rate, output="sos")
+    edge = int(EDGE_PERIODS * motion.rate / motion.cutoff) + 12
+    out = [np.empty_like(values) for _ in range(3)]
+    for piece in np.unique(motion.piece):
+        own = motion.piece == piece
+        smooth, margin = _low_pass(sos, values[own], edge)
+        for part, derivative in zip(out, _derivatives(smooth, motion.rate, 2, margin), strict=True):
+            part[own] = derivative
+    return out
+
+
 def back_to_log(motion: Motion, log: Log, values: Floats) -> Floats:
     """Return values on the motion's clock at the log's own rows, NaN in pieces too short to differentiate."""
     out = np.full(log.time.size, np.nan)

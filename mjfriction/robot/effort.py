@@ -1,12 +1,14 @@
 """What a robot says its drives would report along a motion: the balance of the model, joint by joint.
 
-effort = rnea(q, q̇, q̈) + rotor_inertia·gear_ratio²·q̈ + friction(q̇, q) + cogging(q) + spring(q)
+effort = rnea(q, q̇, q̈) + rotor_inertia·gear_ratio²·q̈ + friction(q̇, q, …) + cogging(q) + spring(q) + coupling
 reported = scale·effort(t − delay) + offset,      current = reported / (gear_ratio·torque_constant)
+
+q being where the links are: what the sensors read, less their offsets, less what the transmissions give.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,7 +18,7 @@ from mjfriction.errors import RobotError
 from mjfriction.laws.ambient import ROOM_TEMPERATURE, ambient
 from mjfriction.laws.law import Floats
 from mjfriction.record.log import CURRENT
-from mjfriction.record.motion import Motion
+from mjfriction.record.motion import Motion, smooth_derivatives
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import FrictionTerm, Joint, Wave
 
@@ -38,26 +40,102 @@ class Effort:
 
 
 def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
-    """Predict the effort of every joint along a motion.
+    """Predict the effort of every joint along a motion, as its sensors saw it.
 
     At rest friction is not known from the motion; :func:`direction` says what is taken.
     """
-    rigid = inverse_dynamics(body, motion.position, motion.velocity, motion.acceleration)
+    linked = link_motion(robot, body, motion)
+    rigid = inverse_dynamics(body, linked.position, linked.velocity, linked.acceleration)
+    # Rotors turn with the sensor, not with the link.
+    rigid += body.armature * (motion.acceleration - linked.acceleration)
     friction = np.zeros_like(rigid)
     total, reported = np.empty_like(rigid), np.empty_like(rigid)
     for i, joint in enumerate(robot.table.joint):
-        around = surroundings(joint, motion, i, rigid[:, i])
+        around = surroundings(joint, linked, i, rigid[:, i])
         for term in joint.friction or ():
-            friction[:, i] += term_torque(term, joint.actuator.gear_ratio, motion, i, around)
-        position = motion.position[:, i]
-        if joint.friction_waves:
-            forward, _ = direction(motion.velocity[:, i], motion.velocity_noise[i])
-            friction[:, i] += (2.0 * forward - 1.0) * _waves(joint.friction_waves, position)
+            friction[:, i] += term_torque(term, joint.actuator.gear_ratio, linked, i, around)
+        forward = forward_share(linked, i)
+        friction[:, i] += varying_friction(joint, linked, i, forward)
+        for drive in joint.common_drive:
+            other = robot.joints.index(drive.joint)
+            turn = linked.velocity[:, i] + drive.ratio * linked.velocity[:, other]
+            noise = float(np.hypot(linked.velocity_noise[i], drive.ratio * linked.velocity_noise[other]))
+            share, _ = direction(turn, noise)
+            rub = drive.coulomb * (2.0 * share - 1.0) + drive.viscous * turn
+            friction[:, i] += rub
+            friction[:, other] += drive.ratio * rub
+    for i, joint in enumerate(robot.table.joint):
+        position = linked.position[:, i]
         spring = joint.spring.stiffness * position + joint.spring.preload
         total[:, i] = rigid[:, i] + friction[:, i] + _waves(joint.cogging, position) + spring
+    alone = total.copy()
+    for i, joint in enumerate(robot.table.joint):
+        for coupling in joint.coupling:
+            other = robot.joints.index(coupling.joint)
+            total[:, i] += (
+                coupling.coulomb * forward_share(linked, other) + coupling.viscous * linked.velocity[:, other]
+            )
+            total[:, i] += coupling.effort * alone[:, other]
         seen = _late(total[:, i], motion, joint.effort_sensor.delay)
         reported[:, i] = joint.effort_sensor.scale * seen + joint.effort_sensor.offset
     return Effort(rigid, friction, total, reported)
+
+
+def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
+    """Return the motion of the links behind the sensors: less the offsets, and what the transmissions give.
+
+    The load on a transmission is what the link needs along the sensors' motion.
+    """
+    offset = np.array([joint.position_sensor.offset for joint in robot.table.joint])
+    if np.any(offset):
+        motion = replace(motion, position=motion.position - offset)
+    if not any(joint.transmission.compliance or joint.transmission.backlash for joint in robot.table.joint):
+        return motion
+    load = inverse_dynamics(body, motion.position, motion.velocity, motion.acceleration)
+    load -= body.armature * motion.acceleration
+    parts = [motion.position.copy(), motion.velocity.copy(), motion.acceleration.copy()]
+    for i, joint in enumerate(robot.table.joint):
+        own = joint.transmission
+        if own.compliance or own.backlash:
+            given = own.compliance * load[:, i] + 0.5 * own.backlash * np.sign(load[:, i])
+            for part, derivative in zip(parts, smooth_derivatives(motion, given), strict=True):
+                part[:, i] -= derivative
+    return replace(motion, position=parts[0], velocity=parts[1], acceleration=parts[2])
+
+
+def forward_share(motion: Motion, index: int) -> Floats:
+    """Return the direction of friction on a joint, −1 to 1, between the two while it may be stuck, (n,)."""
+    forward, _ = direction(motion.velocity[:, index], motion.velocity_noise[index])
+    return 2.0 * forward - 1.0
+
+
+def varying_friction(joint: Joint, motion: Motion, index: int, forward: Floats) -> Floats:
+    """Return what varies the friction of a joint along the stroke, with temperature, time and pressure, (n,).
+
+    ``forward`` (n,) is the direction of friction.
+    """
+    velocity, time = motion.velocity[:, index], motion.time
+    level, rate = _waves(joint.friction_waves, motion.position[:, index]), np.zeros_like(velocity)
+    thermal = joint.thermal
+    if thermal.coulomb_per_kelvin or thermal.viscous_per_kelvin:
+        warmer = motion.columns.get(f"temperature.{joint.name}", ROOM_TEMPERATURE) - thermal.reference_temperature
+        level, rate = level + thermal.coulomb_per_kelvin * warmer, rate + thermal.viscous_per_kelvin * warmer
+    if joint.warm_up is not None:
+        share = warmed(time, joint.warm_up.time_constant)
+        level, rate = level + joint.warm_up.coulomb * share, rate + joint.warm_up.viscous * share
+    for event in joint.events:
+        after = time >= event.time
+        level, rate = level + event.coulomb * after, rate + event.viscous * after
+    pressed = joint.pressure_friction
+    for name, per_pascal in (("pressure_head", pressed.head), ("pressure_rod", pressed.rod)):
+        if per_pascal:
+            level = level + per_pascal * motion.columns.get(f"{name}.{joint.name}", 0.0)
+    return np.asarray(level * forward + rate * velocity)
+
+
+def warmed(time: Floats, time_constant: float) -> Floats:
+    """Return 1 − e^(−t/τ), the share of a warm-up that is over; none before time zero."""
+    return np.asarray(-np.expm1(-np.maximum(time, 0.0) / time_constant))
 
 
 def _late(effort: Floats, motion: Motion, delay: float) -> Floats:

@@ -110,11 +110,87 @@ class Spring(Table):
     preload: Finite = 0.0
 
 
+class Thermal(Table):
+    """Friction that follows the logged temperature: (``coulomb_per_kelvin`` · sgn q̇ + ``viscous_per_kelvin`` · q̇) times
+    the temperature above ``reference_temperature`` (°C).
+    """
+
+    coulomb_per_kelvin: Finite = 0.0
+    viscous_per_kelvin: Finite = 0.0
+    reference_temperature: Finite = ROOM_TEMPERATURE
+
+
+class WarmUp(Table):
+    """Friction that settles with running time t (s): (``coulomb`` · sgn q̇ + ``viscous`` · q̇) · (1 − e^(−t/τ)), τ the
+    ``time_constant``.
+    """
+
+    coulomb: Finite = 0.0
+    viscous: Finite = 0.0
+    time_constant: Positive
+
+
+class Event(Table):
+    """Friction that steps at a ``time`` of the log (s) and stays: ``coulomb`` · sgn q̇ + ``viscous`` · q̇ from then."""
+
+    time: Finite
+    coulomb: Finite = 0.0
+    viscous: Finite = 0.0
+
+
+class PressureFriction(Table):
+    """Friction that the chambers press on: (``head`` · p₁ + ``rod`` · p₂) · sgn q̇, N or N·m per Pa."""
+
+    head: Finite = 0.0
+    rod: Finite = 0.0
+
+
+class Coupling(Table):
+    """What another joint's motion or effort adds to this joint's effort through the transmission.
+
+    ``coulomb`` · sgn q̇ₖ + ``viscous`` · q̇ₖ + ``effort`` · effortₖ, k being the other ``joint``.
+    """
+
+    joint: str
+    coulomb: Finite = 0.0
+    viscous: Finite = 0.0
+    effort: Finite = 0.0
+
+
+class CommonDrive(Table):
+    """Friction of a drive that turns with q̇ + ``ratio`` · q̇ₖ = u, k being the other ``joint``, as in coupled wrists.
+
+    F(u) = ``coulomb`` · sgn u + ``viscous`` · u acts on this joint, ``ratio`` · F(u) on the other.
+    """
+
+    joint: str
+    ratio: Finite
+    coulomb: Finite = 0.0
+    viscous: Finite = 0.0
+
+
+class Transmission(Table):
+    """What lies between the position sensor, on the motor's side, and the link.
+
+    The link lags the sensor by ``compliance`` · load + ½ · ``backlash`` · sgn(load): rad/(N·m) and rad (m/N and m).
+    """
+
+    compliance: NonNegative = 0.0
+    backlash: NonNegative = 0.0
+
+
+class PositionSensor(Table):
+    """What the position sensor reads: position + ``offset``."""
+
+    offset: Finite = 0.0
+
+
 class Joint(Table):
     """One joint.
 
-    Several friction laws add up; without any, the model file's own damping and dry friction hold.  ``friction_waves``
-    add to the friction level along the stroke; ``cogging`` and ``spring`` do not turn with the direction of motion.
+    Several friction laws add up; without any, the model file's own damping and dry friction hold.  ``friction_waves``,
+    ``thermal``, ``warm_up``, ``events`` and ``pressure_friction`` add to them against the motion; ``cogging`` and
+    ``spring`` do not turn with its direction.
     """
 
     name: str
@@ -123,6 +199,14 @@ class Joint(Table):
     friction_waves: tuple[Wave, ...] = ()
     cogging: tuple[Wave, ...] = ()
     spring: Spring = Spring()
+    thermal: Thermal = Thermal()
+    warm_up: WarmUp | None = None
+    events: tuple[Event, ...] = ()
+    pressure_friction: PressureFriction = PressureFriction()
+    coupling: tuple[Coupling, ...] = ()
+    common_drive: tuple[CommonDrive, ...] = ()
+    transmission: Transmission = Transmission()
+    position_sensor: PositionSensor = PositionSensor()
     effort_sensor: EffortSensor = EffortSensor()
 
     def model_post_init(self, _context: Any, /) -> None:
@@ -160,4 +244,10 @@ class RobotTable(Table):
         doubled = sorted({name for name in names if names.count(name) > 1})
         if doubled:
             raise ValueError(f"joint '{doubled[0]}' is listed twice; list every joint once")
+        for joint in value:
+            for other in [one.joint for one in joint.coupling] + [one.joint for one in joint.common_drive]:
+                if other not in names or other == joint.name:
+                    raise ValueError(
+                        f"joint '{joint.name}' is coupled to '{other}'; it must be another of {', '.join(names)}"
+                    )
         return value

@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Shape, Site, column
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
 from mjfriction.diagnose.gap import Gap
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
@@ -36,8 +36,9 @@ class Asymmetry(Cause):
         """Half the difference of the two dampings."""
         return (Quantity(ASYMMETRY),)
 
-    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Give each direction its own damping."""
+        joint = robot.joints[site.joint]
         return with_asymmetric_damping(robot, joint, float(strengths[0]))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:

@@ -5,13 +5,17 @@ from __future__ import annotations
 from mjfriction.diagnose.causes.asymmetry import Asymmetry
 from mjfriction.diagnose.causes.cause import Cause
 from mjfriction.diagnose.causes.coulomb_viscous import CoulombViscous
+from mjfriction.diagnose.causes.coupling import DifferenceDrive, SharedEffort, SharedFriction, SumDrive
 from mjfriction.diagnose.causes.delay import JointDelay, LogDelay
 from mjfriction.diagnose.causes.load import Load
+from mjfriction.diagnose.causes.moved_link import Backlash, Elasticity, EncoderOffset
 from mjfriction.diagnose.causes.offset import Offset
+from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.causes.spring import Spring
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
+from mjfriction.diagnose.causes.varying import Pressure, Step, Warming, WarmUpDrift
 from mjfriction.diagnose.causes.viscous_nonlinear import ViscousNonlinear
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.causes.whole_arm import GravityDirection, Payload
@@ -23,14 +27,26 @@ STRUCTURAL: tuple[Cause, ...] = (
     ViscousNonlinear(),
     Asymmetry(),
     Load(),
+    Presliding(),
     PositionFriction(),
+    Warming(),
+    WarmUpDrift(),
+    Step(),
+    Pressure(),
     Cogging(),
     Offset(),
     RotorInertia(),
     TorqueConstant(),
+    SharedFriction(),
+    SharedEffort(),
+    SumDrive(),
+    DifferenceDrive(),
+    Elasticity(),
+    Backlash(),
     Spring(),
     Payload(),
     GravityDirection(),
     JointDelay(),
     LogDelay(),
+    EncoderOffset(),
 )

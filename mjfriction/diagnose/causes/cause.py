@@ -23,10 +23,13 @@ Shape = tuple[float, ...]
 
 @dataclass(frozen=True)
 class Site:
-    """A cause at a place: on one joint (its index), with values for its shape parameters."""
+    """A cause at a place: on one joint (its index), with values for its shape parameters; ``other`` is the joint that
+    it comes from, where it comes from one.
+    """
 
     joint: int
     shape: Shape = ()
+    other: int | None = None
 
     def shaped(self, shape: Shape) -> Site:
         """Return the same place with another shape."""
@@ -49,6 +52,7 @@ class Cause(ABC):
     shape_parameters: ClassVar[tuple[Parameter, ...]] = ()
     covariate: ClassVar[str] = "velocity"
     whole_arm: ClassVar[bool] = False  # whether every joint feels it; its site is then where it shows most
+    curved: ClassVar[bool] = False  # whether the effort bends with the strengths: then fitted on the real balance
     before_sensor: ClassVar[bool] = True  # whether the change passes the effort sensor's scale, as all torques do
     contains: ClassVar[tuple[str, ...]] = ()  # causes that are this one with a strength at zero: no rivals of theirs
     kin: ClassVar[
@@ -68,7 +72,7 @@ class Cause(ABC):
         """Return what each strength means, in order."""
 
     @abstractmethod
-    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Return the robot with the cause built in."""
 
     @abstractmethod

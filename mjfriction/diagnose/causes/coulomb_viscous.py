@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Shape, Site
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Site
 from mjfriction.diagnose.gap import Gap
 from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
 from mjfriction.record.log import Floats
@@ -36,8 +36,9 @@ class CoulombViscous(Cause):
             Quantity(COULOMB_VISCOUS.parameter("viscous"), shift=viscous),
         )
 
-    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move the levels of the joint's friction."""
+        joint = robot.joints[site.joint]
         return raised_levels(robot, joint, float(strengths[0]), float(strengths[1]))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:

@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Shape, Site, column
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
 from mjfriction.diagnose.gap import Gap
 from mjfriction.diagnose.regression import Columns
 from mjfriction.parameter import Parameter
@@ -33,11 +33,12 @@ def _delayed(robot: Robot, joint: str, delay: float) -> Robot:
 
 
 class _Delay(Cause):
-    """−d·dτ/dt: of first order in the delay, and short by up to a fifth where friction turns over within it."""
+    """−d·dτ/dt to first order; then fitted on the shifted effort itself."""
 
     name = "sensor.delay"
     covariate = "time"
     before_sensor = False
+    curved = True
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The rate of the stated effort, turned, (n, 1)."""
@@ -64,8 +65,9 @@ class JointDelay(_Delay):
         """The joint's own column."""
         return {site.joint: gap.chain.rows(self.samples(gap, site))}
 
-    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move the delay of the joint's effort sensor."""
+        joint = robot.joints[site.joint]
         return _delayed(robot, joint, float(strengths[0]))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
@@ -92,7 +94,7 @@ class LogDelay(_Delay):
             gap.kept[self.name] = {j: gap.chain.rows(self.samples(gap, Site(j))) for j in gap.examined}
         return gap.kept[self.name]
 
-    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move the delay of every joint's effort sensor."""
         for name in robot.joints:
             robot = _delayed(robot, name, float(strengths[0]))

@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Shape, Site, column
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
 from mjfriction.diagnose.gap import Gap
 from mjfriction.laws.load_dependent import LOAD_DEPENDENT
 from mjfriction.record.log import Floats
@@ -33,8 +33,9 @@ class Load(Cause):
         """Load presses gears together; it never lowers their friction below what is stated without it."""
         return bool(stated_load(gap.robot.table.joint[site.joint]) + strengths[0] > 0.0)
 
-    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Add a law that holds only the load's part, or move the one there is."""
+        joint = robot.joints[site.joint]
         return with_term(
             robot, joint, LOAD_DEPENDENT.name, {"coulomb": 0.0, "load": float(strengths[0]), "viscous": 0.0}
         )

@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Shape, Site, column
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
 from mjfriction.diagnose.gap import Gap
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
@@ -32,8 +32,9 @@ class Offset(Cause):
         """The offset, stated plus change."""
         return (Quantity(OFFSET, shift=gap.robot.table.joint[site.joint].effort_sensor.offset),)
 
-    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move the effort sensor's offset."""
+        joint = robot.joints[site.joint]
         table = robot.joint(joint)
         offset = table.effort_sensor.offset + float(strengths[0])
         sensor = table.effort_sensor.model_copy(update={"offset": offset})

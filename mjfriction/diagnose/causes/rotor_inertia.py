@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Shape, Site, column
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
 from mjfriction.diagnose.gap import Gap
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
@@ -36,8 +36,9 @@ class RotorInertia(Cause):
         actuator = gap.robot.table.joint[site.joint].actuator
         return bool(actuator.rotor_inertia + strengths[0] / actuator.gear_ratio**2 >= 0.0)
 
-    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move the rotor inertia of the joint's actuator."""
+        joint = robot.joints[site.joint]
         table = robot.joint(joint)
         inertia = table.actuator.rotor_inertia + float(strengths[0]) / table.actuator.gear_ratio**2
         actuator = table.actuator.model_copy(update={"rotor_inertia": inertia})

@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Shape, Site
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Site
 from mjfriction.diagnose.gap import Gap
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
@@ -35,8 +35,9 @@ class Spring(Cause):
         stated = gap.robot.table.joint[site.joint].spring
         return (Quantity(STIFFNESS, shift=stated.stiffness), Quantity(PRELOAD, shift=stated.preload))
 
-    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Add to the joint's spring."""
+        joint = robot.joints[site.joint]
         table = robot.joint(joint)
         spring = SpringTable(
             stiffness=table.spring.stiffness + float(strengths[0]), preload=table.spring.preload + float(strengths[1])

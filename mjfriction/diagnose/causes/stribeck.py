@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Shape, Site, column
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
 from mjfriction.diagnose.gap import Gap
 from mjfriction.laws.stribeck import STRIBECK
 from mjfriction.parameter import Parameter
@@ -56,13 +56,14 @@ class Stribeck(Cause):
         """Friction may not grow from rest; less extra than stated is fine as long as none is left negative."""
         return bool(strengths[0] > -stribeck_excess(gap.robot.table.joint[site.joint]))
 
-    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Add a Stribeck law that holds only the extra level."""
+        joint = robot.joints[site.joint]
         parameters = {
             "coulomb": 0.0,
             "static": float(strengths[0]),
-            "stribeck_velocity": shape[0],
-            "stribeck_exponent": shape[1],
+            "stribeck_velocity": site.shape[0],
+            "stribeck_exponent": site.shape[1],
             "viscous": 0.0,
         }
         return with_term(robot, joint, STRIBECK.name, parameters)

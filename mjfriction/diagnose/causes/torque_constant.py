@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import final
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Shape, Site, column
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
 from mjfriction.diagnose.gap import Gap
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import CURRENT, Floats
@@ -35,12 +35,13 @@ class TorqueConstant(Cause):
         """A factor of three or more, or a reversed sign, is a fault of units or wiring, not of a constant."""
         return bool(1.0 / MOST_OFF < 1.0 + strengths[0] < MOST_OFF)
 
-    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Scale the effort sensor.
 
         A reading in amperes says the same of the torque constant, which is the stated one divided by the factor; the
         robot file keeps the stated constant and carries the factor, so that it holds for either kind of log.
         """
+        joint = robot.joints[site.joint]
         table = robot.joint(joint)
         scale = table.effort_sensor.scale * (1.0 + float(strengths[0]))
         sensor = table.effort_sensor.model_copy(update={"scale": scale})

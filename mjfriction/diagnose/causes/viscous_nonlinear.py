@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Shape, Site, column
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
 from mjfriction.diagnose.gap import Gap
 from mjfriction.laws.quadratic_viscous import QUADRATIC_VISCOUS
 from mjfriction.record.log import Floats
@@ -29,8 +29,9 @@ class ViscousNonlinear(Cause):
         """The quadratic coefficient."""
         return (Quantity(QUADRATIC_VISCOUS.parameter("quadratic")),)
 
-    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Add a law that holds only the quadratic term."""
+        joint = robot.joints[site.joint]
         parameters = {"coulomb": 0.0, "viscous": 0.0, "quadratic": float(strengths[0])}
         return with_term(robot, joint, QUADRATIC_VISCOUS.name, parameters)
 

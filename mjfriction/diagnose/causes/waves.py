@@ -92,10 +92,11 @@ class Cogging(_Waves):
 
     name = "drive.cogging"
 
-    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Add a wave to the joint's cogging."""
+        joint = robot.joints[site.joint]
         table = robot.joint(joint)
-        return robot.with_joint(table.model_copy(update={"cogging": (*table.cogging, _wave(strengths, shape))}))
+        return robot.with_joint(table.model_copy(update={"cogging": (*table.cogging, _wave(strengths, site.shape))}))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give amplitude and period."""
@@ -113,10 +114,11 @@ class PositionFriction(_Waves):
     name = "friction.position"
     turns = True
 
-    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Add a wave to the joint's friction level."""
+        joint = robot.joints[site.joint]
         table = robot.joint(joint)
-        waves = (*table.friction_waves, _wave(strengths, shape))
+        waves = (*table.friction_waves, _wave(strengths, site.shape))
         return robot.with_joint(table.model_copy(update={"friction_waves": waves}))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:

@@ -10,7 +10,7 @@ from typing import final
 import numpy as np
 
 from mjfriction.body.regressor import gravity_torques, tip_link, tip_mass_torques
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Shape, Site
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Site
 from mjfriction.diagnose.gap import Gap
 from mjfriction.diagnose.regression import Columns
 from mjfriction.parameter import Parameter
@@ -27,6 +27,7 @@ class _WholeArm(Cause):
 
     whole_arm = True
     covariate = "position"
+    curved = True
 
     @abstractmethod
     def torques(self, gap: Gap) -> Floats:
@@ -85,7 +86,7 @@ class Payload(_WholeArm):
         total = mass + strengths[0]
         return bool(total > 0.0 and np.linalg.norm(moment + strengths[1:]) < FARTHEST * total)
 
-    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Put the payload into the robot, or change the one that is there."""
         mass, moment = _stated(robot)
         total = float(mass + strengths[0])
@@ -131,7 +132,7 @@ class GravityDirection(_WholeArm):
         """Past some forty degrees it is another mounting, not a tilt."""
         return bool(np.linalg.norm(strengths) < STEEPEST * np.linalg.norm(gap.body.gravity))
 
-    def extend(self, robot: Robot, joint: str, strengths: Floats, shape: Shape) -> Robot:
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Turn the robot's gravity, keeping its size."""
         stated = np.asarray(robot.body().gravity)
         size = float(np.linalg.norm(stated))

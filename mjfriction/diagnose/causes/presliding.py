@@ -1,0 +1,85 @@
+"""friction.presliding: after a reversal friction builds up over a travel, not at once."""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
+from mjfriction.diagnose.gap import DOUBT_PERIODS, Gap
+from mjfriction.laws.ambient import ambient
+from mjfriction.laws.dahl import DAHL
+from mjfriction.parameter import Parameter
+from mjfriction.record.log import Floats
+from mjfriction.robot.friction import raised_levels, with_term
+from mjfriction.robot.robot import Robot
+
+LEVEL = Parameter("presliding_level", "{force}", "part of the Coulomb level that builds up over a travel", lower=0.0)
+TRAVEL = Parameter("presliding_travel", "{length}", "travel over which 63 % of the change builds up", lower=1e-9)
+SHORTEST = 1.0  # times the travel that a reversal's doubt covers: what builds up within it cannot be seen
+LONGEST = 0.2  # of the stroke
+SHAPES = 8
+
+
+def _bristle(level: float, travel: float) -> dict[str, float]:
+    return {"coulomb": level, "bristle_stiffness": level / travel, "shape_exponent": 1.0, "viscous": 0.0}
+
+
+@final
+class Presliding(Cause):
+    """Of the Coulomb level, E follows a Dahl bristle in place of the direction of motion: E·(z − sgn v), where
+    dz/dx = (1 − z·sgn v)/x₀.
+    """
+
+    name = "friction.presliding"
+    shape_parameters = (TRAVEL,)
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """Every moving joint that reverses, with travels spaced evenly in logarithm over what its motion can show."""
+        out = []
+        for site in super().sites(gap):
+            low, high = self.shape_bounds(gap, site)[0]
+            turns = np.ptp(np.sign(gap.forward(site.joint))) > 1.0
+            if turns and high > 2.0 * low:
+                out += [site.shaped((float(travel),)) for travel in np.geomspace(low, high, SHAPES)]
+        return out
+
+    def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
+        """From the travel that a blurred reversal covers to a part of the stroke."""
+        motion, joint = gap.motion, site.joint
+        blurred = gap.doubt_speed[joint] * DOUBT_PERIODS / motion.cutoff
+        return [(SHORTEST * blurred, LONGEST * float(np.ptp(motion.position[:, joint])))]
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """The bristle's share less the direction of motion, (n, 1)."""
+        motion, joint = gap.motion, site.joint
+        packed = DAHL.pack(_bristle(1.0, site.shape[0]))
+        bristle = np.empty_like(motion.time)
+        for piece in np.unique(motion.piece):
+            own = motion.piece == piece
+            velocity = motion.velocity[own, joint]
+            bristle[own] = DAHL.follow(velocity, ambient(velocity.size), 1.0 / motion.rate, packed)[0]
+        return column(bristle - gap.forward(joint))
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """The level that builds up."""
+        return (Quantity(LEVEL),)
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """Friction that builds up stands against the motion."""
+        return bool(strengths[0] > 0.0)
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """Move a part of the Coulomb level into a Dahl law."""
+        joint = robot.joints[site.joint]
+        level = float(strengths[0])
+        return with_term(raised_levels(robot, joint, -level, 0.0), joint, DAHL.name, _bristle(level, site.shape[0]))
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give the travel."""
+        sliding = gap.body.sliding[site.joint]
+        return (
+            f"after every reversal {strengths[0]:.3g} {'N' if sliding else 'N·m'} of the friction build up over a "
+            f"travel of {site.shape[0]:.3g} {'m' if sliding else 'rad'}, fast or slow"
+        )

@@ -1,0 +1,236 @@
+"""Friction that varies with what surrounds it: temperature or running time (friction.temperature), a moment at which it
+steps (event.change), and chamber pressures (hydraulic.pressure).
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from typing import final
+
+import numpy as np
+
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Site
+from mjfriction.diagnose.gap import Gap
+from mjfriction.diagnose.regression import Columns
+from mjfriction.laws.ambient import ROOM_TEMPERATURE
+from mjfriction.parameter import Parameter
+from mjfriction.record.log import Floats
+from mjfriction.robot.effort import warmed
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.schema import Event, PressureFriction, Thermal, WarmUp
+
+COULOMB = Parameter("coulomb", "{force}", "change of the Coulomb level")
+VISCOUS = Parameter("viscous", "{force}·s/{length}", "change of the damping")
+COULOMB_PER_KELVIN = Parameter("coulomb_per_kelvin", "{force}/K", "growth of the Coulomb level with temperature")
+VISCOUS_PER_KELVIN = Parameter("viscous_per_kelvin", "{force}·s/({length}·K)", "growth of the damping with temperature")
+TIME_CONSTANT = Parameter("time_constant", "s", "time after which 63 % of the change is over", lower=1e-3)
+MOMENT = Parameter("time", "s", "moment of the step, on the log's clock")
+HEAD = Parameter("head", "{force}/Pa", "growth of the level with the pressure on the head's side")
+ROD = Parameter("rod", "{force}/Pa", "growth of the level with the pressure on the rod's side")
+
+LEAST_WARMING = 1.0  # K over a log, below which nothing is seen of it
+MOMENTS = 60
+EDGE = 0.06  # of the log at both ends, in which a step is not looked for
+TIME_CONSTANTS = (0.1, 3.0)  # of the log's length
+
+
+class _Varying(Cause):
+    """One course of time c(t): (C·sgn v + V·v)·c."""
+
+    covariate = "time"
+
+    @abstractmethod
+    def course(self, gap: Gap, site: Site) -> Floats:
+        """Return c along the motion, (n,)."""
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """Direction and velocity times the course, (n, 2)."""
+        course = self.course(gap, site)
+        return np.column_stack([gap.forward(site.joint) * course, gap.motion.velocity[:, site.joint] * course])
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """Changes of level and damping."""
+        return (Quantity(COULOMB), Quantity(VISCOUS))
+
+
+def _temperature(gap: Gap, joint: int) -> Floats | None:
+    logged = gap.motion.columns.get(f"temperature.{gap.robot.joints[joint]}")
+    return logged if logged is not None and np.ptp(logged) >= LEAST_WARMING else None
+
+
+def _words(strengths: Floats, sliding: bool) -> str:
+    force, speed = ("N", "m/s") if sliding else ("N·m", "rad/s")
+    return f"{strengths[0]:+.3g} {force} and {strengths[1]:+.3g} {force} per {speed}"
+
+
+@final
+class Warming(_Varying):
+    """Friction follows the logged temperature."""
+
+    name = "friction.temperature"
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """Every moving joint whose temperature was logged and changed."""
+        return [site for site in super().sites(gap) if _temperature(gap, site.joint) is not None]
+
+    def course(self, gap: Gap, site: Site) -> Floats:
+        """Temperature above the room's."""
+        logged = _temperature(gap, site.joint)
+        assert logged is not None, "sites lets no joint without a temperature pass"
+        return logged - ROOM_TEMPERATURE
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """Growth per kelvin, stated plus change."""
+        stated = gap.robot.table.joint[site.joint].thermal
+        return (
+            Quantity(COULOMB_PER_KELVIN, shift=stated.coulomb_per_kelvin),
+            Quantity(VISCOUS_PER_KELVIN, shift=stated.viscous_per_kelvin),
+        )
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """Move the joint's growth per kelvin."""
+        joint = robot.joints[site.joint]
+        table = robot.joint(joint)
+        stated = table.thermal
+        changed = Thermal(
+            coulomb_per_kelvin=stated.coulomb_per_kelvin + float(strengths[0]),
+            viscous_per_kelvin=stated.viscous_per_kelvin + float(strengths[1]),
+            reference_temperature=stated.reference_temperature,
+        )
+        return robot.with_joint(table.model_copy(update={"thermal": changed}))
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give what the log's warming adds."""
+        logged = _temperature(gap, site.joint)
+        assert logged is not None, "sites lets no joint without a temperature pass"
+        span = float(np.ptp(logged))
+        change = _words(strengths * span, gap.body.sliding[site.joint])
+        return f"as the joint warms by {span:.3g} K its friction changes by {change}"
+
+
+@final
+class WarmUpDrift(_Varying):
+    """Friction settles with running time; asked where no temperature was logged."""
+
+    name = "friction.temperature"
+    shape_parameters = (TIME_CONSTANT,)
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """Every moving joint of a log whose clock runs on, with time constants of a tenth of it to three times it."""
+        duration = float(np.ptp(gap.motion.time))
+        if np.any(np.diff(gap.motion.time) < 0.0):
+            return []
+        grid = np.geomspace(TIME_CONSTANTS[0] * duration, TIME_CONSTANTS[1] * duration, 5)
+        joints = [site for site in super().sites(gap) if _temperature(gap, site.joint) is None]
+        return [site.shaped((float(tau),)) for site in joints for tau in grid]
+
+    def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
+        """Faster is an event, slower a straight line."""
+        duration = float(np.ptp(gap.motion.time))
+        return [(TIME_CONSTANTS[0] * duration, TIME_CONSTANTS[1] * duration)]
+
+    def course(self, gap: Gap, site: Site) -> Floats:
+        """The share of the warm-up that is over."""
+        return warmed(gap.motion.time, site.shape[0])
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """State the warm-up."""
+        joint = robot.joints[site.joint]
+        warm = WarmUp(coulomb=float(strengths[0]), viscous=float(strengths[1]), time_constant=site.shape[0])
+        return robot.with_joint(robot.joint(joint).model_copy(update={"warm_up": warm}))
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give the drift over the log."""
+        course = self.course(gap, site)
+        change = _words(strengths * float(course[-1] - course[0]), gap.body.sliding[site.joint])
+        return f"friction drifts smoothly over the log, by {change} from its beginning to its end"
+
+
+@final
+class Step(_Varying):
+    """Friction steps at one moment and stays."""
+
+    name = "event.change"
+    shape_parameters = (MOMENT,)
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """Every moving joint, with moments spread over the log."""
+        moments = self._moments(gap)
+        return [site.shaped((float(moment),)) for site in super().sites(gap) for moment in moments]
+
+    def _moments(self, gap: Gap) -> Floats:
+        if np.any(np.diff(gap.motion.time) < 0.0) or gap.motion.time[0] < 0.0:
+            return np.empty(0)
+        return np.asarray(np.quantile(gap.chain.time, np.linspace(EDGE, 1.0 - EDGE, MOMENTS)))
+
+    def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
+        """Within the log."""
+        low, high = np.quantile(gap.chain.time, [EDGE, 1.0 - EDGE])
+        return [(max(float(low), 1e-3), float(high))]
+
+    def shape_steps(self, gap: Gap, site: Site) -> tuple[float, ...]:
+        """Half of the distance between two moments."""
+        return (0.5 * float(np.ptp(gap.chain.time)) / MOMENTS,)
+
+    def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
+        """Rows cut at the moments; what the filter does to the edge matters little."""
+        joint, time = sites[0].joint, gap.chain.time[::every, None]
+        after = time >= np.array([site.shape[0] for site in sites])
+        sources = (gap.at_rows("forward"), gap.at_rows("velocity"))
+        return {joint: np.stack([after * source[::every, [joint]] for source in sources], axis=2)}
+
+    def course(self, gap: Gap, site: Site) -> Floats:
+        """Nothing before, one after."""
+        return np.asarray((gap.motion.time >= site.shape[0]).astype(np.float64))
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """State the event."""
+        joint = robot.joints[site.joint]
+        table = robot.joint(joint)
+        event = Event(time=site.shape[0], coulomb=float(strengths[0]), viscous=float(strengths[1]))
+        return robot.with_joint(table.model_copy(update={"events": (*table.events, event)}))
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give the moment and the step."""
+        return f"at {site.shape[0]:.4g} s friction steps by {_words(strengths, gap.body.sliding[site.joint])} and stays"
+
+
+@final
+class Pressure(Cause):
+    """(h·p₁ + r·p₂)·sgn v."""
+
+    name = "hydraulic.pressure"
+    covariate = "velocity"
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """Every moving joint whose chamber pressures were logged."""
+        return [site for site in super().sites(gap) if all(p is not None for p in self._pressures(gap, site))]
+
+    def _pressures(self, gap: Gap, site: Site) -> list[Floats | None]:
+        joint = gap.robot.joints[site.joint]
+        return [gap.motion.columns.get(f"{name}.{joint}") for name in ("pressure_head", "pressure_rod")]
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """The two pressures in the direction of motion, (n, 2)."""
+        forward = gap.forward(site.joint)
+        return np.column_stack([forward * np.asarray(pressure) for pressure in self._pressures(gap, site)])
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """Growth with either pressure, stated plus change."""
+        stated = gap.robot.table.joint[site.joint].pressure_friction
+        return (Quantity(HEAD, shift=stated.head), Quantity(ROD, shift=stated.rod))
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """Move the joint's growth with pressure."""
+        joint = robot.joints[site.joint]
+        table = robot.joint(joint)
+        stated = table.pressure_friction
+        changed = PressureFriction(head=stated.head + float(strengths[0]), rod=stated.rod + float(strengths[1]))
+        return robot.with_joint(table.model_copy(update={"pressure_friction": changed}))
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give what ten bar add."""
+        unit = "N" if gap.body.sliding[site.joint] else "N·m"
+        head, rod = 1e6 * strengths
+        return f"friction grows by {head:.3g} {unit} per 10 bar on the head's side and {rod:.3g} {unit} on the rod's"

@@ -1,0 +1,79 @@
+"""Curved causes on the real balance: a delay, a tilt, a payload, a zero that is off bend with their size.
+
+Each is replaced by its tangent where it was fitted, taken from what the extended robot predicts, and fitted anew
+(Gauss-Newton).  Else a second, false cause would soak up what first order leaves of a tilt of some degrees.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from mjfriction.diagnose.gap import Gap
+from mjfriction.diagnose.model import Chosen, Model, Tangent, build_model
+from mjfriction.record.log import Floats
+from mjfriction.robot.effort import predict_effort
+from mjfriction.robot.robot import Robot
+
+ROUNDS = 4
+SETTLED = 1e-3  # relative change of the strengths at which the rounds end
+STEP = 1e-3  # of a strength's own size, for its difference quotient
+
+
+def straightened(model: Model) -> Model:
+    """Return the model with every curved cause refitted on what the extended robot predicts."""
+    if not any(choice.cause.curved for choice in model.chosen):
+        return model
+    for _ in range(ROUNDS):
+        strengths = [model.strengths[place] for place in model.places]
+        if not all(_admissible(model, c, own) for c, own in zip(model.chosen, strengths, strict=True)):
+            return model
+        chosen = _tangents(model, strengths)
+        model = build_model(model.gap, model.nuisance, chosen)
+        moved = [model.strengths[place] for place in model.places]
+        pairs = [(a, b) for c, a, b in zip(chosen, strengths, moved, strict=True) if c.cause.curved]
+        if all(np.linalg.norm(b - a) <= SETTLED * np.linalg.norm(a) for a, b in pairs):
+            break
+    return model
+
+
+def _admissible(model: Model, choice: Chosen, strengths: Floats) -> bool:
+    return not choice.cause.curved or choice.cause.admissible(model.gap, choice.site, strengths)
+
+
+def _tangents(model: Model, strengths: list[Floats]) -> tuple[Chosen, ...]:
+    gap = model.gap
+    curved = [(c, own) for c, own in zip(model.chosen, strengths, strict=True) if c.cause.curved]
+    stated = gap.chain.rows(gap.effort.reported)
+    whole = _predicted(gap, curved)
+    effects, columns = {}, {}
+    for i, (choice, own) in enumerate(curved):
+        others = [*curved[:i], *curved[i + 1 :]]
+        effects[choice.key] = whole - (_predicted(gap, others) if others else stated)
+        parts = []
+        for k in range(own.size):
+            step = np.zeros(own.size)
+            step[k] = STEP * max(abs(own[k]), 0.1 * float(np.linalg.norm(own)))
+            parts.append((_predicted(gap, [*others, (choice, own + step)]) - whole) / step[k])
+        slopes = np.stack(parts, axis=2)
+        columns[choice.key] = {joint: slopes[:, joint] for joint in gap.examined}
+    # What they do together, beyond what each does among the others, is shared out.
+    together = (whole - stated - sum(effects.values())) / len(curved)
+    out = []
+    for choice, own in zip(model.chosen, strengths, strict=True):
+        if not choice.cause.curved:
+            out.append(choice)
+            continue
+        bend = effects[choice.key] + together
+        for joint, slope in columns[choice.key].items():
+            bend[:, joint] -= slope @ own
+        out.append(replace(choice, tangent=Tangent(columns[choice.key], bend)))
+    return tuple(out)
+
+
+def _predicted(gap: Gap, curved: list[tuple[Chosen, Floats]]) -> Floats:
+    robot: Robot = gap.robot
+    for choice, strengths in curved:
+        robot = choice.cause.extend(robot, choice.site, strengths)
+    return gap.chain.rows(predict_effort(robot, robot.body(), gap.motion).reported)
