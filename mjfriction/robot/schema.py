@@ -31,11 +31,13 @@ class Actuator(Table):
 
     ``gear_ratio``: motor radians per joint radian (per metre on a sliding joint), negative where the motor turns
     against the joint.  ``torque_constant``: N·m/A at the motor.  ``rotor_inertia``: kg·m² at the motor.
+    ``current_limit``: A, where the drive saturates.
     """
 
     gear_ratio: Finite = 1.0
     torque_constant: Positive | None = None
     rotor_inertia: NonNegative = 0.0
+    current_limit: Positive | None = None
 
     @field_validator("gear_ratio")
     @classmethod
@@ -46,11 +48,16 @@ class Actuator(Table):
 
 
 class EffortSensor(Table):
-    """What the drive reports: ``scale`` · effort(t − ``delay``) + ``offset`` (s; N·m or N at the joint)."""
+    """What the drive reports: ``scale`` · effort(t − ``delay``) + ``offset`` (s; N·m or N at the joint).
+
+    ``resolution`` and ``noise`` (its standard deviation) shape what a simulation reports.
+    """
 
     scale: Positive = 1.0
     offset: Finite = 0.0
     delay: Finite = 0.0
+    resolution: NonNegative = 0.0
+    noise: NonNegative = 0.0
 
 
 class Wave(Table):
@@ -180,9 +187,15 @@ class Transmission(Table):
 
 
 class PositionSensor(Table):
-    """What the position sensor reads: position + ``offset``."""
+    """What the position sensor reads: position + ``offset``.
+
+    ``resolution``, ``noise`` and ``velocity_noise`` (standard deviations) shape what a simulation reports.
+    """
 
     offset: Finite = 0.0
+    resolution: NonNegative = 0.0
+    noise: NonNegative = 0.0
+    velocity_noise: NonNegative = 0.0
 
 
 class Joint(Table):

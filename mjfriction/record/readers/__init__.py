@@ -22,9 +22,13 @@ def read_log(path: Path | str) -> Log:
     Raises :class:`~mjfriction.errors.LogError`, one line saying the file, the row or column, and what to do, when the
     file is missing, cannot be parsed, or is not a log (see :func:`~mjfriction.record.readers.table.log_from_table`).
     """
-    path = Path(path)
+    return log_from_table(read_table(Path(path)), str(path))
+
+
+def read_table(path: Path) -> pa.Table:
+    """Read a table from a CSV or Parquet file, whatever is in it; :class:`LogError` when it cannot be parsed."""
     if path.suffix.lower() not in READERS:
         raise LogError(f"{path}: cannot read a '{path.suffix}' file as a log; allowed are {', '.join(READERS)}")
     if not path.is_file():
         raise LogError(f"{path}: there is no such file")
-    return log_from_table(READERS[path.suffix.lower()](path), str(path))
+    return READERS[path.suffix.lower()](path)

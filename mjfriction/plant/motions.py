@@ -1,0 +1,135 @@
+"""Motions that show a machine: excitation, constant speeds to and fro, slow sines, sawtooth, pick and place."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+
+from mjfriction.errors import LogError
+from mjfriction.laws.law import Floats
+from mjfriction.plant.trajectory import Trajectory
+
+FADE = 2.0  # s over which an excitation swells from rest and dies down
+KNOTS = 250.0  # Hz of the tables
+
+
+def excitation(
+    joints: Sequence[str],
+    centre: Floats,
+    reach: Floats,
+    top_speed: Floats,
+    seconds: float,
+    *,
+    seed: int = 0,
+    lines: int = 5,
+    band: tuple[float, float] = (0.05, 0.5),
+) -> Trajectory:
+    """Return a sum of sines per joint about ``centre``, within ± ``reach`` (rad) and ``top_speed`` (rad/s).
+
+    Frequencies are drawn from ``band`` (Hz), evenly in logarithm; all joints begin and end at rest at the centre.
+    """
+    rng = np.random.default_rng([seed, 21])
+    time = np.arange(0.0, seconds + 0.5 / KNOTS, 1.0 / KNOTS)
+    swell = _smooth(time / FADE) * _smooth((seconds - time) / FADE)
+    position = np.empty((time.size, len(joints)))
+    for i in range(len(joints)):
+        frequency = np.exp(rng.uniform(np.log(band[0]), np.log(band[1]), lines))
+        amplitude = rng.uniform(0.3, 1.0, lines) / (0.2 + frequency)
+        course = swell * np.sum(
+            amplitude * np.sin(2.0 * np.pi * (np.outer(time, frequency) + rng.uniform(0.0, 1.0, lines))), axis=1
+        )
+        speed = np.max(np.abs(np.gradient(course, time)))
+        position[:, i] = centre[i] + course * min(reach[i] / np.max(np.abs(course)), top_speed[i] / speed)
+    return Trajectory(tuple(joints), time, position)
+
+
+def forward_backward(
+    joint: str, start: float, stroke: float, speeds: Sequence[float], acceleration: float, *, dwell: float = 0.3
+) -> Trajectory:
+    """Return passes of one joint to and fro, one pair per speed, with trapezoidal velocity.
+
+    Raises :class:`LogError` for a speed at which the stroke leaves no phase of constant speed: v²/a ≥ stroke.
+    """
+    time, position = [0.0, dwell], [start, start]
+    for speed in speeds:
+        if speed * speed / acceleration >= stroke:
+            raise LogError(
+                f"joint '{joint}': at {speed:.4g} the trapezoid degenerates over a stroke of {stroke:.4g} with "
+                f"{acceleration:.4g} of acceleration: no phase of constant speed is left; lower the speed below "
+                f"{np.sqrt(stroke * acceleration):.4g} or raise the acceleration"
+            )
+        for sign in (1.0, -1.0):
+            t, s = trapezoid(stroke, speed, acceleration)
+            time += (time[-1] + t[1:]).tolist()
+            position += (position[-1] + sign * s[1:]).tolist()
+            time.append(time[-1] + dwell)
+            position.append(position[-1])
+    return _even((joint,), np.array(time), np.array(position)[:, None])
+
+
+def trapezoid(stroke: float, speed: float, acceleration: float) -> tuple[Floats, Floats]:
+    """Return times and places of a move over a stroke, up to a speed (triangular where it is not reached)."""
+    speed = min(speed, np.sqrt(stroke * acceleration))
+    ramp, cruise = speed / acceleration, stroke / speed - speed / acceleration
+    total = 2.0 * ramp + cruise
+    t = np.unique(np.concatenate([np.linspace(0.0, ramp, 40), [ramp + cruise], np.linspace(ramp + cruise, total, 40)]))
+    up, down = 0.5 * acceleration * t**2, stroke - 0.5 * acceleration * (total - t) ** 2
+    between = 0.5 * speed * ramp + speed * (t - ramp)
+    return t, np.where(t <= ramp, up, np.where(t >= ramp + cruise, down, between))
+
+
+def sine(joint: str, centre: float, amplitude: float, frequency: float, periods: float) -> Trajectory:
+    """Return a sine of one joint that swells and dies down over its first and last half period."""
+    seconds = periods / frequency
+    time = np.arange(0.0, seconds + 0.5 / KNOTS, 1.0 / KNOTS)
+    half = 0.5 / frequency
+    swell = _smooth(time / half) * _smooth((seconds - time) / half)
+    return Trajectory((joint,), time, (centre + amplitude * swell * np.sin(2.0 * np.pi * frequency * time))[:, None])
+
+
+def sawtooth(joint: str, centre: float, amplitudes: Sequence[float], speed: float) -> Trajectory:
+    """Return slow constant-speed turns between ± each amplitude in turn: what draws hysteresis loops."""
+    corners = np.concatenate([[0.0], *([a, -a] for a in amplitudes), [0.0]])
+    time = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(corners)) / speed)])
+    return _even((joint,), time, centre + corners[:, None])
+
+
+def pick_and_place(
+    joints: Sequence[str],
+    poses: Floats,
+    top_speed: Floats,
+    acceleration: Floats,
+    *,
+    rounds: int = 3,
+    dwell: float = 0.4,
+) -> Trajectory:
+    """Return moves of all joints together from pose to pose (poses, joints), round and round, resting at each.
+
+    Joints move in step: each move takes as long as its slowest joint needs.
+    """
+    poses = np.asarray(poses)
+    order = [*range(len(poses))] * rounds + [0]
+    time, position = [0.0, dwell], [poses[0], poses[0]]
+    for a, b in itertools.pairwise(order):
+        way = poses[b] - poses[a]
+        seconds = max(
+            float(np.max(1.875 * np.abs(way) / top_speed)), float(np.max(np.sqrt(5.7735 * np.abs(way) / acceleration)))
+        )
+        s = np.linspace(0.0, 1.0, 60)[1:]
+        time += (time[-1] + seconds * s).tolist()
+        position += list(poses[a] + np.outer(s**3 * (10.0 - 15.0 * s + 6.0 * s**2), way))
+        time.append(time[-1] + dwell)
+        position.append(position[-1])
+    return _even(tuple(joints), np.array(time), np.array(position))
+
+
+def _even(joints: tuple[str, ...], time: Floats, position: Floats) -> Trajectory:
+    grid = np.arange(0.0, time[-1] + 0.5 / KNOTS, 1.0 / KNOTS)
+    return Trajectory(joints, grid, np.column_stack([np.interp(grid, time, column) for column in position.T]))
+
+
+def _smooth(share: Floats) -> Floats:
+    s = np.clip(share, 0.0, 1.0)
+    return np.asarray(s**3 * (10.0 - 15.0 * s + 6.0 * s**2))
