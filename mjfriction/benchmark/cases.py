@@ -1,0 +1,189 @@
+"""Cases: a machine with something hidden in it, the robot file its user believes in, and its log."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet
+
+from mjfriction.benchmark.effects import EFFECTS, Draw, Effect, Place
+from mjfriction.laws.law import Floats
+from mjfriction.plant.machine import Control, simulate
+from mjfriction.plant.motions import excitation
+from mjfriction.plant.sensors import Recorder
+from mjfriction.plant.trajectory import Trajectory
+from mjfriction.record.motion import estimate_motion
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.effort import predict_effort
+from mjfriction.robot.files import read_robot, write_robot
+from mjfriction.robot.friction import raised_levels, stated_levels
+from mjfriction.robot.robot import Robot
+
+SEVERITY = {"small": 0.6, "medium": 1.5, "large": 4.0}  # residual the effect makes at its joint, over the noise
+SCALINGS = 12
+CLOSE = 0.05  # of the severity asked
+
+
+@dataclass(frozen=True)
+class Setting:
+    """How cases are recorded: seconds, rate (Hz), ``noise`` of the effort (of each joint's Coulomb level), ``encoder``
+    (rad), how far stated values are ``off`` (one standard deviation, relative), and whether velocity is measured.
+    """
+
+    robot: str = "ur5"
+    seconds: float = 70.0
+    rate: float = 500.0
+    noise: float = 0.2
+    encoder: float = 2.0 * np.pi / 2**19
+    off: float = 0.0
+    velocity: bool = False
+
+
+@dataclass(frozen=True)
+class Hidden:
+    """What was hidden: its cause, joint and strength, and how far it stands out of the noise (``severity``)."""
+
+    cause: str
+    joint: str | None
+    strength: float
+    severity: float
+
+
+@dataclass(frozen=True)
+class Case:
+    """One case: the stated robot, the machine, what is hidden in it, its log and one of another motion."""
+
+    stated: Robot
+    machine: Robot
+    hidden: tuple[Hidden, ...]
+    log: dict[str, Floats]
+    other: dict[str, Floats]
+
+
+def make_case(seed: int, setting: Setting, draws: tuple[Draw, ...], severity: float) -> Case:
+    """Make a case with the given effects hidden, each on a joint of its own, scaled to a severity.
+
+    The severity of an effect is the RMS that it adds to the effort of the joint where it shows most, over that joint's
+    noise, along the motion of the log.
+    """
+    rng = np.random.default_rng([seed, 31])
+    machine = _equipped(read_robot(setting.robot), setting)
+    joints = machine.joints
+    motions = [_motion(machine, setting.seconds, int(rng.integers(1 << 30))) for _ in range(2)]
+    hidden: list[Hidden] = []
+    ambient: dict[str, Floats] = {}
+    places = rng.permutation(len(joints))
+    for i, draw in enumerate(draws):
+        effect = draw(rng, _place(machine, joints[int(places[i % len(joints)])], motions[0]))
+        machine, found = _hide(machine, effect, motions[0], severity)
+        hidden.append(found)
+        ambient |= effect.ambient
+    stated = _stated(read_robot(setting.robot), setting.off, rng)
+    recorder = Recorder(rate=setting.rate, velocity=setting.velocity)
+    logs = []
+    for k, motion in enumerate(motions):
+        around = {name: np.interp(motion.time, motions[0].time, values) for name, values in ambient.items()}
+        logs.append(
+            simulate(
+                machine,
+                replace(motion, ambient=around),
+                recorder=recorder,
+                control=Control(),
+                controller_robot=stated,
+                seed=seed + 1000003 * k,
+            )
+        )
+    return Case(stated, machine, tuple(hidden), *logs)
+
+
+def write_case(case: Case, folder: Path) -> None:
+    """Write a case: ``log.parquet`` and ``robot.toml`` for the tool; ``truth.json``, ``machine.toml`` and
+    ``other.parquet`` apart, in ``truth/``.
+    """
+    (folder / "truth").mkdir(parents=True, exist_ok=True)
+    pyarrow.parquet.write_table(pa.table(case.log), folder / "log.parquet", compression="zstd")
+    write_robot(case.stated, folder)
+    pyarrow.parquet.write_table(pa.table(case.other), folder / "truth" / "other.parquet", compression="zstd")
+    write_robot(case.machine, folder / "truth")
+    truth = {"hidden": [vars(one) for one in case.hidden]}
+    (folder / "truth" / "truth.json").write_text(json.dumps(truth, indent=1) + "\n", encoding="utf-8")
+
+
+def draw_of(cause: str) -> Draw:
+    """Return the effect of a cause's name."""
+    return next(draw for draw in EFFECTS if draw.__name__ == cause.split(".")[1] or _ALIAS.get(cause) == draw.__name__)
+
+
+_ALIAS = {"event.change": "step", "sensor.delay": "delay"}
+
+
+def _equipped(robot: Robot, setting: Setting) -> Robot:
+    robot = robot.with_stated_friction(robot.body())
+    for joint in robot.table.joint:
+        coulomb = stated_levels(joint)[0]
+        position = joint.position_sensor.model_copy(update={"resolution": setting.encoder, "velocity_noise": 0.01})
+        effort = joint.effort_sensor.model_copy(update={"noise": setting.noise * coulomb})
+        robot = robot.with_joint(joint.model_copy(update={"position_sensor": position, "effort_sensor": effort}))
+    return robot
+
+
+def _motion(robot: Robot, seconds: float, seed: int) -> Trajectory:
+    body = robot.body()
+    low = np.where(np.isfinite(body.lower), body.lower, -np.pi)
+    high = np.where(np.isfinite(body.upper), body.upper, np.pi)
+    rng = np.random.default_rng([seed, 41])
+    low, high = np.maximum(low, -2.6), np.minimum(high, 2.6)
+    reach = np.minimum(0.35 * (high - low), 1.0)
+    centre = rng.uniform(low + 1.1 * reach, high - 1.1 * reach)
+    slide = np.array(body.sliding)
+    top = np.where(slide, 0.5, rng.uniform(0.8, 1.8, reach.size))
+    return excitation(robot.joints, centre, reach, top, seconds, seed=seed)
+
+
+def _place(robot: Robot, joint: str, motion: Trajectory) -> Place:
+    course = motion.position[:, motion.joints.index(joint)]
+    speed = float(np.quantile(np.abs(np.gradient(course, motion.time)), 0.9))
+    return Place(robot, joint, float(np.mean(course)), float(np.ptp(course)), speed, motion.time)
+
+
+def _hide(machine: Robot, effect: Effect, motion: Trajectory, severity: float) -> tuple[Robot, Hidden]:
+    # The strength is found on the balance along the wanted motion: by secant steps, for most effects are nearly linear.
+    table = {"time": motion.time, **{f"position.{j}": motion.position[:, i] for i, j in enumerate(motion.joints)}}
+    table |= {f"effort.{j}": np.zeros(motion.time.size) for j in motion.joints} | dict(effect.ambient)
+    course = estimate_motion(log_from_table(pa.table(table), "motion"), machine.joints, 20.0)
+    noise = np.array([joint.effort_sensor.noise for joint in machine.table.joint])
+    before = predict_effort(machine, machine.body(), course).reported
+    moving = np.abs(course.velocity) > 0.05 * np.max(np.abs(course.velocity), axis=0)
+
+    def standing_out(strength: float) -> float:
+        changed = effect.change(machine, strength)
+        after = predict_effort(changed, changed.body(), course).reported
+        power = np.sum(np.where(moving, np.square(after - before), 0.0), axis=0) / np.sum(moving, axis=0)
+        return float(np.max(np.sqrt(power) / noise))
+
+    strength = effect.begin
+    for _ in range(SCALINGS):
+        reached = standing_out(strength)
+        if abs(reached / severity - 1.0) < CLOSE or (strength >= effect.most and reached < severity):
+            break
+        strength = float(
+            np.clip(strength * severity / max(reached, 1e-9), 0.1 * strength, min(5.0 * strength, effect.most))
+        )
+    return effect.change(machine, strength), Hidden(effect.cause, effect.joint, strength, standing_out(strength))
+
+
+def _stated(robot: Robot, off: float, rng: np.random.Generator) -> Robot:
+    # A few percent off everywhere, as every stated model is: friction levels and link masses.
+    robot = robot.with_stated_friction(robot.body())
+    if off == 0.0:
+        return robot
+    for joint in robot.table.joint:
+        coulomb, viscous = stated_levels(joint)
+        change = np.clip(off * rng.standard_normal(2), -2.5 * off, 2.5 * off)
+        robot = raised_levels(robot, joint.name, coulomb * float(change[0]), viscous * float(change[1]))
+    scale = {name: float(1.0 + np.clip(0.5 * off * rng.standard_normal(), -off, off)) for name in robot.joints}
+    return Robot(robot.table.model_copy(update={"link_scale": scale}), robot.folder)
