@@ -26,6 +26,7 @@ from mjfriction.robot.robot import Robot
 SEVERITY = {"small": 0.6, "medium": 1.5, "large": 4.0}  # residual the effect makes at its joint, over the noise
 SCALINGS = 12
 CLOSE = 0.05  # of the severity asked
+LEAST_REACHED = 0.5  # of it, else the effect is drawn at another joint: a tilted axis of gravity has no zero to be off
 
 
 @dataclass(frozen=True)
@@ -78,8 +79,12 @@ def make_case(seed: int, setting: Setting, draws: tuple[Draw, ...], severity: fl
     ambient: dict[str, Floats] = {}
     places = rng.permutation(len(joints))
     for i, draw in enumerate(draws):
-        effect = draw(rng, _place(machine, joints[int(places[i % len(joints)])], motions[0]))
-        machine, found = _hide(machine, effect, motions[0], severity)
+        for j in range(len(joints)):
+            effect = draw(rng, _place(machine, joints[int(places[(i + j) % len(joints)])], motions[0]))
+            hiding, found = _hide(machine, effect, motions[0], severity)
+            if found.severity > LEAST_REACHED * severity:
+                break
+        machine = hiding
         hidden.append(found)
         ambient |= effect.ambient
     stated = _stated(read_robot(setting.robot), setting.off, rng)

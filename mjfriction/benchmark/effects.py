@@ -355,7 +355,7 @@ def delay(rng: np.random.Generator, place: Place) -> Effect:
             robot = _updated(robot, name, effort_sensor=sensor.model_copy(update={"delay": a}))
         return robot
 
-    return Effect("sensor.delay", None if everywhere else place.joint, change, 0.01, 0.08, {})
+    return Effect("sensor.delay", None if everywhere else place.joint, change, 0.01, 0.06, {})
 
 
 def encoder_offset(rng: np.random.Generator, place: Place) -> Effect:

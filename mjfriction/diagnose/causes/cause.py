@@ -23,13 +23,16 @@ Shape = tuple[float, ...]
 
 @dataclass(frozen=True)
 class Site:
-    """A cause at a place: on one joint (its index), with values for its shape parameters; ``other`` is the joint that
-    it comes from, where it comes from one.
+    """A cause at a place: on one joint (its index), with values for its shape parameters.
+
+    ``other`` is the joint that it comes from, where it comes from one; ``around`` the strength that a curved cause's
+    columns are drawn around, 0 for the stated robot.
     """
 
     joint: int
     shape: Shape = ()
     other: int | None = None
+    around: float = 0.0
 
     def shaped(self, shape: Shape) -> Site:
         """Return the same place with another shape."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import final
 
 import numpy as np
@@ -15,14 +16,20 @@ from mjfriction.robot.robot import Robot
 
 DELAY = Parameter("delay", "s", "time by which the reported effort comes after the motion it belongs to")
 LONGEST = 0.25  # s; a longer one is another clock
+GRID = (0.0, 0.015, 0.025, 0.04, 0.06, 0.09, 0.13, 0.2, -0.015, -0.03, -0.06, -0.12)  # s
+NEAR = 0.45  # relative, of the delay found to the one its columns were drawn for
 
 
-def _late(gap: Gap, joint: int) -> Floats:
-    # To first order effort(t − d) = effort(t) − d·(its rate); pieces are apart, and so are their rates.
+def _late(gap: Gap, joint: int, delay: float) -> Floats:
+    # How the stated effort changes per second of delay: its secant, and for none its tangent.  Pieces are apart.
     out = np.empty_like(gap.motion.time)
     for piece in np.unique(gap.motion.piece):
         own = gap.motion.piece == piece
-        out[own] = -np.gradient(gap.effort.total[own, joint]) * gap.motion.rate
+        effort, time = gap.effort.total[own, joint], gap.motion.time[own]
+        if delay == 0.0:
+            out[own] = -np.gradient(effort) * gap.motion.rate
+        else:
+            out[own] = (np.interp(time - delay, time, effort) - effort) / delay
     return out
 
 
@@ -33,7 +40,9 @@ def _delayed(robot: Robot, joint: str, delay: float) -> Robot:
 
 
 class _Delay(Cause):
-    """−d·dτ/dt to first order; then fitted on the shifted effort itself."""
+    """The effort of a time d ago in place of the present one, by the secant of the nearest of a grid of delays; then
+    fitted on the shifted effort itself.
+    """
 
     name = "sensor.delay"
     covariate = "time"
@@ -41,16 +50,17 @@ class _Delay(Cause):
     curved = True
 
     def samples(self, gap: Gap, site: Site) -> Floats:
-        """The rate of the stated effort, turned, (n, 1)."""
-        return column(gap.robot.table.joint[site.joint].effort_sensor.scale * _late(gap, site.joint))
+        """The stated effort's change per second of delay, (n, 1)."""
+        return column(gap.robot.table.joint[site.joint].effort_sensor.scale * _late(gap, site.joint, site.around))
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The delay, stated plus change."""
         return (Quantity(DELAY, shift=gap.robot.table.joint[site.joint].effort_sensor.delay),)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """A shift of a quarter of a second either way at most."""
-        return bool(abs(strengths[0]) < LONGEST)
+        """A shift of a quarter of a second either way at most, and near the delay that the columns were drawn for."""
+        near = site.around == 0.0 or abs(strengths[0] / site.around - 1.0) < NEAR
+        return bool(near and abs(strengths[0]) < LONGEST)
 
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """A shift of less than one sample is how a log is sampled: a command, say, acts over the step that follows."""
@@ -60,6 +70,10 @@ class _Delay(Cause):
 @final
 class JointDelay(_Delay):
     """One joint's effort comes late."""
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """Every examined joint, around every delay of the grid."""
+        return [replace(site, around=delay) for site in super().sites(gap) for delay in GRID]
 
     def columns(self, gap: Gap, site: Site) -> Columns:
         """The joint's own column."""
@@ -86,13 +100,16 @@ class LogDelay(_Delay):
         if len(gap.examined) < 2:
             return []
         felt = {j: float(np.std(self.columns(gap, Site(j))[j]) / max(gap.noise_floor[j], 1e-12)) for j in gap.examined}
-        return [Site(max(felt, key=lambda joint: felt[joint]))]
+        most = max(felt, key=lambda joint: felt[joint])
+        return [Site(most, around=delay) for delay in GRID]
 
     def columns(self, gap: Gap, site: Site) -> Columns:
         """Every examined joint's column."""
-        if self.name not in gap.kept:
-            gap.kept[self.name] = {j: gap.chain.rows(self.samples(gap, Site(j))) for j in gap.examined}
-        return gap.kept[self.name]
+        key = f"{self.name} {site.around}"
+        if key not in gap.kept:
+            places = {j: replace(site, joint=j) for j in gap.examined}
+            gap.kept[key] = {j: gap.chain.rows(self.samples(gap, place)) for j, place in places.items()}
+        return gap.kept[key]
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move the delay of every joint's effort sensor."""
