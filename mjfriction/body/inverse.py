@@ -57,6 +57,16 @@ def motion_derivatives(body: Body, position: Floats, velocity: Floats, accelerat
     return tuple(out[:, :, order][:, :, :, order])
 
 
+def inertia_along(body: Body, position: Floats) -> Floats:
+    """Return the links' part of the mass matrix' diagonal along a motion, (n, joints): what each link weighs."""
+    model, data = body.model, body.model.createData()
+    q = configuration(body, position)
+    out = np.empty((q.shape[0], model.nv))
+    for i in range(q.shape[0]):
+        out[i] = np.diag(pin.crba(model, data, q[i]))
+    return np.asarray((out - np.array(model.armature))[:, list(body.columns)])
+
+
 def inertia_at(body: Body, position: Floats) -> Floats:
     """Return the diagonal of the mass matrix at one pose, shape (joints,): kg·m², or kg on sliding joints."""
     model, data = body.model, body.model.createData()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import minimize
@@ -22,6 +22,7 @@ KIN_CHANCE = 0.05  # at which a cause's other half is taken along: that of its 9
 LEAST_KIN = 0.02  # of its partner's effort that a cause's other half must reach
 MOST_CAUSES = 12
 SHORT_LIST = 8
+AROUND_STEPS = 9
 SCREENED_ROWS = 1500  # enough to rank shapes by
 
 
@@ -106,16 +107,21 @@ def _price(gap: Gap, freedoms: int) -> float:
 
 
 def _best_shape(model: Model, choice: Chosen) -> Chosen:
+    def lost(site: Site) -> float:
+        columns = choice.cause.columns(model.gap, site)
+        strengths, gains = model.system.screen({joint: values[:, None, :] for joint, values in columns.items()})
+        return -float(gains[0]) if choice.cause.admissible(model.gap, site, strengths[0]) else 0.0
+
+    around = choice.cause.around_bounds(model.gap, choice.site)
+    if around is not None:
+        sites = [replace(choice.site, around=float(value)) for value in np.geomspace(*around, AROUND_STEPS)]
+        return Chosen(choice.cause, min([choice.site, *sites], key=lost))
     bounds = choice.cause.shape_bounds(model.gap, choice.site)
     if not bounds:
         return choice
 
     def loss(logarithm: Floats) -> float:
-        shape = tuple(float(value) for value in np.exp(logarithm))
-        site = choice.site.shaped(shape)
-        columns = choice.cause.columns(model.gap, site)
-        strengths, gains = model.system.screen({joint: values[:, None, :] for joint, values in columns.items()})
-        return -float(gains[0]) if choice.cause.admissible(model.gap, site, strengths[0]) else 0.0
+        return lost(choice.site.shaped(tuple(float(value) for value in np.exp(logarithm))))
 
     start = np.log(np.clip(choice.site.shape, *np.array(bounds).T))
     limits = [(float(np.log(low)), float(np.log(high))) for low, high in bounds]
@@ -133,7 +139,7 @@ def reshaped(model: Model, joint: int | None = None) -> Model:
     A new cause, or a level held, moves the best shapes of the others.
     """
     for i, choice in enumerate(model.chosen):
-        if choice.site.shape and joint in (None, choice.site.joint):
+        if (choice.site.shape or choice.site.around) and not choice.tangent and joint in (None, choice.site.joint):
             better = _best_shape(model.without(choice), choice)
             model = build_model(model.gap, model.nuisance, (*model.chosen[:i], better, *model.chosen[i + 1 :]))
     return model

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mjfriction.body.inverse import inverse_dynamics
+from mjfriction.body.inverse import inertia_along, inverse_dynamics
 from mjfriction.body.model import Body
 from mjfriction.errors import RobotError
 from mjfriction.laws.ambient import ROOM_TEMPERATURE, ambient
@@ -21,6 +21,7 @@ from mjfriction.record.log import CURRENT
 from mjfriction.record.motion import Motion, smooth_derivatives
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import FrictionTerm, Joint, Wave
+from mjfriction.robot.transmission import lag
 
 SURE = 3.0  # deviations of the velocity's noise beyond which the direction of motion is known
 
@@ -93,12 +94,12 @@ def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
         return motion
     load = inverse_dynamics(body, motion.position, motion.velocity, motion.acceleration)
     load -= body.armature * motion.acceleration
+    inertia = inertia_along(body, motion.position)
     parts = [motion.position.copy(), motion.velocity.copy(), motion.acceleration.copy()]
     for i, joint in enumerate(robot.table.joint):
-        own = joint.transmission
-        if own.compliance or own.backlash:
-            given = own.compliance * load[:, i] + 0.5 * own.backlash * np.sign(load[:, i])
-            for part, derivative in zip(parts, smooth_derivatives(motion, given), strict=True):
+        if joint.transmission.compliance or joint.transmission.backlash:
+            behind = lag(joint.transmission, motion, load[:, i], inertia[:, i])
+            for part, derivative in zip(parts, smooth_derivatives(motion, behind), strict=True):
                 part[:, i] -= derivative
     return replace(motion, position=parts[0], velocity=parts[1], acceleration=parts[2])
 

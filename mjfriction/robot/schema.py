@@ -180,10 +180,12 @@ class Transmission(Table):
     """What lies between the position sensor, on the motor's side, and the link.
 
     The link lags the sensor by ``compliance`` · load + ½ · ``backlash`` · sgn(load): rad/(N·m) and rad (m/N and m).
+    With ``coasting`` the link crosses its play by its own inertia when the load changes sign, else at once.
     """
 
     compliance: NonNegative = 0.0
     backlash: NonNegative = 0.0
+    coasting: bool = True
 
 
 class PositionSensor(Table):

@@ -15,6 +15,7 @@ from mjfriction.sim.callback import friction_active
 
 GIVE = "{}_give"  # the joint behind a transmission's own: how far the link is ahead of its motor
 STOP_TIME = 2.0  # time steps: the stiffest stop that MuJoCo's solver takes
+SETTLING = 0.5  # s
 GIVE_DAMPING = 0.05  # of critical, of the link on its compliant transmission
 
 
@@ -79,11 +80,13 @@ def play(
     data.qpos[places] = course.position[0]
     data.qvel[dofs] = course.velocity[0]
     mujoco.mj_forward(model, data)
+    settling = round(SETTLING / step) if gives else 0
     count = course.position.shape[0]
     out = Played(*(np.empty((count, len(joints))) for _ in range(4)))
     applied = np.zeros(model.nv)
     with friction_active():
-        for k in range(count):
+        for step_number in range(-settling, count):
+            k = max(step_number, 0)  # what gives first takes up its load, at the course's beginning
             position, velocity = data.qpos[places], data.qvel[dofs]
             torque = course.feedforward[k] + gains.stiffness * (course.position[k] - position)
             torque += gains.damping * (course.velocity[k] - velocity)

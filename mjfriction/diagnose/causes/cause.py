@@ -94,6 +94,10 @@ class Cause(ABC):
         """Return the range each shape parameter is searched in."""
         return []
 
+    def around_bounds(self, gap: Gap, site: Site) -> tuple[float, float] | None:
+        """Return the range that the strength is searched in which the columns are drawn around; by default none is."""
+        return None
+
     def shape_steps(self, gap: Gap, site: Site) -> tuple[float, ...]:
         """Return how far each shape parameter is moved at first when it is searched: by default a tenth of itself."""
         return tuple(0.1 * value for value in site.shape)

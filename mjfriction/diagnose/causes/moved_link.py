@@ -5,6 +5,7 @@ gives (drive.elasticity) or that has play (drive.backlash).
 from __future__ import annotations
 
 from abc import abstractmethod
+from dataclasses import replace
 from typing import final
 
 import numpy as np
@@ -16,12 +17,15 @@ from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.record.motion import smooth_derivatives
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Joint
+from mjfriction.robot.transmission import coasting
 
 OFFSET = Parameter("offset", "{length}", "what the sensor reads where the joint is at zero")
 COMPLIANCE = Parameter("compliance", "{length}/{force}", "how far the transmission gives per load", lower=0.0)
 BACKLASH = Parameter("backlash", "{length}", "play of the transmission, from stop to stop", lower=0.0)
 FARTHEST = 0.5  # rad or m that a zero may be off
+PLAYS = (1e-3, 2e-3, 4e-3, 8e-3, 16e-3, 32e-3, 64e-3)  # rad or m
+FINER = 1.5  # half of a step of these
+NEAR = (0.6, 1.6)  # times the play that the columns were drawn for
 WIDEST = 0.2  # rad or m of play or of give
 FELT = 1e-6  # of the noise floor, below which a shift is felt by no joint
 
@@ -37,19 +41,19 @@ class _MovedLink(Cause):
     covariate = "effort"
 
     @abstractmethod
-    def shift(self, gap: Gap, joint: int) -> list[Floats]:
+    def shift(self, gap: Gap, site: Site) -> list[Floats]:
         """Return how far the sensor is ahead of the link, and its two derivatives, each (n,)."""
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The torque at the joint itself, (n, 1)."""
-        return column(self._torques(gap, site.joint)[:, site.joint])
+        return column(self._torques(gap, site)[:, site.joint])
 
     def columns(self, gap: Gap, site: Site) -> Columns:
         """The torques at all joints that the shifted link changes, through the chain."""
-        key = f"{self.name} {site.joint}"
+        key = f"{self.name} {site.joint} {site.around}"
         if key not in gap.kept:
             scale = [joint.effort_sensor.scale for joint in gap.robot.table.joint]
-            rows = gap.chain.rows(self._torques(gap, site.joint))
+            rows = gap.chain.rows(self._torques(gap, site))
             gap.kept[key] = {i: scale[i] * rows[:, [i]] for i in gap.examined}
         return gap.kept[key]
 
@@ -65,16 +69,15 @@ class _MovedLink(Cause):
     def _felt(self, gap: Gap) -> float:
         return FELT * float(np.sqrt(np.mean(np.square(np.nan_to_num(gap.measured)))))
 
-    def _torques(self, gap: Gap, joint: int) -> Floats:
+    def _torques(self, gap: Gap, site: Site) -> Floats:
         out = np.zeros((gap.motion.time.size, len(gap.robot.joints)))
-        for derivative, part in zip(gap.derivatives, self.shift(gap, joint), strict=True):
-            out -= derivative[:, :, joint] * part[:, None]
+        for derivative, part in zip(gap.derivatives, self.shift(gap, site), strict=True):
+            out -= derivative[:, :, site.joint] * part[:, None]
         return out
 
 
-def _changed(robot: Robot, joint: str, **changes: object) -> Robot:
-    table: Joint = robot.joint(joint)
-    return robot.with_joint(table.model_copy(update=changes))
+def _changed(robot: Robot, site: Site, **changes: object) -> Robot:
+    return robot.with_joint(robot.table.joint[site.joint].model_copy(update=changes))
 
 
 @final
@@ -85,7 +88,7 @@ class EncoderOffset(_MovedLink):
     covariate = "position"
     curved = True
 
-    def shift(self, gap: Gap, joint: int) -> list[Floats]:
+    def shift(self, gap: Gap, site: Site) -> list[Floats]:
         """One, at rest."""
         one = np.ones_like(gap.motion.time)
         return [one, 0.0 * one, 0.0 * one]
@@ -100,11 +103,9 @@ class EncoderOffset(_MovedLink):
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move the sensor's offset."""
-        joint = robot.joints[site.joint]
-        sensor = robot.joint(joint).position_sensor
-        return _changed(
-            robot, joint, position_sensor=sensor.model_copy(update={"offset": sensor.offset + float(strengths[0])})
-        )
+        sensor = robot.table.joint[site.joint].position_sensor
+        moved = sensor.model_copy(update={"offset": sensor.offset + float(strengths[0])})
+        return _changed(robot, site, position_sensor=moved)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give the offset."""
@@ -121,9 +122,9 @@ class Elasticity(_MovedLink):
 
     name = "drive.elasticity"
 
-    def shift(self, gap: Gap, joint: int) -> list[Floats]:
+    def shift(self, gap: Gap, site: Site) -> list[Floats]:
         """The load and its derivatives."""
-        return smooth_derivatives(gap.motion, load_on_link(gap, joint))
+        return smooth_derivatives(gap.motion, load_on_link(gap, site.joint))
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The compliance, stated plus change."""
@@ -137,13 +138,9 @@ class Elasticity(_MovedLink):
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move the compliance."""
-        joint = robot.joints[site.joint]
-        own = robot.joint(joint).transmission
-        return _changed(
-            robot,
-            joint,
-            transmission=own.model_copy(update={"compliance": max(0.0, own.compliance + float(strengths[0]))}),
-        )
+        own = robot.table.joint[site.joint].transmission
+        softer = own.model_copy(update={"compliance": max(0.0, own.compliance + float(strengths[0]))})
+        return _changed(robot, site, transmission=softer)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give how far it gives at the largest load."""
@@ -157,33 +154,46 @@ class Elasticity(_MovedLink):
 
 @final
 class Backlash(_MovedLink):
-    """The transmission has play: the link lags its sensor by half of it, towards the load."""
+    """The transmission has play: the link lags its sensor by half of it, towards the load.
+
+    Crossed at once, it is linear in the play.  Crossed by the link's own inertia, it takes its time: the columns are
+    drawn around a play that is searched until the strength agrees with it.
+    """
 
     name = "drive.backlash"
 
     def sites(self, gap: Gap) -> list[Site]:
         """Joints whose load changes sign; elsewhere play is an offset of the sensor."""
-        return [site for site in super().sites(gap) if np.ptp(np.sign(load_on_link(gap, site.joint))) > 0.0]
+        joints = [site for site in super().sites(gap) if np.ptp(np.sign(load_on_link(gap, site.joint))) > 0.0]
+        return [replace(site, around=play) for site in joints for play in (0.0, *PLAYS)]
 
-    def shift(self, gap: Gap, joint: int) -> list[Floats]:
-        """Half the sign of the load, through the position's filter, and its derivatives."""
-        return smooth_derivatives(gap.motion, 0.5 * np.sign(load_on_link(gap, joint)))
+    def shift(self, gap: Gap, site: Site) -> list[Floats]:
+        """Half the place of the link in its play, through the position's filter, and its derivatives."""
+        load = load_on_link(gap, site.joint)
+        if site.around == 0.0:
+            return smooth_derivatives(gap.motion, 0.5 * np.sign(load))
+        inertia = gap.derivatives[2][:, site.joint, site.joint]
+        return smooth_derivatives(gap.motion, 0.5 * coasting(gap.motion, load, inertia, site.around))
+
+    def around_bounds(self, gap: Gap, site: Site) -> tuple[float, float] | None:
+        """To the neighbours on the grid."""
+        return (site.around / FINER, site.around * FINER) if site.around else None
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The play, stated plus change."""
         return (Quantity(BACKLASH, shift=gap.robot.table.joint[site.joint].transmission.backlash),)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """There is no negative play."""
-        return bool(0.0 < gap.robot.table.joint[site.joint].transmission.backlash + strengths[0] < WIDEST)
+        """There is no negative play, and none far from the one that the columns were drawn for."""
+        near = site.around == 0.0 or NEAR[0] < strengths[0] / site.around < NEAR[1]
+        return bool(near and 0.0 < gap.robot.table.joint[site.joint].transmission.backlash + strengths[0] < WIDEST)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move the play."""
-        joint = robot.joints[site.joint]
-        own = robot.joint(joint).transmission
-        return _changed(
-            robot, joint, transmission=own.model_copy(update={"backlash": max(0.0, own.backlash + float(strengths[0]))})
-        )
+        own = robot.table.joint[site.joint].transmission
+        play = max(0.0, own.backlash + float(strengths[0]))
+        changed = own.model_copy(update={"backlash": play, "coasting": site.around != 0.0})
+        return _changed(robot, site, transmission=changed)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give the play and how often it was crossed."""
