@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mjfriction.body.inverse import inertia_at
 from mjfriction.body.regressor import tip_link
 from mjfriction.laws.law import Floats
 from mjfriction.robot.friction import raised_levels, stated_levels, with_asymmetric_damping, with_term
@@ -27,6 +28,8 @@ from mjfriction.robot.schema import (
     WarmUp,
     Wave,
 )
+
+SLOWEST_SWING = 10.0  # Hz
 
 Change = Callable[[Robot, float], Robot]
 
@@ -249,14 +252,18 @@ def backlash(rng: np.random.Generator, place: Place) -> Effect:
 
 
 def elasticity(rng: np.random.Generator, place: Place) -> Effect:
-    """A transmission that gives."""
+    """A transmission that gives, stiff enough that the link does not swing on it in the motion's own band."""
     del rng
+    body = place.robot.body()
+    index = place.robot.joints.index(place.joint)
+    link = float(inertia_at(body, np.zeros(len(place.robot.joints)))[index] - body.armature[index])
+    softest = place.coulomb / (link * (2.0 * np.pi * SLOWEST_SWING) ** 2)
 
     def change(robot: Robot, a: float) -> Robot:
         own = robot.joint(place.joint).transmission
         return _updated(robot, place.joint, transmission=own.model_copy(update={"compliance": a / place.coulomb}))
 
-    return _on_joint("drive.elasticity", place, change, 1e-3, 1.5e-2)
+    return _on_joint("drive.elasticity", place, change, min(1e-3, 0.5 * softest), softest)
 
 
 def rotor_inertia(rng: np.random.Generator, place: Place) -> Effect:

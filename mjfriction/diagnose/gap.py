@@ -16,7 +16,14 @@ from mjfriction.diagnose.units import check_units
 from mjfriction.record.log import Floats, Log, check_joints
 from mjfriction.record.motion import Motion, estimate_motion, raw_noise
 from mjfriction.robot.bandwidth import choose_cutoff
-from mjfriction.robot.effort import Effort, effort_per_reported, forward_share, link_motion, predict_effort
+from mjfriction.robot.effort import (
+    Effort,
+    effort_per_reported,
+    forward_share,
+    link_motion,
+    predict_effort,
+    without_offsets,
+)
 from mjfriction.robot.robot import Robot
 
 DOUBT_SPEED = 0.02  # of a joint's RMS speed: below it no law can be told from its own rounding at zero
@@ -86,7 +93,7 @@ class Gap:
     @functools.cached_property
     def linked(self) -> Motion:
         """The motion of the links as stated, behind the offsets and transmissions of the sensors' motion."""
-        return link_motion(self.robot, self.body, self.motion)
+        return link_motion(self.robot, self.body, without_offsets(self.robot, self.motion))
 
     @functools.cached_property
     def derivatives(self) -> tuple[Floats, ...]:

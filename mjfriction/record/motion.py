@@ -146,13 +146,15 @@ def estimate_motion(log: Log, joints: Sequence[str], cutoff: float) -> Motion:
     )
 
 
-def smooth_derivatives(motion: Motion, values: Floats) -> list[Floats]:
+def smooth_derivatives(motion: Motion, values: Floats, share: float = 1.0) -> list[Floats]:
     """Return values (n,) on a motion's clock through its position filter, with their two derivatives, each (n,).
 
-    What is held against filtered positions must be filtered alike.
+    What is held against filtered positions must be filtered alike; a ``share`` of its cutoff below 1 takes noise away
+    that the values carry themselves.
     """
-    sos = butter(FILTER_ORDER, motion.cutoff, fs=motion.rate, output="sos")
-    edge = int(EDGE_PERIODS * motion.rate / motion.cutoff) + 12
+    cutoff = share * motion.cutoff
+    sos = butter(FILTER_ORDER, cutoff, fs=motion.rate, output="sos")
+    edge = int(EDGE_PERIODS * motion.rate / cutoff) + 12
     out = [np.empty_like(values) for _ in range(3)]
     for piece in np.unique(motion.piece):
         own = motion.piece == piece

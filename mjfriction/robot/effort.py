@@ -23,6 +23,7 @@ from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import FrictionTerm, Joint, Wave
 from mjfriction.robot.transmission import lag
 
+GIVING_ROUNDS = 2  # enough for what gives a few percent of the motion
 SURE = 3.0  # deviations of the velocity's noise beyond which the direction of motion is known
 
 
@@ -45,63 +46,85 @@ def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
 
     At rest friction is not known from the motion; :func:`direction` says what is taken.
     """
-    linked = link_motion(robot, body, motion)
+    motor = without_offsets(robot, motion)
+    linked = link_motion(robot, body, motor)
     rigid = inverse_dynamics(body, linked.position, linked.velocity, linked.acceleration)
     # Rotors turn with the sensor, not with the link.
-    rigid += body.armature * (motion.acceleration - linked.acceleration)
-    friction = np.zeros_like(rigid)
+    rigid += body.armature * (motor.acceleration - linked.acceleration)
+    rubbing = _where_friction_acts(robot, motor, linked)
+    friction = friction_along(robot, rubbing, rigid)
     total, reported = np.empty_like(rigid), np.empty_like(rigid)
     for i, joint in enumerate(robot.table.joint):
-        around = surroundings(joint, linked, i, rigid[:, i])
-        for term in joint.friction or ():
-            friction[:, i] += term_torque(term, joint.actuator.gear_ratio, linked, i, around)
-        forward = forward_share(linked, i)
-        friction[:, i] += varying_friction(joint, linked, i, forward)
-        for drive in joint.common_drive:
-            other = robot.joints.index(drive.joint)
-            turn = linked.velocity[:, i] + drive.ratio * linked.velocity[:, other]
-            noise = float(np.hypot(linked.velocity_noise[i], drive.ratio * linked.velocity_noise[other]))
-            share, _ = direction(turn, noise)
-            rub = drive.coulomb * (2.0 * share - 1.0) + drive.viscous * turn
-            friction[:, i] += rub
-            friction[:, other] += drive.ratio * rub
-    for i, joint in enumerate(robot.table.joint):
-        position = linked.position[:, i]
-        spring = joint.spring.stiffness * position + joint.spring.preload
-        total[:, i] = rigid[:, i] + friction[:, i] + _waves(joint.cogging, position) + spring
+        spring = joint.spring.stiffness * linked.position[:, i] + joint.spring.preload
+        total[:, i] = rigid[:, i] + friction[:, i] + _waves(joint.cogging, motor.position[:, i]) + spring
     alone = total.copy()
     for i, joint in enumerate(robot.table.joint):
         for coupling in joint.coupling:
             other = robot.joints.index(coupling.joint)
-            total[:, i] += (
-                coupling.coulomb * forward_share(linked, other) + coupling.viscous * linked.velocity[:, other]
-            )
-            total[:, i] += coupling.effort * alone[:, other]
+            total[:, i] += coupling.coulomb * forward_share(rubbing, other)
+            total[:, i] += coupling.viscous * rubbing.velocity[:, other] + coupling.effort * alone[:, other]
         seen = _late(total[:, i], motion, joint.effort_sensor.delay)
         reported[:, i] = joint.effort_sensor.scale * seen + joint.effort_sensor.offset
     return Effort(rigid, friction, total, reported)
 
 
-def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
-    """Return the motion of the links behind the sensors: less the offsets, and what the transmissions give.
-
-    The load on a transmission is what the link needs along the sensors' motion.
-    """
+def without_offsets(robot: Robot, motion: Motion) -> Motion:
+    """Return where the sensors' joints are: what they read, less their offsets."""
     offset = np.array([joint.position_sensor.offset for joint in robot.table.joint])
-    if np.any(offset):
-        motion = replace(motion, position=motion.position - offset)
+    return replace(motion, position=motion.position - offset) if np.any(offset) else motion
+
+
+def _where_friction_acts(robot: Robot, motor: Motion, linked: Motion) -> Motion:
+    behind = np.array([joint.transmission.carries_friction for joint in robot.table.joint])
+    if not np.any(behind):
+        return motor
+    position, velocity = (
+        np.where(behind, b, a) for a, b in ((motor.position, linked.position), (motor.velocity, linked.velocity))
+    )
+    return replace(motor, position=position, velocity=velocity)
+
+
+def friction_along(robot: Robot, motion: Motion, rigid: Floats) -> Floats:
+    """Return the friction of every joint along a motion of the links that needs ``rigid``, both (n, joints)."""
+    friction = np.zeros_like(rigid)
+    for i, joint in enumerate(robot.table.joint):
+        around = surroundings(joint, motion, i, rigid[:, i])
+        for term in joint.friction or ():
+            friction[:, i] += term_torque(term, joint.actuator.gear_ratio, motion, i, around)
+        friction[:, i] += varying_friction(joint, motion, i, forward_share(motion, i))
+        for drive in joint.common_drive:
+            other = robot.joints.index(drive.joint)
+            turn = motion.velocity[:, i] + drive.ratio * motion.velocity[:, other]
+            noise = float(np.hypot(motion.velocity_noise[i], drive.ratio * motion.velocity_noise[other]))
+            share, _ = direction(turn, noise)
+            rub = drive.coulomb * (2.0 * share - 1.0) + drive.viscous * turn
+            friction[:, i] += rub
+            friction[:, other] += drive.ratio * rub
+    return friction
+
+
+def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
+    """Return the motion of the links behind the motors' motion: what the transmissions give is taken off.
+
+    The load on a transmission is what the link needs along its own motion, found in rounds from the motors'.
+    """
     if not any(joint.transmission.compliance or joint.transmission.backlash for joint in robot.table.joint):
         return motion
-    load = inverse_dynamics(body, motion.position, motion.velocity, motion.acceleration)
-    load -= body.armature * motion.acceleration
     inertia = inertia_along(body, motion.position)
-    parts = [motion.position.copy(), motion.velocity.copy(), motion.acceleration.copy()]
-    for i, joint in enumerate(robot.table.joint):
-        if joint.transmission.compliance or joint.transmission.backlash:
-            behind = lag(joint.transmission, motion, load[:, i], inertia[:, i])
-            for part, derivative in zip(parts, smooth_derivatives(motion, behind), strict=True):
-                part[:, i] -= derivative
-    return replace(motion, position=parts[0], velocity=parts[1], acceleration=parts[2])
+    linked = motion
+    for _ in range(GIVING_ROUNDS):
+        load = inverse_dynamics(body, linked.position, linked.velocity, linked.acceleration)
+        friction = friction_along(robot, linked, load)
+        load -= body.armature * linked.acceleration
+        parts = [motion.position.copy(), motion.velocity.copy(), motion.acceleration.copy()]
+        for i, joint in enumerate(robot.table.joint):
+            if joint.transmission.compliance or joint.transmission.backlash:
+                carried = load[:, i] + friction[:, i] if joint.transmission.carries_friction else load[:, i]
+                behind = lag(joint.transmission, motion, carried, inertia[:, i])
+                for part, derivative in zip(parts, smooth_derivatives(motion, behind), strict=True):
+                    part[:, i] -= derivative
+        linked = replace(motion, position=parts[0], velocity=parts[1], acceleration=parts[2])
+    return linked
 
 
 def forward_share(motion: Motion, index: int) -> Floats:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from mjfriction.laws.law import Floats
-from mjfriction.record.motion import Motion
+from mjfriction.record.motion import Motion, smooth_derivatives
 from mjfriction.robot.schema import Transmission
 
+LOAD_BAND = 0.2  # of the position filter's cutoff: a load holds accelerations, and what gives under it their noise
 LONGEST_FLIGHT = 1.0  # s; a link that takes longer to cross its play is held by something else
 
 
@@ -16,7 +17,7 @@ def lag(own: Transmission, motion: Motion, load: Floats, inertia: Floats) -> Flo
 
     ``load`` (n,) is what the link needs to follow the motor, ``inertia`` (n,) what it weighs.
     """
-    out = own.compliance * load
+    out = own.compliance * smooth_derivatives(motion, load, LOAD_BAND)[0]
     if own.backlash > 0.0:
         crossing = coasting(motion, load, inertia, own.backlash) if own.coasting else np.sign(load)
         out = out + 0.5 * own.backlash * crossing

@@ -16,7 +16,7 @@ from mjfriction.sim.callback import friction_active
 GIVE = "{}_give"  # the joint behind a transmission's own: how far the link is ahead of its motor
 STOP_TIME = 2.0  # time steps: the stiffest stop that MuJoCo's solver takes
 SETTLING = 0.5  # s
-GIVE_DAMPING = 0.05  # of critical, of the link on its compliant transmission
+GIVE_DAMPING = 0.1  # of critical, of the link on its compliant transmission
 
 
 @dataclass(frozen=True)

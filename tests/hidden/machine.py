@@ -56,6 +56,7 @@ class Machine:
     coulomb: tuple[float, ...] = UR5_COULOMB
     viscous: tuple[float, ...] = UR5_VISCOUS
     hidden: Mapping[int, Effect] = field(default_factory=dict)
+    sensed: Mapping[int, Effect] = field(default_factory=dict)  # what the position sensor reads beyond the position
     noise: float = 0.2  # of the Coulomb level, on effort
     encoder_bits: int = 18
     position_noise: float = 0.0  # rad
@@ -121,9 +122,11 @@ def record(machine: Machine, seed: int, seconds: float = 40.0, rate: float = 250
     for j, joint in enumerate(machine.joints):
         friction = machine.coulomb[j] * np.sign(v[:, j]) + machine.viscous[j] * v[:, j]
         torque = rigid[:, j] + friction
+        course = Instant(time, q[:, j], v[:, j], a[:, j], rigid[:, j], friction)
         if j in machine.hidden:
-            torque = torque + machine.hidden[j](Instant(time, q[:, j], v[:, j], a[:, j], rigid[:, j], friction))
-        sensed = q[:, j] + machine.position_noise * rng.normal(size=time.size)
+            torque = torque + machine.hidden[j](course)
+        read = q[:, j] + (machine.sensed[j](course) if j in machine.sensed else 0.0)
+        sensed = read + machine.position_noise * rng.normal(size=time.size)
         columns[f"position.{joint}"] = np.round(sensed / step) * step
         if machine.velocity != "none":
             columns[f"velocity.{joint}"] = v[:, j] + (0.02 if machine.velocity == "noisy" else 0.0) * rng.normal(

@@ -8,7 +8,7 @@ from mjfriction.diagnose.causes.coulomb_viscous import CoulombViscous
 from mjfriction.diagnose.causes.coupling import DifferenceDrive, SharedEffort, SharedFriction, SumDrive
 from mjfriction.diagnose.causes.delay import JointDelay, LogDelay
 from mjfriction.diagnose.causes.load import Load
-from mjfriction.diagnose.causes.moved_link import Backlash, Elasticity, EncoderOffset
+from mjfriction.diagnose.causes.moved_link import Backlash, Elasticity, EncoderOffset, LinkSideElasticity
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
@@ -42,6 +42,7 @@ STRUCTURAL: tuple[Cause, ...] = (
     SumDrive(),
     DifferenceDrive(),
     Elasticity(),
+    LinkSideElasticity(),
     Backlash(),
     Spring(),
     Payload(),

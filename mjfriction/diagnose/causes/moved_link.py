@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import replace
-from typing import final
+from typing import ClassVar, final
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.record.motion import smooth_derivatives
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.transmission import coasting
+from mjfriction.robot.transmission import LOAD_BAND, coasting
 
 OFFSET = Parameter("offset", "{length}", "what the sensor reads where the joint is at zero")
 COMPLIANCE = Parameter("compliance", "{length}/{force}", "how far the transmission gives per load", lower=0.0)
@@ -50,7 +50,7 @@ class _MovedLink(Cause):
 
     def columns(self, gap: Gap, site: Site) -> Columns:
         """The torques at all joints that the shifted link changes, through the chain."""
-        key = f"{self.name} {site.joint} {site.around}"
+        key = f"{type(self).__name__} {site.joint} {site.around}"
         if key not in gap.kept:
             scale = [joint.effort_sensor.scale for joint in gap.robot.table.joint]
             rows = gap.chain.rows(self._torques(gap, site))
@@ -116,15 +116,20 @@ class EncoderOffset(_MovedLink):
         )
 
 
-@final
-class Elasticity(_MovedLink):
+class _Elasticity(_MovedLink):
     """The transmission gives: the link lags its sensor by compliance · load."""
 
     name = "drive.elasticity"
+    carries_friction: ClassVar[bool]
+
+    def load(self, gap: Gap, joint: int) -> Floats:
+        """Return what the transmission carries, (n,)."""
+        load = load_on_link(gap, joint)
+        return load + gap.effort.friction[:, joint] if self.carries_friction else load
 
     def shift(self, gap: Gap, site: Site) -> list[Floats]:
         """The load and its derivatives."""
-        return smooth_derivatives(gap.motion, load_on_link(gap, site.joint))
+        return smooth_derivatives(gap.motion, self.load(gap, site.joint), LOAD_BAND)
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The compliance, stated plus change."""
@@ -133,23 +138,38 @@ class Elasticity(_MovedLink):
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """It gives with the load, and by no more than a part of a turn."""
         stated = gap.robot.table.joint[site.joint].transmission.compliance
-        most = float(np.max(np.abs(load_on_link(gap, site.joint))))
+        most = float(np.max(np.abs(self.load(gap, site.joint))))
         return bool(stated + strengths[0] > 0.0 and strengths[0] * most < WIDEST)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move the compliance."""
         own = robot.table.joint[site.joint].transmission
-        softer = own.model_copy(update={"compliance": max(0.0, own.compliance + float(strengths[0]))})
+        compliance = max(0.0, own.compliance + float(strengths[0]))
+        softer = own.model_copy(update={"compliance": compliance, "carries_friction": self.carries_friction})
         return _changed(robot, site, transmission=softer)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give how far it gives at the largest load."""
         sliding = gap.body.sliding[site.joint]
-        most = float(np.max(np.abs(load_on_link(gap, site.joint))))
+        most = float(np.max(np.abs(self.load(gap, site.joint))))
         return (
             f"the link lags its sensor in step with the load, by {strengths[0] * most:.3g} "
             f"{'m' if sliding else 'rad'} at {most:.3g} {'N' if sliding else 'N·m'}"
         )
+
+
+@final
+class Elasticity(_Elasticity):
+    """Friction acts on the motor's side of what gives."""
+
+    carries_friction = False
+
+
+@final
+class LinkSideElasticity(_Elasticity):
+    """Friction acts on the link's side of what gives, and so belongs to the load."""
+
+    carries_friction = True
 
 
 @final

@@ -12,7 +12,7 @@ from mjfriction.laws.ambient import ambient
 from mjfriction.laws.dahl import DAHL
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
-from mjfriction.robot.friction import raised_levels, with_term
+from mjfriction.robot.friction import raised_levels, stated_levels, stribeck_excess, with_term
 from mjfriction.robot.robot import Robot
 
 LEVEL = Parameter("presliding_level", "{force}", "part of the Coulomb level that builds up over a travel", lower=0.0)
@@ -20,6 +20,12 @@ TRAVEL = Parameter("presliding_travel", "{length}", "travel over which 63 % of t
 SHORTEST = 1.0  # times the travel that a reversal's doubt covers: what builds up within it cannot be seen
 LONGEST = 0.2  # of the stroke
 SHAPES = 8
+MOST_OF_LEVEL = 2.0  # times the stated level that may build up, for stated levels are off
+LEAST_LEVEL = 0.1  # of the joint's effort, that a level may be where none is stated
+
+
+def _usual_effort(gap: Gap, joint: int) -> float:
+    return float(np.sqrt(np.mean(np.square(gap.measured[:, joint]))))
 
 
 def _bristle(level: float, travel: float) -> dict[str, float]:
@@ -67,8 +73,10 @@ class Presliding(Cause):
         return (Quantity(LEVEL),)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """Friction that builds up stands against the motion."""
-        return bool(strengths[0] > 0.0)
+        """Friction that builds up stands against the motion, and is a part of what there is."""
+        stated = gap.robot.table.joint[site.joint]
+        there = max(stated_levels(stated)[0] + stribeck_excess(stated), LEAST_LEVEL * _usual_effort(gap, site.joint))
+        return bool(0.0 < strengths[0] < MOST_OF_LEVEL * there)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move a part of the Coulomb level into a Dahl law."""
