@@ -61,13 +61,15 @@ def load_body(
     gravity: Sequence[float] | None = None,
     payload: Load | None = None,
     link_scale: Mapping[str, float] | None = None,
+    link_shift: Mapping[str, Sequence[float]] | None = None,
     rotor_inertia: Sequence[float] | None = None,
 ) -> Body:
     """Read a model file and make the robot's rigid bodies of it.
 
     Joints of the model that are not asked for (a gripper's fingers) are locked at their zero.  ``gravity`` (m/s²)
     replaces the model's own; ``link_scale`` multiplies the mass and inertia of the link that a joint moves, its payload
-    included; ``rotor_inertia`` (kg·m² or kg at the joint, per asked joint) is added to the model's.
+    included; ``link_shift`` moves its own centre of mass (m, in the link's frame); ``rotor_inertia`` (kg·m² or kg at the
+    joint, per asked joint) is added to the model's.
 
     Raises :class:`RobotError` when the file is missing or does not parse, when a joint is unknown or has more than one
     axis, and when the payload's parent is unknown.
@@ -88,6 +90,12 @@ def load_body(
             raise RobotError(f"{path}: joint '{joint}' has {axes} axes; only hinges and slides can carry friction")
     columns = tuple(int(model.joints[model.getJointId(joint)].idx_v) for joint in joints)
     model.gravity.linear = np.array(own_gravity if gravity is None else gravity, dtype=np.float64)
+    for joint, shift in (link_shift or {}).items():
+        if joint not in list(model.names)[1:]:
+            raise RobotError(f"{path}: link_shift: there is no joint '{joint}'{suggestion(joint, model.names)}")
+        index = model.getJointId(joint)
+        inertia = model.inertias[index]
+        model.inertias[index] = pin.Inertia(inertia.mass, inertia.lever + np.array(shift), inertia.inertia)
     if payload is not None:
         _append(model, payload, path)
     for joint, scale in (link_scale or {}).items():

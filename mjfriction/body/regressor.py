@@ -8,6 +8,8 @@ import pinocchio as pin
 from mjfriction.body.model import Body, configuration, in_model_order
 from mjfriction.laws.law import Floats
 
+SHIFT = 1e-4  # m
+
 
 def tip_link(body: Body) -> str:
     """Return the name of the link that the last joint of the tree moves: where an arm holds its payload."""
@@ -38,6 +40,35 @@ def tip_mass_torques(body: Body, position: Floats, velocity: Floats, acceleratio
         # With a single joint the regressor comes back as a vector.
         out[i] = regressor.reshape(model.nv, -1)[:, first : first + 4] @ shift
     return out[:, list(body.columns), :]
+
+
+def first_moment_torques(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> Floats:
+    """Return joint torques per metre that a link's centre of mass is moved along each axis of its frame.
+
+    The result has shape (n, joints, links, 3), to first order in the shift: the inertia about the frame moves with the
+    centre too.
+    """
+    model, data = body.model, body.model.createData()
+    inertias = list(model.inertias)[1:]
+    # Parameters m, m·c, I about the frame: their derivative by c, the inertia about the centre being kept.
+    tangents = []
+    for inertia in inertias:
+        whole = np.zeros((10, 3))
+        for axis in range(3):
+            ends = []
+            for side in (1.0, -1.0):
+                moved = inertia.lever + side * SHIFT * np.eye(3)[axis]
+                ends.append(pin.Inertia(inertia.mass, moved, inertia.inertia).toDynamicParameters())
+            whole[:, axis] = (ends[0] - ends[1]) / (2.0 * SHIFT)
+        tangents.append(whole)
+    turned = np.stack(tangents)
+    q = configuration(body, position)
+    v, a = in_model_order(body, velocity), in_model_order(body, acceleration)
+    out = np.empty((q.shape[0], model.nv, len(inertias), 3))
+    for i in range(q.shape[0]):
+        regressor = pin.computeJointTorqueRegressor(model, data, q[i], v[i], a[i])
+        out[i] = np.einsum("jlp,lpk->jlk", regressor.reshape(model.nv, -1, 10), turned)
+    return out[:, list(body.columns)]
 
 
 def gravity_torques(body: Body, position: Floats, directions: Floats) -> Floats:

@@ -21,6 +21,7 @@ LEAST_CHANGE = 0.04  # that counts on a robot stated exactly
 LEAST_CHANGE_ROUGH = 0.10  # that counts on a robot whose joints are all a little off, or that has too few to compare
 OUTLYING = 5.0  # times the typical change that it must be there besides
 ALWAYS = 0.25  # of the stated friction: a quarter off is a finding whatever the others are
+BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "friction.presliding", "friction.asymmetry"})
 LINK_BAR = 2.0  # standard errors by which free link scales must help on motion not fitted
 
 
@@ -53,12 +54,18 @@ def settle(model: Model, field: Field) -> Settled:
         elif trial.passes(field_size) and change[joint] > _bar(change, joint):
             rival = _simpler(held, trial, field)
             if rival is None:
-                findings.append(trial.chosen)
+                if not _bent(model, joint):
+                    findings.append(trial.chosen)
             else:
                 model = build_model(held.gap, held.nuisance, (*held.chosen, rival))
     if not _links_help(model):
         model = without_links(model)
     return Settled(_admissible(model), tuple(findings))
+
+
+def _bent(model: Model, joint: int) -> bool:
+    # Where the curve over speed is bent by a cause, what is left to level and damping is a matter of its basis.
+    return any(choice.site.joint == joint and choice.cause.name in BENDING for choice in model.chosen)
 
 
 def _admissible(model: Model) -> Model:

@@ -58,6 +58,7 @@ class Robot:
             gravity=self.table.gravity,
             payload=Load(payload.mass, payload.com, payload.parent) if payload else None,
             link_scale=self.table.link_scale,
+            link_shift=self.table.link_shift,
             rotor_inertia=[joint.actuator.rotor_inertia * joint.actuator.gear_ratio**2 for joint in self.table.joint],
         )
 

@@ -244,7 +244,8 @@ class RobotTable(Table):
     """A whole robot file.
 
     ``link_scale``: for the link that a joint moves, named by the joint, its mass and inertia (a payload on it
-    included) as a multiple of the model's.
+    included) as a multiple of the model's.  ``link_shift``: by how much its centre of mass lies elsewhere, m along the
+    axes of the link's frame.
     """
 
     name: str
@@ -252,6 +253,7 @@ class RobotTable(Table):
     gravity: Vector | None = None
     payload: Payload | None = None
     link_scale: dict[str, Positive] = {}
+    link_shift: dict[str, Vector] = {}
     joint: tuple[Joint, ...] = Field(min_length=1)
 
     @field_validator("joint")

@@ -25,6 +25,7 @@ def robot_spec(robot: Robot) -> Spec:
         gravity=table.gravity,
         payload=PointLoad(payload.mass, payload.com, payload.parent) if payload else None,
         link_scale=table.link_scale,
+        link_shift=table.link_shift,
         rotor_inertia={j.name: j.actuator.rotor_inertia * j.actuator.gear_ratio**2 for j in table.joint},
     )
     add_springs(spec, {joint.name: (joint.spring.stiffness, joint.spring.preload) for joint in table.joint})

@@ -31,12 +31,14 @@ def read_spec(
     gravity: Sequence[float] | None = None,
     payload: PointLoad | None = None,
     link_scale: Mapping[str, float] | None = None,
+    link_shift: Mapping[str, Sequence[float]] | None = None,
     rotor_inertia: Mapping[str, float] | None = None,
 ) -> mujoco.MjSpec:
     """Read a URDF or MJCF file and build the robot's own data into it.
 
     Joints that are not asked for are held at zero.  ``gravity`` (m/s²) replaces the model's own; ``link_scale``
-    multiplies mass and inertia of the link a joint moves, its payload included; ``rotor_inertia`` (kg·m² or kg at the
+    multiplies mass and inertia of the link a joint moves, its payload included, and ``link_shift`` moves its own centre
+    of mass (m, in the body's frame); ``rotor_inertia`` (kg·m² or kg at the
     joint) is added as armature.  Shapes and meshes of a URDF are left out: they play no part in the motion.
 
     Raises :class:`SimulationError` when the file cannot be read or a joint or body is not there.
@@ -50,6 +52,10 @@ def read_spec(
         if name not in names:
             raise SimulationError(f"{path}: there is no joint '{name}' in the model{suggestion(name, names)}")
     _hold(spec, set(names) - set(joints))
+    for name, shift in (link_shift or {}).items():
+        if name not in names:
+            raise SimulationError(f"{path}: link_shift: there is no joint '{name}'{suggestion(name, names)}")
+        _shift_centre(spec.joint(name).parent, np.array(shift), path)
     if payload is not None:
         parent = spec.body(payload.parent)
         if parent is None:
@@ -79,6 +85,16 @@ def _hold(spec: mujoco.MjSpec, names: set[str]) -> None:
         spec.delete(actuator)
     for joint in [one for one in spec.joints if one.name in names]:
         spec.delete(joint)
+
+
+def _shift_centre(body: mujoco.MjsBody, shift: np.ndarray, path: Path) -> None:
+    together = _rigid_with(body)
+    if len([one for one in together if one.mass > 0.0]) > 1 or not body.explicitinertial:
+        raise SimulationError(
+            f"{path}: link_shift: the link of body '{body.name}' is of several bodies, or its mass comes from shapes; "
+            "write one <inertial> for it into the model"
+        )
+    body.ipos = np.asarray(body.ipos) + shift
 
 
 def _rigid_with(body: mujoco.MjsBody) -> list[mujoco.MjsBody]:

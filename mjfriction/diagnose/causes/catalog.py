@@ -7,6 +7,7 @@ from mjfriction.diagnose.causes.cause import Cause
 from mjfriction.diagnose.causes.coulomb_viscous import CoulombViscous
 from mjfriction.diagnose.causes.coupling import DifferenceDrive, SharedEffort, SharedFriction, SumDrive
 from mjfriction.diagnose.causes.delay import JointDelay, LogDelay
+from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
 from mjfriction.diagnose.causes.load import Load
 from mjfriction.diagnose.causes.moved_link import Backlash, Elasticity, EncoderOffset, LinkSideElasticity
 from mjfriction.diagnose.causes.offset import Offset
@@ -46,6 +47,8 @@ STRUCTURAL: tuple[Cause, ...] = (
     Backlash(),
     Spring(),
     Payload(),
+    LinkScale(),
+    LinkCentre(),
     GravityDirection(),
     JointDelay(),
     LogDelay(),

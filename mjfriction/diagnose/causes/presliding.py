@@ -17,7 +17,7 @@ from mjfriction.robot.robot import Robot
 
 LEVEL = Parameter("presliding_level", "{force}", "part of the Coulomb level that builds up over a travel", lower=0.0)
 TRAVEL = Parameter("presliding_travel", "{length}", "travel over which 63 % of the change builds up", lower=1e-9)
-SHORTEST = 1.0  # times the travel that a reversal's doubt covers: what builds up within it cannot be seen
+SHORTEST = 2.0  # times the travel that a reversal's doubt covers: what builds up within it cannot be seen
 LONGEST = 0.2  # of the stroke
 SHAPES = 8
 MOST_OF_LEVEL = 2.0  # times the stated level that may build up, for stated levels are off

@@ -1,0 +1,131 @@
+"""body.link_inertia: a link's mass and inertia are a factor off, or its centre of mass lies elsewhere."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import final
+
+import numpy as np
+
+from mjfriction.body.inverse import link_torques
+from mjfriction.body.regressor import first_moment_torques
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Site
+from mjfriction.diagnose.gap import Gap
+from mjfriction.diagnose.regression import Columns
+from mjfriction.parameter import Parameter
+from mjfriction.record.log import Floats
+from mjfriction.robot.robot import Robot
+
+LEAST_NOTED = 0.08  # of a link's mass, from which on it is a finding: no stated mass is better than that
+FARTHEST = 0.3  # m by which a centre of mass may be off
+FELT = 1e-6  # of the effort, below which a link is not felt
+
+
+class _Link(Cause):
+    """A change of one link; its site is the joint that moves the link, though all joints before it feel it."""
+
+    name = "body.link_inertia"
+    covariate = "effort"
+    whole_arm = True
+
+    @abstractmethod
+    def torques(self, gap: Gap) -> Floats:
+        """Return the efforts per unit strength of every link, (n, joints, links, strengths)."""
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """Every link of the robot's own joints that any examined joint feels."""
+        least = FELT * float(np.sqrt(np.mean(np.square(np.nan_to_num(gap.measured)))))
+        sites = [Site(gap.robot.joints.index(name)) for name in gap.body.links if name in gap.robot.joints]
+        return [s for s in sites if any(np.max(np.abs(c)) > least for c in self.columns(gap, s).values())]
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """The efforts at the joint that moves the link, (n, strengths)."""
+        return np.asarray(self.torques(gap)[:, site.joint, self._link(gap, site)])
+
+    def columns(self, gap: Gap, site: Site) -> Columns:
+        """The efforts at every examined joint, through the chain."""
+        key = f"{type(self).__name__} {site.joint}"
+        if key not in gap.kept:
+            torques = self.torques(gap)
+            scale = [joint.effort_sensor.scale for joint in gap.robot.table.joint]
+            for k, name in enumerate(gap.body.links):
+                if name in gap.robot.joints:
+                    place = f"{type(self).__name__} {gap.robot.joints.index(name)}"
+                    gap.kept[place] = {i: scale[i] * gap.chain.rows(torques[:, i, k]) for i in gap.examined}
+        return gap.kept[key]
+
+    def _link(self, gap: Gap, site: Site) -> int:
+        return gap.body.links.index(gap.robot.joints[site.joint])
+
+
+@final
+class LinkScale(_Link):
+    """Mass and inertia of one link are a factor off."""
+
+    def torques(self, gap: Gap) -> Floats:
+        """The link's share of the torques."""
+        linked = gap.linked
+        return link_torques(gap.body, linked.position, linked.velocity, linked.acceleration)[:, :, :, None]
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """The factor, stated times change."""
+        name = gap.robot.joints[site.joint]
+        stated = gap.robot.table.link_scale.get(name, 1.0)
+        meaning = "mass and inertia of the link that the joint moves, relative to the model file"
+        return (Quantity(Parameter(f"link_scale.{name}", "1", meaning, lower=0.0), factor=stated, shift=stated),)
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """A link has mass, and not many times what is stated."""
+        return bool(-0.95 < strengths[0] < 9.0)
+
+    def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """A few percent are what stated masses are off by."""
+        return bool(abs(strengths[0]) > LEAST_NOTED)
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """Scale the link."""
+        name = robot.joints[site.joint]
+        scale = {**robot.table.link_scale}
+        scale[name] = scale.get(name, 1.0) * (1.0 + float(strengths[0]))
+        return Robot(robot.table.model_copy(update={"link_scale": scale}), robot.folder)
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give the factor."""
+        factor, name = 1.0 + strengths[0], gap.robot.joints[site.joint]
+        return f"all joints that carry the link of {name} need what {factor:.3g} times its stated mass and inertia need"
+
+
+@final
+class LinkCentre(_Link):
+    """The centre of mass of one link lies elsewhere."""
+
+    curved = True
+
+    def torques(self, gap: Gap) -> Floats:
+        """Torques per metre along the axes of the link's frame."""
+        linked = gap.linked
+        return first_moment_torques(gap.body, linked.position, linked.velocity, linked.acceleration)
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """The shift, stated plus change."""
+        name = gap.robot.joints[site.joint]
+        stated = gap.robot.table.link_shift.get(name, (0.0, 0.0, 0.0))
+        axes = [Parameter(f"link_shift_{x}.{name}", "m", f"shift of the centre of mass along {x}") for x in "xyz"]
+        return tuple(Quantity(axis, shift=shift) for axis, shift in zip(axes, stated, strict=True))
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """Within the reach of a link."""
+        return bool(np.linalg.norm(strengths) < FARTHEST)
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """Move the centre."""
+        name = robot.joints[site.joint]
+        stated = robot.table.link_shift.get(name, (0.0, 0.0, 0.0))
+        x, y, z = (float(a + b) for a, b in zip(stated, strengths, strict=True))
+        shift = {**robot.table.link_shift, name: (x, y, z)}
+        return Robot(robot.table.model_copy(update={"link_shift": shift}), robot.folder)
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give the shift."""
+        where = ", ".join(f"{1e3 * value:+.3g}" for value in strengths)
+        return f"the link of {gap.robot.joints[site.joint]} has its centre of mass ({where}) mm from where it is stated"
