@@ -68,7 +68,7 @@ def load_body(
 
     Joints of the model that are not asked for (a gripper's fingers) are locked at their zero.  ``gravity`` (m/s²)
     replaces the model's own; ``link_scale`` multiplies the mass and inertia of the link that a joint moves, its payload
-    included; ``link_shift`` moves its own centre of mass (m, in the link's frame); ``rotor_inertia`` (kg·m² or kg at the
+    included; ``link_shift`` moves its centre of mass (m, in the link's frame); ``rotor_inertia`` (kg·m² or kg at the
     joint, per asked joint) is added to the model's.
 
     Raises :class:`RobotError` when the file is missing or does not parse, when a joint is unknown or has more than one
