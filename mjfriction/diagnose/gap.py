@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mjfriction.body.inverse import motion_derivatives
 from mjfriction.body.model import Body
 from mjfriction.diagnose.blocks import Blocks, cut_blocks
+from mjfriction.diagnose.effort_band import effort_band
 from mjfriction.diagnose.rows import Chain, make_chain
 from mjfriction.diagnose.units import check_units
 from mjfriction.record.log import Floats, Log, check_joints
@@ -114,14 +115,15 @@ def measure_gap(log: Log, robot: Robot) -> Gap:
     check_units(log, body)
     motion = estimate_motion(log, robot.joints, choose_cutoff(log, robot, body))
     effort = predict_effort(robot, body, motion)
-    chain = make_chain(motion, log.source)
     per_reported = np.array(
         [
             effort_per_reported(joint, quantity, robot.name)
             for joint, quantity in zip(robot.table.joint, motion.quantity, strict=True)
         ]
     )
-    measured = chain.rows(motion.torque * per_reported)
+    torque = motion.torque * per_reported
+    chain = make_chain(motion, log.source, effort_band(motion, effort, torque))
+    measured = chain.rows(torque)
     residual = measured - chain.rows(effort.reported)
     noise = [
         abs(per_reported[i]) * raw_noise(log, quantity, joint, motion.clock) if quantity else np.nan

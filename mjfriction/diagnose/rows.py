@@ -69,9 +69,12 @@ class Chain:
         return np.concatenate(parts)
 
 
-def make_chain(motion: Motion, source: str) -> Chain:
-    """Return the chain for a motion; :class:`LogError` when no stretch is long enough to give a row."""
-    band = BAND_SHARE * motion.cutoff
+def make_chain(motion: Motion, source: str, highest: float = np.inf) -> Chain:
+    """Return the chain for a motion, its band below ``highest`` (Hz).
+
+    Raises :class:`LogError` when no stretch is long enough to give a row.
+    """
+    band = min(BAND_SHARE * motion.cutoff, highest)
     thinning = max(1, int(motion.rate / (ROWS_PER_BAND * band)))
     taps = firwin(2 * (TAPS_PER_ROW // 2) * thinning + 1, band, fs=motion.rate, window=("kaiser", 5.0))
     spans, centres = [], []

@@ -1,0 +1,58 @@
+"""How high the frequencies are that a log's efforts still hold: some drives report them strongly low-passed.
+
+Dry friction turns over with every reversal, and steps have power at all frequencies, falling with 1/f².  Where an effort
+holds far less than that, a filter has taken it; held against a prediction with sharp reversals, it would look like
+friction that builds up slowly.
+"""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+from scipy.signal import welch
+
+from mjfriction.record.log import Floats
+from mjfriction.record.motion import Motion
+from mjfriction.robot.effort import Effort, forward_share
+
+GONE = 0.03  # of the steps' power, under which a filter has taken the rest
+FEWEST_STEPS = 0.01  # of the effort's RMS that dry friction must reach to tell by
+SECONDS = 8.0  # of a window of the spectrum
+LOWEST, HIGHEST = 0.5, 0.4  # Hz, and share of the rate: the range that is looked at
+BANDS_PER_OCTAVE = 3
+PASSES = 0.8  # of the frequency at which the power is gone: there it is still whole
+
+
+def effort_band(motion: Motion, effort: Effort, measured: Floats) -> float:
+    """Return the frequency (Hz) up to which every joint's effort is whole, infinite where no filter shows.
+
+    ``measured`` (n, joints) is the effort that the drives reported, NaN where a joint has none.
+    """
+    found = [
+        _filtered_from(motion, effort, measured[:, i], i)
+        for i in range(measured.shape[1])
+        if np.isfinite(measured[0, i]) and motion.moving[i]
+    ]
+    return PASSES * min(found, default=float("inf"))
+
+
+def _filtered_from(motion: Motion, effort: Effort, measured: Floats, joint: int) -> float:
+    forward = forward_share(motion, joint)
+    columns = np.column_stack([forward, motion.velocity[:, joint], effort.rigid[:, joint], np.ones_like(forward)])
+    level = abs(float(np.linalg.lstsq(columns, measured, rcond=None)[0][0]))
+    size = float(np.std(measured))
+    if level < FEWEST_STEPS * size:
+        return float("inf")
+    count = min(measured.size, int(SECONDS * motion.rate))
+    frequency, steps = welch(level * forward, motion.rate, nperseg=count)
+    _, power = welch(measured, motion.rate, nperseg=count)
+    edges = np.exp2(np.arange(np.log2(LOWEST), np.log2(HIGHEST * motion.rate), 1.0 / BANDS_PER_OCTAVE))
+    gone = []
+    for low, high in itertools.pairwise(edges):
+        inside = (frequency >= low) & (frequency < high)
+        gone.append(bool(np.any(inside) and np.sum(power[inside]) < GONE * np.sum(steps[inside])))
+    for k in range(len(gone) - BANDS_PER_OCTAVE + 1):
+        if all(gone[k : k + BANDS_PER_OCTAVE]):
+            return float(edges[k])
+    return float("inf")
