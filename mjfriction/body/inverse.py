@@ -23,23 +23,6 @@ def inverse_dynamics(body: Body, position: Floats, velocity: Floats, acceleratio
     return out[:, list(body.columns)]
 
 
-def link_torques(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> Floats:
-    """Return the share of every link in the inverse dynamics, shape (n, joints, links).
-
-    Summed over the links it is :func:`inverse_dynamics` less the rotors.  It is what a scale on a link's mass and
-    inertia multiplies.
-    """
-    model, data = body.model, body.model.createData()
-    q = configuration(body, position)
-    v, a = in_model_order(body, velocity), in_model_order(body, acceleration)
-    parameters = np.array([inertia.toDynamicParameters() for inertia in list(model.inertias)[1:]])
-    out = np.empty((q.shape[0], model.nv, len(parameters)))
-    for i in range(q.shape[0]):
-        regressor = pin.computeJointTorqueRegressor(model, data, q[i], v[i], a[i])
-        out[i] = np.einsum("jlp,lp->jl", regressor.reshape(model.nv, -1, 10), parameters)
-    return out[:, list(body.columns), :]
-
-
 def motion_derivatives(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> tuple[Floats, ...]:
     """Return how the links' torques change with position, velocity and acceleration, each (n, joints, joints).
 

@@ -9,6 +9,7 @@ from mjfriction.body.model import Body, configuration, in_model_order
 from mjfriction.laws.law import Floats
 
 SHIFT = 1e-4  # m
+CHUNK = 512  # samples whose regressors are held at once
 
 
 def tip_link(body: Body) -> str:
@@ -24,22 +25,27 @@ def tip_mass_torques(body: Body, position: Floats, velocity: Floats, acceleratio
     The result has shape (n, joints, 4).  A mass m with its centre at c needs this times (m, m·c) and, of second order
     in c, its moment of inertia about the frame.
     """
-    model, data = body.model, body.model.createData()
+    model = body.model
     frame = model.frames[model.getFrameId(tip_link(body))]
     # Seen from the joint, a mass at the frame has its first moment shifted by where the frame lies.
     shift = np.zeros((4, 4))
     shift[0, 0] = 1.0
     shift[1:, 0] = frame.placement.translation
     shift[1:, 1:] = frame.placement.rotation
-    q = configuration(body, position)
-    v, a = in_model_order(body, velocity), in_model_order(body, acceleration)
-    first = 10 * (frame.parentJoint - 1)
-    out = np.empty((q.shape[0], model.nv, 4))
-    for i in range(q.shape[0]):
-        regressor = pin.computeJointTorqueRegressor(model, data, q[i], v[i], a[i])
-        # With a single joint the regressor comes back as a vector.
-        out[i] = regressor.reshape(model.nv, -1)[:, first : first + 4] @ shift
-    return out[:, list(body.columns), :]
+    last = frame.parentJoint - 1
+    weight = np.zeros((model.njoints - 1, 10, 4))
+    weight[last, :4] = shift
+    return weighed_links(body, position, velocity, acceleration, weight)[:, :, last]
+
+
+def link_torques(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> Floats:
+    """Return the share of every link in the inverse dynamics, shape (n, joints, links).
+
+    Summed over the links it is the inverse dynamics less the rotors.  It is what a scale on a link's mass and inertia
+    multiplies.
+    """
+    parameters = np.array([inertia.toDynamicParameters() for inertia in list(body.model.inertias)[1:]])
+    return weighed_links(body, position, velocity, acceleration, parameters[:, :, None])[:, :, :, 0]
 
 
 def first_moment_torques(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> Floats:
@@ -48,8 +54,7 @@ def first_moment_torques(body: Body, position: Floats, velocity: Floats, acceler
     The result has shape (n, joints, links, 3), to first order in the shift: the inertia about the frame moves with the
     centre too.
     """
-    model, data = body.model, body.model.createData()
-    inertias = list(model.inertias)[1:]
+    inertias = list(body.model.inertias)[1:]
     # Parameters m, m·c, I about the frame: their derivative by c, the inertia about the centre being kept.
     tangents = []
     for inertia in inertias:
@@ -62,12 +67,24 @@ def first_moment_torques(body: Body, position: Floats, velocity: Floats, acceler
             whole[:, axis] = (ends[0] - ends[1]) / (2.0 * SHIFT)
         tangents.append(whole)
     turned = np.stack(tangents)
+    return weighed_links(body, position, velocity, acceleration, turned)
+
+
+def weighed_links(body: Body, position: Floats, velocity: Floats, acceleration: Floats, weight: Floats) -> Floats:
+    """Return the torques of every link's inertial parameters times ``weight`` (links, 10, k): (n, joints, links, k)."""
+    model, data = body.model, body.model.createData()
+    links = weight.shape[0]
     q = configuration(body, position)
     v, a = in_model_order(body, velocity), in_model_order(body, acceleration)
-    out = np.empty((q.shape[0], model.nv, len(inertias), 3))
-    for i in range(q.shape[0]):
-        regressor = pin.computeJointTorqueRegressor(model, data, q[i], v[i], a[i])
-        out[i] = np.einsum("jlp,lpk->jlk", regressor.reshape(model.nv, -1, 10), turned)
+    out = np.empty((q.shape[0], model.nv, links, weight.shape[2]))
+    regressors = np.empty((CHUNK, model.nv, 10 * links))
+    for start in range(0, q.shape[0], CHUNK):
+        stop = min(start + CHUNK, q.shape[0])
+        for i in range(start, stop):
+            regressors[i - start] = pin.computeJointTorqueRegressor(model, data, q[i], v[i], a[i])
+        # Links in front, so that each is one product of matrices.
+        parts = regressors[: stop - start].reshape(-1, links, 10).transpose(1, 0, 2) @ weight
+        out[start:stop] = parts.transpose(1, 0, 2).reshape(stop - start, model.nv, links, -1)
     return out[:, list(body.columns)]
 
 

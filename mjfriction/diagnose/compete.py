@@ -23,7 +23,7 @@ LEAST_KIN = 0.02  # of its partner's effort that a cause's other half must reach
 MOST_CAUSES = 12
 SHORT_LIST = 8
 AROUND_STEPS = 9
-SCREENED_ROWS = 1500  # enough to rank shapes by
+SCREENED_ROWS = 1000  # enough to rank shapes by
 
 
 @dataclass(frozen=True)

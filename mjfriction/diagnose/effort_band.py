@@ -1,8 +1,8 @@
 """How high the frequencies are that a log's efforts still hold: some drives report them strongly low-passed.
 
-Dry friction turns over with every reversal, and steps have power at all frequencies, falling with 1/f².  Where an effort
-holds far less than that, a filter has taken it; held against a prediction with sharp reversals, it would look like
-friction that builds up slowly.
+Dry friction turns over with every reversal, and steps have power at all frequencies, falling with 1/f².  Where an
+effort holds far less than that, a filter has taken it; held against a prediction with sharp reversals, it would look
+like friction that builds up slowly.
 """
 
 from __future__ import annotations

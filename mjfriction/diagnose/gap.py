@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from mjfriction.body.inverse import motion_derivatives
 from mjfriction.body.model import Body
+from mjfriction.body.regressor import link_torques
 from mjfriction.diagnose.blocks import Blocks, cut_blocks
 from mjfriction.diagnose.effort_band import effort_band
 from mjfriction.diagnose.rows import Chain, make_chain
@@ -89,7 +90,17 @@ class Gap:
 
     def forward(self, joint: int) -> Floats:
         """Return the direction of friction on a joint, −1 to 1, between the two while it may be stuck, (n,)."""
-        return forward_share(self.motion, joint)
+        return self._forward[joint]
+
+    @functools.cached_property
+    def _forward(self) -> list[Floats]:
+        return [forward_share(self.motion, joint) for joint in range(len(self.motion.joints))]
+
+    @functools.cached_property
+    def link_torques(self) -> Floats:
+        """The share of every link in the inverse dynamics, (n, joints, links)."""
+        linked = self.linked
+        return link_torques(self.body, linked.position, linked.velocity, linked.acceleration)
 
     @functools.cached_property
     def linked(self) -> Motion:

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mjfriction.body.inverse import link_torques
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.gap import Gap
@@ -74,12 +73,10 @@ def make_nuisance(gap: Gap) -> Nuisance:
         speed = float(np.sqrt(np.mean(np.square(gap.motion.velocity[:, site.joint]))))
         precision = np.square(np.array([1.0, speed]) / (LEVEL_SCALE * effort))
         levels.append(Level(site, STATED_LEVELS.columns(gap, site), precision))
-    motion = gap.motion
-    torques = link_torques(gap.body, motion.position, motion.velocity, motion.acceleration)
     scale = np.array([joint.effort_sensor.scale for joint in gap.robot.table.joint])
     links = []
     for k, name in enumerate(gap.body.links):
-        block = {joint: gap.chain.rows(scale[joint] * torques[:, joint, k])[:, None] for joint in gap.examined}
+        block = {joint: gap.chain.rows(scale[joint] * gap.link_torques[:, joint, k])[:, None] for joint in gap.examined}
         if any(np.any(values) for values in block.values()):
             links.append(LinkScale(name, block, np.array([1.0 / LINK_SCALE**2])))
     return Nuisance(tuple(levels), tuple(links))

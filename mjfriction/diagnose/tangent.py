@@ -23,19 +23,23 @@ STEP = 1e-3  # of a strength's own size, for its difference quotient
 
 def straightened(model: Model) -> Model:
     """Return the model with every curved cause refitted on what the extended robot predicts."""
-    if not any(choice.cause.curved for choice in model.chosen):
-        return model
     for _ in range(ROUNDS):
         strengths = [model.strengths[place] for place in model.places]
-        if not all(_admissible(model, c, own) for c, own in zip(model.chosen, strengths, strict=True)):
+        pairs = list(zip(model.chosen, strengths, strict=True))
+        if not any(_bends(model, *pair) for pair in pairs) or not all(_admissible(model, *pair) for pair in pairs):
             return model
         chosen = _tangents(model, strengths)
         model = build_model(model.gap, model.nuisance, chosen)
         moved = [model.strengths[place] for place in model.places]
-        pairs = [(a, b) for c, a, b in zip(chosen, strengths, moved, strict=True) if c.cause.curved]
-        if all(np.linalg.norm(b - a) <= SETTLED * np.linalg.norm(a) for a, b in pairs):
+        steps = [(a, b) for c, a, b in zip(chosen, strengths, moved, strict=True) if c.cause.curved]
+        if all(np.linalg.norm(b - a) <= SETTLED * np.linalg.norm(a) for a, b in steps):
             break
     return model
+
+
+def _bends(model: Model, choice: Chosen, strengths: Floats) -> bool:
+    # What is too small for a finding is too small to bend.
+    return choice.cause.curved and choice.cause.noteworthy(model.gap, choice.site, strengths)
 
 
 def _admissible(model: Model, choice: Chosen, strengths: Floats) -> bool:

@@ -20,14 +20,16 @@ class Trial:
     """What a candidate does for a model.
 
     ``improvement`` (blocks,) is the weighted squared error it takes off each block when fitted to the others,
-    ``error`` (blocks,) what was there before, both at the joints it touches; ``effect`` is its RMS effort relative to
-    the joint's.  ``wald`` is θᵀC⁻¹θ/k of its k = ``count`` strengths θ, C being their covariance, the larger
-    of the one clustered over blocks, which leave ``freedoms``, and the one for white noise.
+    ``error`` (blocks,) what was there before, both at the joints it touches; ``relief`` is what it takes off the
+    refitted links' distance from what is stated, in the same unit; ``effect`` is its RMS effort relative to the
+    joint's.  ``wald`` is θᵀC⁻¹θ/k of its k = ``count`` strengths θ, C being their covariance, the larger of the one
+    clustered over blocks, which leave ``freedoms``, and the one for white noise.
     """
 
     chosen: Chosen
     improvement: Floats
     error: Floats
+    relief: float
     effect: float
     wald: float
     count: int
@@ -35,8 +37,8 @@ class Trial:
 
     @property
     def gain(self) -> float:
-        """The improvement summed over the blocks."""
-        return float(np.sum(self.improvement))
+        """The improvement summed over the blocks, and the relief."""
+        return float(np.sum(self.improvement)) + self.relief
 
     @property
     def merit(self) -> float:
@@ -91,4 +93,11 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
     wald = float(min(walds)) / precision.size
     effort = columns[choice.site.joint] @ strengths
     effect = float(np.linalg.norm(effort) / np.linalg.norm(gap.measured[:, choice.site.joint]))
-    return Trial(choice, before - after, before, effect, wald, precision.size, int(groups[-1]))
+    relief = _strain(model, model.strengths) - _strain(model, fitted)
+    return Trial(choice, before - after, before, relief, effect, wald, precision.size, int(groups[-1]))
+
+
+def _strain(model: Model, strengths: Floats) -> float:
+    # A link of half its stated mass fits as well as the cause it stands in for, but is as unlikely as its prior says.
+    links = slice(2 * len(model.nuisance.levels), model.nuisance.count)
+    return float(np.sum(model.system.normal.precision[links] * np.square(strengths[links])))

@@ -8,9 +8,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from mjfriction.body.inverse import inertia_at, inverse_dynamics, link_torques
+from mjfriction.body.inverse import inertia_at, inverse_dynamics
 from mjfriction.body.model import Load, load_body
-from mjfriction.body.regressor import gravity_torques, tip_link, tip_mass_torques
+from mjfriction.body.regressor import gravity_torques, link_torques, tip_link, tip_mass_torques
 from mjfriction.errors import RobotError
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import bundled_robots

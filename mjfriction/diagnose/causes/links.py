@@ -7,7 +7,6 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.body.inverse import link_torques
 from mjfriction.body.regressor import first_moment_torques
 from mjfriction.diagnose.causes.cause import Cause, Quantity, Site
 from mjfriction.diagnose.gap import Gap
@@ -64,8 +63,7 @@ class LinkScale(_Link):
 
     def torques(self, gap: Gap) -> Floats:
         """The link's share of the torques."""
-        linked = gap.linked
-        return link_torques(gap.body, linked.position, linked.velocity, linked.acceleration)[:, :, :, None]
+        return gap.link_torques[:, :, :, None]
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The factor, stated times change."""

@@ -5,6 +5,7 @@ gives (drive.elasticity) or that has play (drive.backlash).
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import ClassVar, final
 
@@ -186,6 +187,13 @@ class Backlash(_MovedLink):
         """Joints whose load changes sign; elsewhere play is an offset of the sensor."""
         joints = [site for site in super().sites(gap) if np.ptp(np.sign(load_on_link(gap, site.joint))) > 0.0]
         return [replace(site, around=play) for site in joints for play in (0.0, *PLAYS)]
+
+    def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
+        """What the joint itself feels, by the inertia alone: where the link crosses its play, that is nearly all."""
+        joint = sites[0].joint
+        inertia = gap.derivatives[2][:, joint, joint]
+        shaken = np.column_stack([-inertia * self.shift(gap, site)[2] for site in sites])
+        return {joint: gap.chain.rows(shaken)[::every, :, None]}
 
     def shift(self, gap: Gap, site: Site) -> list[Floats]:
         """Half the place of the link in its play, through the position's filter, and its derivatives."""
