@@ -14,7 +14,6 @@ from mjfriction.body.regressor import link_torques
 from mjfriction.diagnose.blocks import Blocks, cut_blocks
 from mjfriction.diagnose.effort_band import effort_band
 from mjfriction.diagnose.rows import Chain, make_chain
-from mjfriction.diagnose.units import check_units
 from mjfriction.record.log import Floats, Log, check_joints
 from mjfriction.record.motion import Motion, estimate_motion, raw_noise
 from mjfriction.robot.bandwidth import choose_cutoff
@@ -31,6 +30,7 @@ from mjfriction.robot.robot import Robot
 DOUBT_SPEED = 0.02  # of a joint's RMS speed: below it no law can be told from its own rounding at zero
 CLEAR = 0.1  # of a row's window that may be in doubt for the row to count as clear
 FEWEST_CLEAR = 0.2  # of a joint's rows; a joint that hardly moves is judged on all of them
+HOPELESS = 1e6  # times the effort, that a row may be off by which says nothing
 DOUBT_PERIODS = 0.6  # of the position filter's cutoff: how far a sign change is blurred
 
 
@@ -123,7 +123,6 @@ def measure_gap(log: Log, robot: Robot) -> Gap:
     body = robot.body()
     robot = robot.with_stated_friction(body)
     check_joints(log, robot.name, robot.joints)
-    check_units(log, body)
     motion = estimate_motion(log, robot.joints, choose_cutoff(log, robot, body))
     effort = predict_effort(robot, body, motion)
     per_reported = np.array(
@@ -145,7 +144,9 @@ def measure_gap(log: Log, robot: Robot) -> Gap:
     )
     touched = _touched(motion, chain, doubt_speed)
     doubt = touched * _friction_level(motion, effort, residual, doubt_speed)
-    clear = touched < CLEAR
+    spoilt = _unusable(log, motion, chain)
+    doubt = np.where(spoilt, HOPELESS * np.nanmax(np.abs(measured)), doubt)
+    clear = (touched < CLEAR) & ~spoilt
     clear[:, np.mean(clear, axis=0) < FEWEST_CLEAR] = True
     return Gap(
         robot=robot,
@@ -163,6 +164,19 @@ def measure_gap(log: Log, robot: Robot) -> Gap:
         blocks=cut_blocks(chain, chain.rows(motion.position), log.source),
         per_reported=per_reported,
     )
+
+
+def _unusable(log: Log, motion: Motion, chain: Chain) -> NDArray[np.bool_]:
+    # Rows whose window holds samples that were recorded but say nothing.
+    out = np.zeros((chain.time.size, len(motion.joints)), dtype=bool)
+    for i, (joint, quantity) in enumerate(zip(motion.joints, motion.quantity, strict=True)):
+        mask = log.unusable.get(f"{quantity}.{joint}")
+        if mask is not None:
+            on_grid = [
+                np.interp(grid.time, log.time[grid.rows], mask[grid.rows].astype(np.float64)) for grid in motion.grids
+            ]
+            out[:, i] = chain.touched(np.concatenate(on_grid) > 0.0) > 0.0
+    return out
 
 
 def _touched(motion: Motion, chain: Chain, doubt_speed: Floats) -> Floats:

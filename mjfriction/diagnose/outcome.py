@@ -5,11 +5,11 @@ from __future__ import annotations
 import enum
 from dataclasses import dataclass
 
-from mjfriction.diagnose.audit import Fault
 from mjfriction.diagnose.extend import Adjustment
 from mjfriction.diagnose.gap import Gap
 from mjfriction.diagnose.proof import Gain
 from mjfriction.diagnose.structure import Structure
+from mjfriction.record.faults import Fault
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 

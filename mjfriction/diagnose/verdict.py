@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from mjfriction.diagnose.audit import Fault
 from mjfriction.diagnose.gap import Gap
 from mjfriction.diagnose.outcome import Finding, JointError, Verdict
 from mjfriction.diagnose.structure import Structure
+from mjfriction.record.faults import Fault
 from mjfriction.record.log import Floats
 
 STRUCTURED = 0.1  # share of what is left that a smooth curve may predict before it counts as unexplained

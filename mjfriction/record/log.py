@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mjfriction.errors import LogError, suggestion
+from mjfriction.record.faults import Fault
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -22,7 +23,8 @@ class Log:
 
     ``time`` and ``segment`` have shape (n,); time increases within a segment.  ``columns`` holds every numeric column
     under its full name (``position.elbow_joint``), each of shape (n,).  ``joints`` are the joints that have a
-    position column, in the order of the file.
+    position column, in the order of the file.  ``faults`` are those of the recording that were found and mended;
+    ``unusable`` marks samples of a column, (n,), that were recorded but say nothing.
     """
 
     source: str
@@ -30,6 +32,8 @@ class Log:
     segment: Integers
     joints: tuple[str, ...]
     columns: Mapping[str, Floats]
+    faults: tuple[Fault, ...] = ()
+    unusable: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
 
     def channel(self, quantity: str, joint: str) -> Floats | None:
         """Return a joint's column (``position``, ``velocity``, ``effort``, ``current``, …), or None if not recorded."""

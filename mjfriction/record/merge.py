@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -36,4 +37,10 @@ def merge_logs(logs: Sequence[Log]) -> Log:
         segment=np.concatenate(segments),
         joints=first.joints,
         columns={name: np.concatenate([log.columns[name] for log in logs]) for name in shared},
+        faults=tuple(replace(fault, where=f"{log.source}: {fault.where}") for log in logs for fault in log.faults),
+        unusable={
+            name: np.concatenate([log.unusable.get(name, np.zeros(log.time.size, dtype=bool)) for log in logs])
+            for name in shared
+            if any(name in log.unusable for log in logs)
+        },
     )

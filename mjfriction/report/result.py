@@ -185,10 +185,13 @@ def _structure(before: tuple[Structure, ...], after: tuple[Structure, ...]) -> l
 
 def _data_problems(diagnosis: Diagnosis) -> list[DataProblem]:
     log, clock = diagnosis.gap.log, diagnosis.gap.motion.clock
-    problems = [DataProblem(kind=fault.kind, where=fault.where, action=fault.action) for fault in diagnosis.faults]
+    faults = (*diagnosis.faults, *log.faults)
+    problems = [DataProblem(kind=fault.kind, where=fault.where, action=fault.action) for fault in faults]
+    told = [fault.span for fault in log.faults if fault.span]
     problems += [
         DataProblem(kind="data.gap", where=f"{log.time[row]:.4g} s to {log.time[after]:.4g} s", action="split there")
         for row, after in clock.gaps
+        if not any(log.time[row] <= low and high <= log.time[after] for low, high in told)
     ]
     if any(grid.moved for grid in diagnosis.gap.motion.grids):
         problems.append(

@@ -7,6 +7,7 @@ import pyarrow as pa
 
 from mjfriction.errors import LogError, suggestion
 from mjfriction.record.log import Floats, Integers, Log
+from mjfriction.record.repair import repaired, without_repeats
 
 FEWEST_ROWS = 100
 
@@ -39,8 +40,9 @@ def log_from_table(table: pa.Table, source: str) -> Log:
             columns[name] = values
     time = columns.pop("time")
     segment = _segment(columns.pop("segment", None), time, source)
+    time, segment, columns, faults = without_repeats(time, segment, columns)
     _check_time(time, segment, source)
-    return Log(source=source, time=time, segment=segment, joints=joints, columns=columns)
+    return repaired(Log(source=source, time=time, segment=segment, joints=joints, columns=columns, faults=faults))
 
 
 def _numbers(table: pa.Table, name: str, source: str) -> Floats | None:

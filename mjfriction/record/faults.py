@@ -1,0 +1,140 @@
+"""Faults that the recording itself brought into a log: rows repeated, channels stuck or clipped, single wild samples.
+
+They are found in the samples alone, before any model is asked, and repaired where that is safe.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+FEWEST_REPEATED = 8  # rows in a row, alike in every column, that no chance repeats
+LONGEST_SINGLE = 2  # samples of a glitch
+WILD = 25.0  # times the usual departure from its neighbours' median from which on a sample is wild
+WILD_SHARE = 0.02  # of a channel's range that it must depart by besides
+SHORTEST_STUCK = 20  # samples
+STUCK_SPEED = 0.4  # of the usual speed, just before or after a standstill, that no joint stops from at once
+LONGER = 4.0  # times the longest ordinary run of equal samples, for a run to be no rest of the encoder
+MOSTLY = 0.8  # of a frozen stretch that the joint moves in
+FEWEST_CLIPPED = 12  # samples at the same extreme, in runs
+CLIPPED_RUN = 4  # samples of one of them at least
+AT_THE_EDGE = 8.0  # times as many samples at the extreme as beside it
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A fault of a log: its ``kind`` (``data.stuck``, …), where, and what was done or is to do; ``span`` is its time
+    (s) where rows were left out.
+    """
+
+    kind: str
+    where: str
+    action: str
+    span: tuple[float, float] | None = None
+
+
+def repeated_rows(columns: Mapping[str, Floats]) -> Mask:
+    """Return which rows repeat earlier ones, many in a row and alike in every column, time left aside, (n,)."""
+    table = np.ascontiguousarray(np.column_stack([columns[name] for name in sorted(columns)]))
+    rows = table.view(np.dtype((np.void, table.dtype.itemsize * table.shape[1])))[:, 0]
+    _, number = np.unique(rows, return_inverse=True)
+    out = np.zeros(rows.size, dtype=bool)
+    last: dict[int, int] = {}
+    lag = np.zeros(rows.size, dtype=np.int64)
+    for i, own in enumerate(number.tolist()):
+        lag[i] = i - last.get(own, i)
+        last[own] = i
+    for start, stop in _runs(lag):
+        # A resting machine repeats the row before; only rows that change among themselves were copied.
+        changing = np.any(number[start:stop] != number[start])
+        if lag[start] > 1 and stop - start >= FEWEST_REPEATED and changing:
+            out[start:stop] = True
+    return out
+
+
+def glitches(values: Floats) -> Mask:
+    """Return the single wild samples of a channel, (n,): far from the median of the samples around them."""
+    if values.size < 16:
+        return np.zeros(values.size, dtype=bool)
+    padded = np.pad(values, 3, mode="edge")
+    around = np.median(np.lib.stride_tricks.sliding_window_view(padded, 7), axis=1)
+    departure = np.abs(values - around)
+    usual = float(np.quantile(departure, 0.99)) + 1e-300
+    spread = float(np.quantile(values, 0.99) - np.quantile(values, 0.01))
+    wild = (departure > WILD * usual) & (departure > WILD_SHARE * spread)
+    for start, stop in _runs(wild.astype(np.int64)):
+        if wild[start] and stop - start > LONGEST_SINGLE:
+            wild[start:stop] = False
+    return wild
+
+
+def stuck(values: Floats, speed: Floats) -> Mask:
+    """Return where a channel stands still at once in the middle of motion, (n,).
+
+    ``speed`` (n,) is how fast the joint moves by another account (its own neighbours' samples, or its velocity column).
+    A rest has a run-down before and a run-up after; a stuck channel has not.
+    """
+    out = np.zeros(values.size, dtype=bool)
+    runs = [(a, b) for a, b in _runs(values) if b - a > 1]
+    if not runs:
+        return out
+    usual = float(np.sqrt(np.mean(np.square(speed))))
+    lengths = np.sort([b - a for a, b in runs])
+    ordinary = float(lengths[int(0.9 * (lengths.size - 1))]) if lengths.size > 10 else 2.0
+    for a, b in runs:
+        if b - a < max(SHORTEST_STUCK, LONGER * ordinary):
+            continue
+        before, after = _middle(speed[max(a - 6, 0) : max(a - 1, 0)]), _middle(speed[b + 1 : b + 6])
+        if max(before, after) > STUCK_SPEED * usual:
+            out[a:b] = True
+    return out
+
+
+def frozen(values: Floats, moving: Mask) -> Mask:
+    """Return where a noisy channel repeats one value exactly while its joint moves, (n,)."""
+    out = np.zeros(values.size, dtype=bool)
+    runs = _runs(values)
+    lengths = np.sort([b - a for a, b in runs])
+    ordinary = float(lengths[int(0.99 * (lengths.size - 1))])
+    for a, b in runs:
+        if b - a >= max(SHORTEST_STUCK, LONGER * ordinary) and np.mean(moving[a:b]) > MOSTLY:
+            out[a:b] = True
+    return out
+
+
+def _middle(speed: Floats) -> float:
+    return float(np.median(np.abs(speed))) if speed.size else 0.0
+
+
+def clipped(values: Floats, moving: Mask) -> Mask:
+    """Return where a channel stands at its own extreme, (n,): many samples at one value, few beside it."""
+    out = np.zeros(values.size, dtype=bool)
+    span = float(np.ptp(values))
+    if span <= 0.0:
+        return out
+    for extreme in (float(np.max(values)), float(np.min(values))):
+        at = np.abs(values - extreme) <= 1e-9 * span
+        beside = (np.abs(values - extreme) <= 0.02 * span) & ~at
+        runs = [(a, b) for a, b in _runs(at.astype(np.int64)) if at[a]]
+        longest = max((b - a for a, b in runs), default=0)
+        many = np.count_nonzero(at & moving) >= FEWEST_CLIPPED and longest >= CLIPPED_RUN
+        if many and np.count_nonzero(at) * AT_THE_EDGE > np.count_nonzero(beside):
+            out |= at
+    return out
+
+
+def _runs(values: NDArray[np.generic]) -> list[tuple[int, int]]:
+    cuts = np.flatnonzero(values[1:] != values[:-1]) + 1
+    return list(itertools.pairwise([0, *cuts.tolist(), values.size]))
+
+
+def spans(mask: Mask) -> list[tuple[int, int]]:
+    """Return the runs (first, past) in which a mask holds."""
+    return [(a, b) for a, b in _runs(mask.astype(np.int64)) if mask[a]]

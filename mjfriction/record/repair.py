@@ -1,0 +1,109 @@
+"""A log with the faults of its recording taken out, and said."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from mjfriction.record.faults import Fault, clipped, frozen, glitches, repeated_rows, spans, stuck
+from mjfriction.record.log import CURRENT, EFFORT, POSITION, VELOCITY, Floats, Integers, Log
+
+MOST_LISTED = 3  # places of one fault that are spelled out
+MOST_CLIPPED = 0.5  # of a channel's samples; past that it is no recording of a torque
+
+
+def without_repeats(
+    time: Floats, segment: Integers, columns: dict[str, Floats]
+) -> tuple[Floats, Integers, dict[str, Floats], tuple[Fault, ...]]:
+    """Drop rows that repeat earlier ones; return time, segment, columns and what was found."""
+    repeated = repeated_rows(columns)
+    if not np.any(repeated):
+        return time, segment, columns, ()
+    kept = ~repeated
+    places = [(time[a], time[b - 1]) for a, b in spans(repeated)]
+    count = int(np.count_nonzero(repeated))
+    fault = Fault("data.duplicate", f"{_places(places)} ({count} rows)", "dropped the repeated rows", places[0])
+    return time[kept], segment[kept], {name: values[kept] for name, values in columns.items()}, (fault,)
+
+
+def repaired(log: Log) -> Log:
+    """Return the log with glitches bridged, stuck stretches left out and clipped efforts marked as unusable."""
+    columns = dict(log.columns)
+    faults = list(log.faults)
+    unusable = dict(log.unusable)
+    dropped = np.zeros(log.time.size, dtype=bool)
+    for joint in log.joints:
+        for quantity in (POSITION, VELOCITY, EFFORT, CURRENT):
+            name = f"{quantity}.{joint}"
+            if name in columns:
+                columns[name], found = _bridged(log, name, columns[name])
+                faults += found
+        speed = _speed(log, columns, joint)
+        still = stuck(columns[f"{POSITION}.{joint}"], speed)
+        if np.any(still):
+            faults.append(_left_out(log, "data.stuck", f"{POSITION}.{joint}", still, "those rows were left out"))
+            dropped |= still
+        moving = np.abs(speed) > 0.05 * np.sqrt(np.mean(np.square(speed)))
+        for quantity in (EFFORT, CURRENT):
+            name = f"{quantity}.{joint}"
+            if name not in columns:
+                continue
+            flat = clipped(columns[name], moving)
+            held = frozen(columns[name], moving) & ~flat
+            said = {
+                "data.saturation": (flat, "those samples say only that the drive gave no more; they were not used"),
+                "data.stuck": (held, "those samples were not used"),
+            }
+            for kind, (mask, action) in said.items():
+                if 0.0 < np.mean(mask) < MOST_CLIPPED:
+                    unusable[name] = unusable.get(name, np.zeros(mask.size, dtype=bool)) | mask
+                    faults.append(_left_out(log, kind, name, mask, action))
+    changed = replace(log, columns=columns, faults=tuple(faults), unusable=unusable)
+    return _without(changed, dropped) if np.any(dropped) else changed
+
+
+def _bridged(log: Log, name: str, values: Floats) -> tuple[Floats, list[Fault]]:
+    wild = glitches(values)
+    if not np.any(wild):
+        return values, []
+    index = np.arange(values.size)
+    mended = values.copy()
+    mended[wild] = np.interp(index[wild], index[~wild], values[~wild])
+    return mended, [_left_out(log, "data.glitch", name, wild, "bridged by the samples beside it")]
+
+
+def _speed(log: Log, columns: dict[str, Floats], joint: str) -> Floats:
+    measured = columns.get(f"{VELOCITY}.{joint}")
+    if measured is not None and np.ptp(measured) > 0.0:
+        return measured
+    position = columns[f"{POSITION}.{joint}"]
+    step = np.diff(log.time, append=2.0 * log.time[-1] - log.time[-2])
+    change = np.diff(position, append=position[-1])
+    joined = np.diff(log.segment, append=log.segment[-1]) == 0
+    ordinary = float(np.median(step))
+    return np.where(joined & (step > 0.0), change / np.maximum(step, 0.1 * ordinary), 0.0)
+
+
+def _left_out(log: Log, kind: str, name: str, mask: np.ndarray, action: str) -> Fault:
+    places = [(float(log.time[a]), float(log.time[b - 1])) for a, b in spans(mask)]
+    return Fault(kind, f"{name}, {_places(places)}", action, places[0])
+
+
+def _places(places: list[tuple[float, float]]) -> str:
+    words = [f"{a:.4g} s" if a == b else f"{a:.4g} s to {b:.4g} s" for a, b in places[:MOST_LISTED]]
+    more = len(places) - MOST_LISTED
+    return ", ".join(words) + (f" and {more} more places" if more > 0 else "")
+
+
+def _without(log: Log, rows: np.ndarray) -> Log:
+    kept = ~rows
+    # What stands on either side of a stretch left out is not one motion, however short the stretch.
+    piece = np.cumsum(np.append(0, np.diff(log.segment) != 0) | np.append(False, rows[:-1] & ~rows[1:]))
+    return replace(
+        log,
+        time=log.time[kept],
+        segment=piece[kept].astype(np.int64),
+        columns={name: values[kept] for name, values in log.columns.items()},
+        unusable={name: mask[kept] for name, mask in log.unusable.items()},
+    )
