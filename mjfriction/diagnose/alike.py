@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
+from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.compete import Field, contenders, size
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.trial import Trial, try_out
@@ -53,9 +54,14 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
         and target.cause.name not in entrant.cause.contains
     )
     repeated = redundancy(model.residual()[:, joint] * model.system.rows.weight[:, joint])
+    rivals = contenders(without, here)
+    if target.cause is not STATED_LEVELS and joint not in [level.site.joint for level in free.levels]:
+        # The joint's own levels are as stated here, so they stand for the place too.
+        levels = try_out(without, Chosen(STATED_LEVELS, Site(joint)))
+        rivals += [levels] if levels is not None else []
     odds = {
         rival.chosen.cause.name: math.exp(min(0.0, -0.5 * (own.merit - rival.merit) / repeated))
-        for rival in contenders(without, here)
+        for rival in rivals
         if _is_rival(rival, own, size(field))
     }
     total = 1.0 + sum(odds.values())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.optimize import nnls
 
 from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.diagnose.gap import Gap
@@ -70,11 +71,10 @@ def find_misplaced(gap: Gap) -> list[Fault]:
         velocity = changed[1][:, list(gap.examined)]
         left = []
         for own, torque, speed in zip(effort.T, rigid.T, velocity.T, strict=True):
-            columns = np.column_stack([torque, np.sign(speed), speed, np.ones_like(speed)])
-            strengths = np.linalg.lstsq(columns, own, rcond=None)[0]
-            # A share of its own weight below none is no explanation.
-            misfit = own - columns @ strengths if strengths[0] > 0.0 else own - np.mean(own)
-            left.append(float(np.var(misfit) / max(np.var(own), 1e-300)))
+            one = np.ones_like(speed)
+            columns = np.column_stack([torque, np.sign(speed), speed, one, -one])
+            # A weight below none, or friction that drives, is no explanation.
+            left.append(float(nnls(columns, own)[1]) ** 2 / max(own.size * float(np.var(own)), 1e-300))
         return np.asarray(left)
 
     as_logged = unexplained(course)

@@ -72,7 +72,8 @@ def _tangents(model: Model, strengths: list[Floats]) -> tuple[Chosen, ...]:
         bend = effects[choice.key] + together
         for joint, slope in columns[choice.key].items():
             bend[:, joint] -= slope @ own
-        out.append(replace(choice, tangent=Tangent(columns[choice.key], bend)))
+        site = replace(choice.site, around=float(own[0])) if choice.site.around else choice.site
+        out.append(replace(choice, site=site, tangent=Tangent(columns[choice.key], bend)))
     return tuple(out)
 
 
