@@ -102,9 +102,9 @@ def test_without_the_cause_among_the_candidates_it_is_not_found(
     without_it = run(tmp_path, machine, seed=21)
     assert (case.cause, UR5_JOINTS[case.joint]) not in names(without_it)
     if case.cause not in ("friction.coulomb_viscous", "drive.torque_constant", "drive.offset", "body.spring"):
-        # Levels are refitted with every candidate, a scaled effort is nearly scaled links and levels, a constant may be a
-        # spring, and a spring is nearly a zero that is off with links a little heavier: what can be fitted without those
-        # names does not show in the error.
+        # Levels are refitted with every candidate, a scaled effort is nearly scaled links and levels, a constant may be
+        # a spring, and a spring is nearly a zero that is off with links a little heavier: what can be fitted without
+        # those names does not show in the error.
         left = [d.joints[case.joint].rms_heldout_after for d in (with_it, without_it)]
         assert left[1] > 1.05 * left[0]
 

@@ -17,7 +17,8 @@ from mjfriction.robot.robot import Robot
 DELAY = Parameter("delay", "s", "time by which the reported effort comes after the motion it belongs to")
 LONGEST = 0.25  # s; a longer one is another clock
 GRID = (0.0, 0.015, 0.025, 0.04, 0.06, 0.09, 0.13, 0.2, -0.015, -0.03, -0.06, -0.12)  # s
-NEAR = 0.45  # relative, of the delay found to the one its columns were drawn for
+FINER = 1.6  # a step of the grid
+NEAR = 0.6  # relative, of the delay found to the one its columns were drawn for
 
 
 def _late(gap: Gap, joint: int, delay: float) -> Floats:
@@ -61,6 +62,10 @@ class _Delay(Cause):
         """A shift of a quarter of a second either way at most, and near the delay that the columns were drawn for."""
         near = site.around == 0.0 or abs(strengths[0] / site.around - 1.0) < NEAR
         return bool(near and abs(strengths[0]) < LONGEST)
+
+    def around_bounds(self, gap: Gap, site: Site) -> tuple[float, float] | None:
+        """To the neighbours on the grid."""
+        return (site.around / FINER, site.around * FINER) if site.around else None
 
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """A shift of less than one sample is how a log is sampled: a command, say, acts over the step that follows."""
