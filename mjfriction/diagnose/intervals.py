@@ -45,6 +45,9 @@ def half_widths(model: Model) -> HalfWidths:
     deviation = np.sqrt(np.maximum(np.diag(full.covariance(fitted, gap.blocks.group)), 0.0))
     half = deviation * float(student.ppf(0.975, gap.blocks.groups - 1))
     ends = nuisance.count + np.cumsum([0, *sizes])
+    for choice, end in zip(model.chosen, ends[1:], strict=True):
+        finest = choice.cause.shape_resolution(gap, choice.site)
+        half[end - len(finest) : end] = np.maximum(half[end - len(finest) : end], finest)
     return HalfWidths(half[: nuisance.count], tuple(half[a:b] for a, b in itertools.pairwise(ends)))
 
 

@@ -64,12 +64,32 @@ def test_a_drive_far_off_is_physics_still(case: tuple[Path, Path]) -> None:
     assert [finding.cause for finding in diagnosis.findings] == ["drive.torque_constant"]
 
 
-def test_degrees_are_refused(case: tuple[Path, Path]) -> None:
-    log = damaged(case, lambda c: {n: np.degrees(v) for n, v in c.items() if n.startswith("position.")})
-    with pytest.raises(
-        LogError, match=r"runs from .* rad, but the model's limits are .*convert it if it is in degrees"
-    ):
-        diagnose_log(log, read_robot(case[1]))
+def test_degrees_are_named(case: tuple[Path, Path]) -> None:
+    diagnosis = run(case, lambda c: {n: np.degrees(v) for n, v in c.items() if n.startswith("position.")})
+    assert diagnosis.verdict is Verdict.BAD_DATA
+    assert {fault.kind for fault in diagnosis.faults} == {"data.unit"}
+    assert "convert it if it is in degrees" in diagnosis.faults[0].action
+
+
+LIFT, BEND = "position.shoulder_lift_joint", "position.elbow_joint"
+
+
+@pytest.mark.parametrize(
+    ("damage", "kind", "names"),
+    [
+        (lambda c: {BEND: -c[BEND]}, "data.sign", ["elbow_joint"]),
+        # Two joints whose positions are exchanged look like two whose efforts are.
+        (lambda c: {BEND: c[LIFT], LIFT: c[BEND]}, "data.swap", ["elbow_joint", "shoulder_lift_joint"]),
+    ],
+)
+def test_positions_of_wrong_sign_or_joint(
+    damage: Callable[[Columns], Columns], kind: str, names: list[str], case: tuple[Path, Path]
+) -> None:
+    diagnosis = run(case, damage)
+    assert diagnosis.verdict is Verdict.BAD_DATA
+    (fault,) = diagnosis.faults
+    assert fault.kind == kind
+    assert all(name in fault.where for name in names)
 
 
 def test_milliseconds_are_refused(case: tuple[Path, Path]) -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import functools
+import tempfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import mujoco
@@ -27,6 +29,32 @@ class Case:
     joint: int
     effect: Callable[[Instant], np.ndarray]
     parameters: dict[str, float]
+    in_sensor: bool = False  # whether the effect is in what the position sensor reads, not in the torque
+    ambient: Mapping[str, Callable[[np.ndarray], np.ndarray]] = field(default_factory=dict)
+
+    @property
+    def machine(self) -> Machine:
+        own = {self.joint: self.effect}
+        return (
+            Machine(sensed=own, ambient=self.ambient) if self.in_sensor else Machine(hidden=own, ambient=self.ambient)
+        )
+
+
+def bristle(i: Instant, level: float, travel: float) -> np.ndarray:
+    """Friction that builds up over a travel, in place of the level that turns over at once."""
+    z, share = 0.0, np.empty_like(i.q)
+    for k, step in enumerate(np.diff(i.q, prepend=i.q[0])):
+        z += (np.sign(step) - z) * (1.0 - np.exp(-abs(step) / travel))
+        share[k] = z
+    return level * (share - np.sign(i.v))
+
+
+def warmth(time: np.ndarray) -> np.ndarray:
+    return 28.0 + 14.0 * (1.0 - np.exp(-time / 25.0))
+
+
+def pressures(slow: float) -> Callable[[np.ndarray], np.ndarray]:
+    return lambda time: 4e6 + 1.5e6 * np.sin(slow * time) + 1e6 * np.cos(1.7 * slow * time)
 
 
 CASES = [
@@ -62,6 +90,45 @@ CASES = [
         {"coulomb": 11.5, "viscous": 9.0},
     ),
 ]
+CASES += [
+    Case(
+        "friction.presliding",
+        0,
+        lambda i: bristle(i, 8.0, 0.02),
+        {"presliding_level": 8.0, "presliding_travel": 0.02},
+    ),
+    Case(
+        "friction.temperature",
+        1,
+        lambda i: (warmth(i.time) - 25.0) * (-0.25 * np.sign(i.v) - 0.3 * i.v),
+        {"coulomb_per_kelvin": -0.25, "viscous_per_kelvin": -0.3},
+        ambient={f"temperature.{UR5_JOINTS[1]}": warmth},
+    ),
+    Case(
+        "event.change",
+        3,
+        lambda i: (i.time > 23.7) * (0.8 * np.sign(i.v) + 0.6 * i.v),
+        {"time": 23.7, "coulomb": 0.8, "viscous": 0.6},
+    ),
+    Case(
+        "hydraulic.pressure",
+        2,
+        lambda i: (8e-7 * pressures(0.5)(i.time) + 3e-7 * pressures(0.9)(i.time)) * np.sign(i.v),
+        {"head": 8e-7, "rod": 3e-7},
+        ambient={
+            f"pressure_head.{UR5_JOINTS[2]}": pressures(0.5),
+            f"pressure_rod.{UR5_JOINTS[2]}": pressures(0.9),
+        },
+    ),
+    Case(
+        "drive.coupling",
+        5,
+        lambda i: 0.5 * np.sign(i.velocities[:, 4]) + 0.4 * i.velocities[:, 4],
+        {"coulomb": 0.5, "viscous": 0.4},
+    ),
+    Case("sensor.encoder_offset", 2, lambda i: np.full(i.q.shape, 0.08), {"offset": 0.08}, in_sensor=True),
+    Case("drive.elasticity", 1, lambda i: 1.5e-3 * i.rigid, {"compliance": 1.5e-3}, in_sensor=True),
+]
 every_case = pytest.mark.parametrize("case", CASES, ids=[case.cause for case in CASES])
 
 
@@ -70,13 +137,21 @@ def run(folder: Path, machine: Machine, seed: int, *, off: float = 0.0) -> Diagn
     return diagnose_log(read_log(log), read_robot(robot))
 
 
+@functools.cache
+def diagnosed(cause: str) -> Diagnosis:
+    """Diagnose a case once for all the tests that ask for it."""
+    case = next(case for case in CASES if case.cause == cause)
+    with tempfile.TemporaryDirectory() as folder:
+        return run(Path(folder), case.machine, seed=21)
+
+
 def names(diagnosis: Diagnosis) -> list[tuple[str, str | None]]:
     return [(finding.cause, finding.joint) for finding in diagnosis.findings]
 
 
 @every_case
-def test_the_cause_is_named_with_its_size(case: Case, tmp_path: Path) -> None:
-    diagnosis = run(tmp_path, Machine(hidden={case.joint: case.effect}), seed=21)
+def test_the_cause_is_named_with_its_size(case: Case) -> None:
+    diagnosis = diagnosed(case.cause)
     assert names(diagnosis) == [(case.cause, UR5_JOINTS[case.joint])]
     (finding,) = diagnosis.findings
     assert finding.confidence > 0.9
@@ -94,27 +169,34 @@ def test_the_cause_is_named_with_its_size(case: Case, tmp_path: Path) -> None:
 def test_without_the_cause_among_the_candidates_it_is_not_found(
     case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    machine = Machine(hidden={case.joint: case.effect})
-    with_it = run(tmp_path, machine, seed=21)
+    machine = case.machine
+    with_it = diagnosed(case.cause)
     kept = tuple(cause for cause in module.STRUCTURAL if cause.name != case.cause)
     monkeypatch.setattr(module, "STRUCTURAL", kept)
     monkeypatch.setattr("mjfriction.diagnose.stated.LEAST_CHANGE", np.inf)
     without_it = run(tmp_path, machine, seed=21)
     assert (case.cause, UR5_JOINTS[case.joint]) not in names(without_it)
-    if case.cause not in ("friction.coulomb_viscous", "drive.torque_constant", "drive.offset", "body.spring"):
+    alike = {
+        "friction.coulomb_viscous",
+        "drive.torque_constant",
+        "drive.offset",
+        "body.spring",
+        "sensor.encoder_offset",
+    }
+    if case.cause not in alike:
         # Levels are refitted with every candidate, a scaled effort is nearly scaled links and levels, a constant may be
-        # a spring, and a spring is nearly a zero that is off with links a little heavier: what can be fitted without
-        # those names does not show in the error.
+        # a spring, and a spring is nearly a zero that is off with links a little heavier, and the other way round: what
+        # can be fitted without those names does not show in the error.
         left = [d.joints[case.joint].rms_heldout_after for d in (with_it, without_it)]
         assert left[1] > 1.05 * left[0]
 
 
 @every_case
 def test_the_extended_robot_predicts_motion_it_was_not_fitted_to(case: Case, tmp_path: Path) -> None:
-    machine = Machine(hidden={case.joint: case.effect})
-    diagnosis = run(tmp_path, machine, seed=21)
+    machine = case.machine
+    diagnosis = diagnosed(case.cause)
     other_log, robot_path = write_case(tmp_path / "other", machine, seed=22)
-    exact = record(Machine(hidden=machine.hidden, noise=0.0), seed=22)[f"effort.{UR5_JOINTS[case.joint]}"]
+    exact = record(replace(machine, noise=0.0), seed=22)[f"effort.{UR5_JOINTS[case.joint]}"]
     log = read_log(other_log)
     name = f"effort.{UR5_JOINTS[case.joint]}"
     speed = np.abs(np.gradient(log.columns[name.replace("effort", "position")], 1.0 / 250.0))
@@ -123,7 +205,8 @@ def test_the_extended_robot_predicts_motion_it_was_not_fitted_to(case: Case, tmp
         float(np.sqrt(np.mean((predict_log(log, robot)[name] - exact)[moving] ** 2)))
         for robot in (read_robot(robot_path), diagnosis.robot)
     ]
-    assert errors[1] < 0.5 * errors[0]
+    # What moves the sensor acts most where the load turns over, and there the position's filter blurs it.
+    assert errors[1] < (0.9 if case.in_sensor else 0.5) * errors[0]
 
 
 def test_two_effects_are_both_found_when_stated_friction_is_a_few_percent_off(tmp_path: Path) -> None:
@@ -193,6 +276,15 @@ def test_a_tilted_base_is_levelled(off: float, tmp_path: Path) -> None:
     assert gravity == pytest.approx((9.81 * 0.6 * sine, 9.81 * 0.8 * sine, -9.81 * np.cos(np.radians(3.0))), abs=0.03)
 
 
+@pytest.mark.parametrize(("joint", "seed"), [(1, 2), (2, 1)])
+def test_play_is_named_where_the_load_crosses_it(joint: int, seed: int, tmp_path: Path) -> None:
+    machine = Machine(sensed={joint: lambda i: 0.005 * np.sign(i.rigid)})
+    log, robot = write_case(tmp_path, machine, seed, seconds=60.0)
+    (finding,) = diagnose_log(read_log(log), read_robot(robot)).findings
+    assert (finding.cause, finding.joint) == ("drive.backlash", UR5_JOINTS[joint])
+    assert finding.parameters[0].value == pytest.approx(0.01, rel=0.25)
+
+
 def late(seconds: float) -> Callable[[Instant], np.ndarray]:
     return lambda i: np.interp(i.time - seconds, i.time, i.rigid + i.friction) - (i.rigid + i.friction)
 
@@ -200,14 +292,14 @@ def late(seconds: float) -> Callable[[Instant], np.ndarray]:
 def test_a_late_effort_is_timed(tmp_path: Path) -> None:
     one = run(tmp_path / "one", Machine(hidden={1: late(0.02)}), seed=5)
     assert names(one) == [("sensor.delay", "shoulder_lift_joint")]
-    # The cause is of first order in the delay and reads short (16.6 ms when this was written): the lower bound records
-    # a known fault rather than an accuracy to be proud of.
-    assert 0.75 * 0.02 < one.findings[0].parameters[0].value < 1.05 * 0.02
+    (delay,) = one.findings[0].parameters
+    assert abs(delay.value - 0.02) < 2.0 * (delay.high - delay.value)
+    assert delay.value == pytest.approx(0.02, rel=0.1)
     every = run(tmp_path / "all", Machine(hidden={j: late(0.02) for j in range(6)}), seed=5)
     assert names(every) == [("sensor.delay", None)]
     delays = {joint.effort_sensor.delay for joint in every.robot.table.joint}
     assert len(delays) == 1
-    assert 0.75 * 0.02 < delays.pop() < 1.05 * 0.02
+    assert delays.pop() == pytest.approx(0.02, rel=0.1)
 
 
 def test_less_than_a_sample_late_is_refitted_and_no_finding(tmp_path: Path) -> None:

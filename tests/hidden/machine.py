@@ -37,7 +37,9 @@ UR5_VISCOUS = (11.0, 14.0, 8.0, 2.0, 1.6, 1.2)
 
 @dataclass(frozen=True)
 class Instant:
-    """One joint's true course, which an effect may read: arrays (n,) of q, v, a, and the torques acting in it."""
+    """One joint's true course, which an effect may read: arrays (n,) of q, v, a, and the torques acting in it;
+    ``velocities`` (n, joints) are those of all joints.
+    """
 
     time: Array
     q: Array
@@ -45,6 +47,7 @@ class Instant:
     a: Array
     rigid: Array
     friction: Array
+    velocities: Array
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,7 @@ class Machine:
     encoder_bits: int = 18
     position_noise: float = 0.0  # rad
     change: Callable[[mujoco.MjModel], None] | None = None  # of the bodies themselves
+    ambient: Mapping[str, Callable[[Array], Array]] = field(default_factory=dict)  # further columns, of time
     velocity: str = "none"  # "none", "clean" or "noisy" measured velocity
 
 
@@ -117,12 +121,12 @@ def record(machine: Machine, seed: int, seconds: float = 40.0, rate: float = 250
     if machine.change is not None:
         machine.change(model)
     rigid = rigid_torque(model, q, v, a)
-    columns = {"time": time}
+    columns = {"time": time, **{name: course(time) for name, course in machine.ambient.items()}}
     step = 2.0 * np.pi / 2**machine.encoder_bits
     for j, joint in enumerate(machine.joints):
         friction = machine.coulomb[j] * np.sign(v[:, j]) + machine.viscous[j] * v[:, j]
         torque = rigid[:, j] + friction
-        course = Instant(time, q[:, j], v[:, j], a[:, j], rigid[:, j], friction)
+        course = Instant(time, q[:, j], v[:, j], a[:, j], rigid[:, j], friction, v)
         if j in machine.hidden:
             torque = torque + machine.hidden[j](course)
         read = q[:, j] + (machine.sensed[j](course) if j in machine.sensed else 0.0)

@@ -94,6 +94,10 @@ class Cause(ABC):
         """Return the range each shape parameter is searched in."""
         return []
 
+    def shape_resolution(self, gap: Gap, site: Site) -> tuple[float, ...]:
+        """Return how finely the rows can tell each shape parameter at best: by default as finely as the fit says."""
+        return tuple(0.0 for _ in site.shape)
+
     def around_bounds(self, gap: Gap, site: Site) -> tuple[float, float] | None:
         """Return the range that the strength is searched in which the columns are drawn around; by default none is."""
         return None

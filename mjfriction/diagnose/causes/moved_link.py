@@ -5,7 +5,6 @@ gives (drive.elasticity) or that has play (drive.backlash).
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import ClassVar, final
 
@@ -24,8 +23,8 @@ OFFSET = Parameter("offset", "{length}", "what the sensor reads where the joint 
 COMPLIANCE = Parameter("compliance", "{length}/{force}", "how far the transmission gives per load", lower=0.0)
 BACKLASH = Parameter("backlash", "{length}", "play of the transmission, from stop to stop", lower=0.0)
 FARTHEST = 0.5  # rad or m that a zero may be off
-PLAYS = (1e-3, 2e-3, 4e-3, 8e-3, 16e-3, 32e-3, 64e-3)  # rad or m
-FINER = 1.5  # half of a step of these
+PLAYS = (2e-3, 4.5e-3, 1e-2, 2.2e-2, 5e-2)  # rad or m
+FINER = 1.6  # half of a step of these
 NEAR = (0.6, 1.6)  # times the play that the columns were drawn for
 WIDEST = 0.2  # rad or m of play or of give
 FELT = 1e-6  # of the noise floor, below which a shift is felt by no joint
@@ -187,13 +186,6 @@ class Backlash(_MovedLink):
         """Joints whose load changes sign; elsewhere play is an offset of the sensor."""
         joints = [site for site in super().sites(gap) if np.ptp(np.sign(load_on_link(gap, site.joint))) > 0.0]
         return [replace(site, around=play) for site in joints for play in (0.0, *PLAYS)]
-
-    def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
-        """What the joint itself feels, by the inertia alone: where the link crosses its play, that is nearly all."""
-        joint = sites[0].joint
-        inertia = gap.derivatives[2][:, joint, joint]
-        shaken = np.column_stack([-inertia * self.shift(gap, site)[2] for site in sites])
-        return {joint: gap.chain.rows(shaken)[::every, :, None]}
 
     def shift(self, gap: Gap, site: Site) -> list[Floats]:
         """Half the place of the link in its play, through the position's filter, and its derivatives."""

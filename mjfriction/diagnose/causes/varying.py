@@ -173,6 +173,10 @@ class Step(_Varying):
         """Half of the distance between two moments."""
         return (0.5 * float(np.ptp(gap.chain.time)) / MOMENTS,)
 
+    def shape_resolution(self, gap: Gap, site: Site) -> tuple[float, ...]:
+        """Half of the time from row to row: a step lies somewhere between two."""
+        return (0.5 * float(np.median(np.diff(gap.chain.time))),)
+
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
         """Rows cut at the moments; what the filter does to the edge matters little."""
         joint, time = sites[0].joint, gap.chain.time[::every, None]

@@ -1,0 +1,114 @@
+"""Faults of the recording are found in the samples alone, mended, and said; sound recordings are left as they are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from mjfriction.record.log import Log
+from mjfriction.record.readers.table import log_from_table
+
+RATE, COUNT = 500.0, 10_000
+POSITION, EFFORT = "position.hinge", "effort.hinge"
+Columns = dict[str, np.ndarray]
+
+
+def recording(encoder_bits: int = 18, effort_step: float = 0.0) -> Columns:
+    """A joint that swings, rests for two seconds and swings on, as an encoder and a noisy drive report it."""
+    rng = np.random.default_rng(3)
+    time = np.arange(COUNT) / RATE
+    turn = 3.5 * np.pi / 1.3  # where the swing comes to rest by itself
+    position = 0.8 * np.sin(1.3 * (time - np.clip(time - turn, 0.0, 2.0)))
+    step = 2.0 * np.pi / 2**encoder_bits
+    effort = 4.0 * np.cos(position) + np.sign(np.gradient(position)) + 0.1 * rng.normal(size=COUNT)
+    if effort_step:
+        effort = np.round(effort / effort_step) * effort_step
+    return {"time": time, POSITION: np.round(position / step) * step, EFFORT: effort}
+
+
+def read(columns: Columns) -> Log:
+    return log_from_table(pa.table(columns), "log")
+
+
+@pytest.mark.parametrize("encoder_bits", [10, 14, 20])
+@pytest.mark.parametrize("effort_step", [0.0, 0.05])
+def test_a_sound_recording_is_left_as_it_is(encoder_bits: int, effort_step: float) -> None:
+    columns = recording(encoder_bits, effort_step)
+    log = read(columns)
+    assert log.faults == ()
+    assert log.unusable == {}
+    np.testing.assert_array_equal(log.columns[POSITION], columns[POSITION])
+    np.testing.assert_array_equal(log.columns[EFFORT], columns[EFFORT])
+
+
+def repeat(columns: Columns, *, clock_runs_on: bool) -> Columns:
+    rows = np.r_[0:3000, 2800:COUNT]
+    out = {name: values[rows] for name, values in columns.items()}
+    if clock_runs_on:
+        out["time"] = np.arange(rows.size) / RATE
+    return out
+
+
+def stick(columns: Columns) -> Columns:
+    held = columns[POSITION].copy()
+    held[2000:2300] = held[2000]
+    return {**columns, POSITION: held}
+
+
+def freeze(columns: Columns) -> Columns:
+    held = columns[EFFORT].copy()
+    held[2000:2300] = held[2000]
+    return {**columns, EFFORT: held}
+
+
+def clip(columns: Columns) -> Columns:
+    return {**columns, EFFORT: np.minimum(columns[EFFORT], np.quantile(columns[EFFORT], 0.93))}
+
+
+def jolt(columns: Columns) -> Columns:
+    wild = columns[POSITION].copy()
+    wild[[1500, 6200]] += 0.4
+    return {**columns, POSITION: wild}
+
+
+@pytest.mark.parametrize(
+    ("damage", "kind", "where"),
+    [
+        (lambda c: repeat(c, clock_runs_on=False), "data.duplicate", "5.6 s to 5.998 s (200 rows)"),
+        (lambda c: repeat(c, clock_runs_on=True), "data.duplicate", "6 s to 6.398 s (200 rows)"),
+        (stick, "data.stuck", f"{POSITION}, 4 s to 4.598 s"),
+        (freeze, "data.stuck", f"{EFFORT}, 4 s to 4.598 s"),
+        (clip, "data.saturation", EFFORT),
+        (jolt, "data.glitch", f"{POSITION}, 3 s, 12.4 s"),
+    ],
+    ids=["repeated", "repeated_later", "stuck_position", "stuck_effort", "clipped", "glitch"],
+)
+def test_a_fault_is_found_in_its_place(damage: Callable[[Columns], Columns], kind: str, where: str) -> None:
+    log = read(damage(recording()))
+    (fault,) = log.faults
+    assert fault.kind == kind
+    assert fault.where.startswith(where)
+
+
+def test_what_is_mended_is_what_was_recorded() -> None:
+    whole = recording()
+    for damaged in (repeat(whole, clock_runs_on=False), jolt(whole)):
+        log = read(damaged)
+        np.testing.assert_allclose(log.time, whole["time"])
+        np.testing.assert_allclose(log.columns[POSITION], whole[POSITION], atol=2e-3)
+
+
+def test_nothing_is_differentiated_across_rows_left_out() -> None:
+    log = read(stick(recording()))
+    assert log.time.size == COUNT - 300
+    before, after = (int(np.searchsorted(log.time, t)) for t in (3.99, 4.61))
+    assert log.segment[after] == log.segment[before] + 1
+
+
+def test_clipped_samples_are_marked_and_the_rest_is_not() -> None:
+    columns = clip(recording())
+    log = read(columns)
+    np.testing.assert_array_equal(log.unusable[EFFORT], columns[EFFORT] == columns[EFFORT].max())
