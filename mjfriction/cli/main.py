@@ -13,6 +13,7 @@ from mjfriction.cli.diagnose import diagnose
 from mjfriction.cli.export import export
 from mjfriction.cli.laws import laws
 from mjfriction.cli.predict import predict
+from mjfriction.cli.simulate import simulate
 from mjfriction.cli.view import view
 from mjfriction.errors import InputError
 
@@ -26,7 +27,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=True,
 )
-for verb in (demo, diagnose, export, laws, predict, view):
+for verb in (demo, diagnose, export, laws, predict, simulate, view):
     app.command()(verb)
 
 

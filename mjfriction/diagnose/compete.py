@@ -90,8 +90,13 @@ def contenders(model: Model, field: Field) -> list[Trial]:
                 best.append((gain, Chosen(entrant.cause, entrant.sites[i])))
                 break
     ranked = sorted(best, key=lambda entry: -entry[0])[:SHORT_LIST]
-    shaped = [_best_shape(model, choice) for gain, choice in ranked if gain > 0.0]
-    return [trial for choice in shaped if (trial := try_out(model, choice)) is not None]
+    trials = [_tried(model, choice) for gain, choice in ranked if gain > 0.0]
+    return [trial for trial in trials if trial is not None]
+
+
+def _tried(model: Model, choice: Chosen) -> Trial | None:
+    # The shape that fits best may be one that nature does not allow; the grid's may be.
+    return try_out(model, _best_shape(model, choice)) or try_out(model, choice)
 
 
 def _screening(gap: Gap, entrant: Entrant, every: int) -> Columns:

@@ -1,0 +1,89 @@
+"""Cases of the benchmark: what was asked for is hidden, and the diagnosis of closed-loop logs finds it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from mjfriction.benchmark.cases import SEVERITY, Case, Setting, draw_of, make_case, write_case
+from mjfriction.benchmark.effects import EFFECTS
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.record.readers import read_log
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.files import read_robot
+
+SHORT = Setting(seconds=40.0, rate=250.0)
+
+
+def diagnosed(case: Case) -> Diagnosis:
+    return diagnose_log(log_from_table(pa.table(case.log), "case"), case.stated)
+
+
+def named(diagnosis: Diagnosis) -> set[tuple[str, str | None]]:
+    return {(finding.cause, finding.joint) for finding in diagnosis.findings}
+
+
+@pytest.mark.parametrize("draw", EFFECTS, ids=lambda draw: draw.__name__)
+def test_an_effect_does_nothing_at_no_strength_and_stands_out_as_asked(draw) -> None:
+    setting = Setting(seconds=12.0, rate=250.0, noise=0.05)
+    (hidden,) = make_case(5, setting, (draw,), 1.0).hidden
+    hard_to_see = {"elasticity", "rotor_inertia"}
+    assert hidden.severity > (0.0 if draw.__name__ in hard_to_see else 0.5)
+    assert hidden.severity < 1.6
+
+
+def test_the_same_seed_makes_the_same_case_and_its_folder_can_be_diagnosed(tmp_path: Path) -> None:
+    first, again = (make_case(3, SHORT, (draw_of("friction.load"),), 2.0) for _ in range(2))
+    for name, values in first.log.items():
+        assert values.tobytes() == again.log[name].tobytes()
+    write_case(first, tmp_path / "case")
+    truth = json.loads((tmp_path / "case/truth/truth.json").read_text())
+    (hidden,) = truth["hidden"]
+    assert hidden["cause"] == "friction.load"
+    diagnosis = diagnose_log(read_log(tmp_path / "case/log.parquet"), read_robot(tmp_path / "case/robot.toml"))
+    assert named(diagnosis) == {("friction.load", hidden["joint"])}
+
+
+@pytest.mark.parametrize(
+    ("cause", "off"),
+    [
+        ("friction.stribeck", 0.03),
+        ("friction.presliding", 0.0),
+        ("friction.temperature", 0.0),
+        ("drive.torque_constant", 0.03),
+        ("drive.coupling", 0.0),
+        ("body.payload", 0.03),
+        ("body.link_inertia", 0.03),
+        ("sensor.delay", 0.0),
+        ("sensor.encoder_offset", 0.0),
+        ("event.change", 0.03),
+    ],
+)
+def test_a_hidden_effect_is_named_at_its_joint(cause: str, off: float) -> None:
+    setting = Setting(seconds=40.0, rate=250.0, off=off)
+    case = make_case(17, setting, (draw_of(cause),), SEVERITY["large"])
+    diagnosis = diagnosed(case)
+    assert named(diagnosis) == {(hidden.cause, hidden.joint) for hidden in case.hidden}
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_clean_log_has_no_finding(seed: int) -> None:
+    setting = Setting(seconds=40.0, rate=250.0, off=0.03 * (seed % 2), noise=(0.05, 0.2)[seed // 2])
+    diagnosis = diagnosed(make_case(60 + seed, setting, (), 1.0))
+    assert diagnosis.findings == ()
+    assert diagnosis.verdict is Verdict.CONSISTENT
+
+
+def test_what_is_no_cause_ends_as_unexplained() -> None:
+    case = make_case(23, SHORT, (), 1.0)
+    rng = np.random.default_rng(1)
+    wander = np.interp(case.log["time"], np.linspace(0.0, 40.0, 30), rng.normal(size=30))
+    case.log["effort.elbow_joint"] += 6.0 * wander
+    diagnosis = diagnosed(case)
+    assert diagnosis.verdict is Verdict.UNEXPLAINED
+    assert {entry.joint for entry in diagnosis.remaining} == {"elbow_joint"}

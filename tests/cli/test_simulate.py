@@ -1,0 +1,57 @@
+"""``mjfriction simulate``: a log of the contract out, the same for the same seed, one line for bad input."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pyarrow.parquet
+import pytest
+
+from mjfriction.plant.motions import sine
+from mjfriction.record.readers import read_log
+from tests.cli.test_cli import mjfriction
+
+
+@pytest.fixture
+def swing(tmp_path: Path) -> Path:
+    path = tmp_path / "swing.parquet"
+    pyarrow.parquet.write_table(sine("elbow_joint", 0.5, 0.6, 0.3, 3.0).table(), path)
+    return path
+
+
+def test_a_log_comes_out_that_the_diagnosis_reads(swing: Path, tmp_path: Path) -> None:
+    logs = []
+    for name in ("one.parquet", "two.parquet"):
+        done = mjfriction("simulate", "--robot", "ur5", "--trajectory", swing, "--out", tmp_path / name, "--rate", 250)
+        assert done.returncode == 0, done.stderr
+        logs.append((tmp_path / name).read_bytes())
+    assert logs[0] == logs[1]
+    log = read_log(tmp_path / "one.parquet")
+    assert len(log.joints) == 6
+    assert log.time.size == 2501
+    assert log.faults == ()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["one.parquet", "swing.parquet", "two.parquet"]
+
+
+def test_csv_currents_and_velocities(swing: Path, tmp_path: Path) -> None:
+    out = tmp_path / "run.csv"
+    words = ("--rate", 100, "--current", "--velocity")
+    assert mjfriction("simulate", "--robot", "ur5", "--trajectory", swing, "--out", out, *words).returncode == 0
+    log = read_log(out)
+    assert log.channel("current", "elbow_joint") is not None
+    assert log.channel("velocity", "elbow_joint") is not None
+
+
+def test_bad_input_is_one_line_and_leaves_nothing(swing: Path, tmp_path: Path) -> None:
+    (tmp_path / "bad.csv").write_text("time,position.elbow\n0,0\n1,0\n2,0\n3,0\n")
+    cases = [
+        (("--trajectory", tmp_path / "bad.csv", "--out", tmp_path / "x.csv"), "no joint 'elbow'"),
+        (("--trajectory", tmp_path / "none.csv", "--out", tmp_path / "x.csv"), "no such file"),
+        (("--trajectory", swing, "--out", tmp_path / "x.txt"), "written as .csv or .parquet"),
+    ]
+    for words, message in cases:
+        done = mjfriction("simulate", "--robot", "ur5", *words)
+        assert done.returncode == 2
+        assert message in done.stderr
+        assert done.stderr.count("\n") == 1
+    assert not list(tmp_path.glob("x.*"))

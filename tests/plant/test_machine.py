@@ -1,0 +1,187 @@
+"""The machine obeys physics: gravity, energy, springs, give, play; its sensors say what they are stated to say."""
+
+from __future__ import annotations
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from mjfriction.body.inverse import inertia_at, inverse_dynamics
+from mjfriction.errors import RobotError
+from mjfriction.plant.machine import Control, run_machine, simulate
+from mjfriction.plant.motions import excitation, sine
+from mjfriction.plant.sensors import Recorder
+from mjfriction.plant.trajectory import Trajectory
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.files import read_robot
+from mjfriction.robot.predict import predict_log
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.schema import Coupling, Event, FrictionTerm, Spring, Transmission
+
+HOME = np.array([0.0, -1.2, 1.4, -0.4, 1.2, 0.0])
+ELBOW = 2
+
+
+@pytest.fixture(scope="module")
+def ur5() -> Robot:
+    return read_robot("ur5")
+
+
+def with_elbow(robot: Robot, **changes: object) -> Robot:
+    return robot.with_joint(robot.table.joint[ELBOW].model_copy(update=changes))
+
+
+def frictionless(robot: Robot) -> Robot:
+    none = FrictionTerm(law="coulomb_viscous", parameters={"coulomb": 0.0, "viscous": 0.0})
+    for joint in robot.table.joint:
+        robot = robot.with_joint(joint.model_copy(update={"friction": (none,)}))
+    return robot
+
+
+def motion(robot: Robot, seconds: float = 8.0, seed: int = 1) -> Trajectory:
+    count = len(robot.joints)
+    return excitation(robot.joints, HOME, np.full(count, 0.5), np.full(count, 1.2), seconds, seed=seed)
+
+
+def hold(robot: Robot, pose: np.ndarray, seconds: float = 3.0) -> Trajectory:
+    time = np.linspace(0.0, seconds, 50)
+    return Trajectory(robot.joints, time, np.tile(pose, (time.size, 1)))
+
+
+def run(robot: Robot, trajectory: Trajectory, control: Control | None = None, controller: Robot | None = None):
+    return run_machine(robot, trajectory, 1000.0, control or Control(), controller or robot)
+
+
+def test_at_rest_without_friction_the_drives_carry_gravity(ur5: Robot) -> None:
+    bare = frictionless(ur5)
+    done = run(bare, hold(bare, HOME)).played
+    expected = inverse_dynamics(bare.body(), HOME[None], 0.0 * HOME[None], 0.0 * HOME[None])[0]
+    np.testing.assert_allclose(done.torque[-1], expected, atol=1e-6 * np.abs(expected).max())
+
+
+def test_without_friction_the_drives_work_is_the_energy_gained(ur5: Robot) -> None:
+    bare = frictionless(ur5)
+    done = run(bare, motion(bare)).played
+    body = bare.body()
+    work = np.sum(np.sum(done.torque[:-1] * 0.5 * (done.velocity[1:] + done.velocity[:-1]), axis=1)) * 1e-3
+    moved = np.sum(np.abs(done.torque[:-1] * done.velocity[:-1])) * 1e-3
+
+    def kinetic(k: int) -> float:
+        a = np.eye(6)
+        q = np.tile(done.position[k], (6, 1))
+        still = np.zeros((6, 6))
+        mass = inverse_dynamics(body, q, still, a) - inverse_dynamics(body, q, still, still)
+        return float(0.5 * done.velocity[k] @ mass @ done.velocity[k])
+
+    # The excitation ends where and as it began, so all that was put in was taken out again.
+    assert kinetic(-1) < 1e-3
+    assert abs(work) < 2e-3 * moved
+
+
+def test_friction_takes_what_the_drives_put_in(ur5: Robot) -> None:
+    done = run(ur5, motion(ur5)).played
+    assert np.sum(done.torque * done.velocity) > 0.0
+
+
+def test_the_log_is_what_the_robot_predicts(ur5: Robot) -> None:
+    robot = with_elbow(ur5, coupling=(Coupling(joint="wrist_1_joint", viscous=3.0),), spring=Spring(stiffness=5.0))
+    log = log_from_table(pa.table(simulate(robot, motion(robot), recorder=Recorder(500.0))), "log")
+    predicted = predict_log(log, robot)
+    for joint in robot.joints:
+        speed = np.abs(np.gradient(log.columns[f"position.{joint}"], log.time))
+        sure = (speed > 0.1) & (log.time > 1.0) & (log.time < 7.0)
+        measured = log.columns[f"effort.{joint}"]
+        error = np.sqrt(np.mean((measured - predicted[f"effort.{joint}"])[sure] ** 2))
+        assert error < 0.02 * np.sqrt(np.mean(measured**2)), joint
+
+
+def test_a_joint_that_gives_sags_by_compliance_times_load(ur5: Robot) -> None:
+    soft = with_elbow(frictionless(ur5), transmission=Transmission(compliance=2e-4))
+    done = run(soft, hold(soft, HOME, 6.0)).played
+    load = inverse_dynamics(soft.body(), done.link_position[-1:], 0.0 * HOME[None], 0.0 * HOME[None])[0, ELBOW]
+    give = done.link_position[-1, ELBOW] - done.position[-1, ELBOW]
+    assert give == pytest.approx(-2e-4 * load, rel=1e-3)
+
+
+def test_two_masses_on_a_spring_ring_at_their_own_frequency(ur5: Robot) -> None:
+    compliance = 2e-4
+    soft = with_elbow(frictionless(ur5), transmission=Transmission(compliance=compliance))
+    shaken = hold(soft, HOME, 2.0)
+    start = HOME.copy()
+    start[ELBOW] += 0.02  # the course steps from here to its place, and the link swings after it
+    shaken.position[:10] = start
+    stiff = Control(bandwidth=25.0, damping=1.0, friction=False)
+    done = run(soft, shaken, stiff).played
+    give = done.link_position[:, ELBOW] - done.position[:, ELBOW]
+    late = give[3000:] - np.mean(give[3000:])
+    spectrum = np.abs(np.fft.rfft(late * np.hanning(late.size), 1 << 17))
+    seen = np.argmax(spectrum) / (1 << 17) * 4000.0
+    body = soft.body()
+    link = inertia_at(body, HOME)[ELBOW] - body.armature[ELBOW]
+    # With its motor held fast the link swings at 1/√(c·J); the motor gives way a little and the other joints too.
+    assert seen == pytest.approx(1.0 / (2.0 * np.pi * np.sqrt(compliance * link)), rel=0.25)
+
+
+def test_play_lets_the_link_lag_to_one_stop_or_the_other(ur5: Robot) -> None:
+    loose = with_elbow(ur5, transmission=Transmission(backlash=0.02))
+    done = run(loose, motion(loose)).played
+    give = done.link_position[:, ELBOW] - done.position[:, ELBOW]
+    assert np.max(np.abs(give)) < 0.0105
+    load = inverse_dynamics(loose.body(), done.position[-1:], 0.0 * HOME[None], 0.0 * HOME[None])[0, ELBOW]
+    assert give[-1] == pytest.approx(-0.01 * np.sign(load), abs=2e-4)
+
+
+def test_an_event_steps_the_friction_at_its_moment(ur5: Robot) -> None:
+    eased = with_elbow(ur5, events=(Event(time=4.0, coulomb=6.0),))
+    course = sine("elbow_joint", 1.4, 0.4, 0.5, 4.0)
+    plain, changed = (run(robot, course, controller=ur5).played.torque[:, ELBOW] for robot in (ur5, eased))
+    np.testing.assert_array_equal(plain[:4000], changed[:4000])
+    speed = np.gradient(course.at(np.arange(changed.size) * 1e-3)[0][:, 0])
+    fast = (np.abs(speed) > 5e-4) & (np.arange(changed.size) > 4500)
+    fast = fast[: changed.size]
+    assert np.mean((changed - plain)[fast] * np.sign(speed[fast])) == pytest.approx(6.0, rel=0.1)
+
+
+def test_the_same_seed_says_the_same_and_another_does_not(ur5: Robot) -> None:
+    noisy = with_elbow(ur5, effort_sensor=ur5.table.joint[ELBOW].effort_sensor.model_copy(update={"noise": 0.5}))
+    course = motion(noisy, 4.0)
+    first, again, other = (simulate(noisy, course, seed=seed)["effort.elbow_joint"] for seed in (1, 1, 2))
+    assert first.tobytes() == again.tobytes()
+    assert first.tobytes() != other.tobytes()
+
+
+def test_sensors_quantize_offset_scale_and_delay(ur5: Robot) -> None:
+    joint = ur5.table.joint[ELBOW]
+    sensors = with_elbow(
+        ur5,
+        position_sensor=joint.position_sensor.model_copy(update={"resolution": 1e-3, "offset": 0.25}),
+        effort_sensor=joint.effort_sensor.model_copy(update={"scale": 1.5, "offset": 2.0, "delay": 0.05}),
+    )
+    course = motion(ur5, 4.0)
+    true, read = (simulate(robot, course, controller_robot=ur5) for robot in (ur5, sensors))
+    position = read["position.elbow_joint"]
+    np.testing.assert_allclose(np.round(position / 1e-3) * 1e-3, position, atol=1e-12)
+    np.testing.assert_allclose(position - 0.25, true["position.elbow_joint"], atol=0.51e-3)
+    np.testing.assert_allclose(read["effort.elbow_joint"][50:], 1.5 * true["effort.elbow_joint"][:-50] + 2.0, rtol=1e-9)
+
+
+def test_currents_are_efforts_through_the_drive(ur5: Robot) -> None:
+    course = motion(ur5, 4.0)
+    drive = ur5.table.joint[ELBOW].actuator
+    assert drive.torque_constant is not None
+    effort = simulate(ur5, course)["effort.elbow_joint"]
+    current = simulate(ur5, course, recorder=Recorder(quantity="current"))["current.elbow_joint"]
+    np.testing.assert_allclose(current * drive.gear_ratio * drive.torque_constant, effort, rtol=1e-12)
+
+
+def test_a_drive_gives_no_more_than_its_limit(ur5: Robot) -> None:
+    drive = ur5.table.joint[ELBOW].actuator
+    weak = with_elbow(ur5, actuator=drive.model_copy(update={"current_limit": 1.0}))
+    torque = run(weak, motion(weak, 4.0), controller=ur5).played.torque[:, ELBOW]
+    assert drive.torque_constant is not None
+    assert np.max(np.abs(torque)) <= 1.0 * drive.torque_constant * drive.gear_ratio + 1e-12
+
+
+def test_a_trajectory_of_another_robot_is_refused(ur5: Robot) -> None:
+    with pytest.raises(RobotError, match="no joint 'elbow_jiont'; did you mean 'elbow_joint'"):
+        simulate(ur5, sine("elbow_jiont", 0.0, 0.1, 0.5, 2.0))
