@@ -1,0 +1,107 @@
+"""Scores of a tool that names causes: what it found beside what was hidden."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+Named = tuple[str, str | None]
+
+AVOIDABLE = 0.02  # of the error as stated, relative to the machine's own, below which there was nothing to remove
+BINS = 5
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a tool said: a cause at a joint, how sure it was, and what it could not tell it from."""
+
+    cause: str
+    joint: str | None
+    confidence: float
+    alternatives: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One case: what was hidden, what was found, the share of the avoidable error removed on another motion (None where
+    there was none), and the seconds it took.
+    """
+
+    hidden: tuple[Named, ...]
+    found: tuple[Finding, ...]
+    verdict: str
+    removed: float | None
+    seconds: float
+
+    @property
+    def exact(self) -> bool:
+        """Whether just what was hidden was found."""
+        return set(self.hidden) == {(finding.cause, finding.joint) for finding in self.found}
+
+    @property
+    def hit(self) -> bool:
+        """Whether every hidden cause is, at its joint, a finding or an alternative of one."""
+        said = {(cause, f.joint) for f in self.found for cause in (f.cause, *f.alternatives)}
+        return set(self.hidden) <= said
+
+    @property
+    def false_alarms(self) -> tuple[Finding, ...]:
+        """Findings of what was not hidden, the stated levels of friction aside."""
+        return tuple(
+            f for f in self.found if (f.cause, f.joint) not in self.hidden and f.cause != "friction.coulomb_viscous"
+        )
+
+
+@dataclass(frozen=True)
+class Score:
+    """Shares over many cases."""
+
+    cases: int
+    exact: float
+    hit: float
+    false_alarm: float
+    removed: float
+    seconds: float
+
+
+def score(outcomes: Sequence[Outcome]) -> Score:
+    """Return the shares of exact cases, of hits, of cases with a structural false alarm, and the medians of the share
+    of avoidable error removed and of the seconds.
+    """
+    removed = [one.removed for one in outcomes if one.removed is not None]
+    return Score(
+        cases=len(outcomes),
+        exact=float(np.mean([one.exact for one in outcomes])),
+        hit=float(np.mean([one.hit for one in outcomes])),
+        false_alarm=float(np.mean([bool(one.false_alarms) for one in outcomes])),
+        removed=float(np.median(removed)) if removed else float("nan"),
+        seconds=float(np.median([one.seconds for one in outcomes])),
+    )
+
+
+def reliability(outcomes: Sequence[Outcome]) -> list[tuple[float, float, int]]:
+    """Return mean confidence, share of right findings and their number in bins of confidence."""
+    pairs = [(f.confidence, (f.cause, f.joint) in one.hidden) for one in outcomes for f in one.found]
+    out = []
+    for k in range(BINS):
+        low, high = k / BINS, (k + 1) / BINS + 1e-9 * (k == BINS - 1)
+        inside = [(c, right) for c, right in pairs if low <= c < high]
+        if inside:
+            confidence, right = np.mean(np.array(inside, dtype=float), axis=0)
+            out.append((float(confidence), float(right), len(inside)))
+    return out
+
+
+def removed_share(measured: np.ndarray, stated: np.ndarray, extended: np.ndarray, machine: np.ndarray) -> float | None:
+    """Return (stated − extended)/(stated − machine) of the RMS errors, each joint's in units of the machine's own.
+
+    All arrays have shape (n, joints); rows with NaN are left out.  None where the stated robot is nearly as good as the
+    machine itself.
+    """
+    whole = np.all(np.isfinite(stated), axis=1)
+    errors = [np.sqrt(np.mean(np.square(measured - p)[whole], axis=0)) for p in (stated, extended, machine)]
+    unit = np.where(errors[2] > 0.0, errors[2], 1.0)
+    before, after, best = (float(np.sqrt(np.mean(np.square(e / unit)))) for e in errors)
+    return (before - after) / (before - best) if before - best > AVOIDABLE * best else None
