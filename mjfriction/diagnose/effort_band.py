@@ -14,7 +14,8 @@ from scipy.signal import welch
 
 from mjfriction.record.log import Floats
 from mjfriction.record.motion import Motion
-from mjfriction.robot.effort import Effort, forward_share
+from mjfriction.robot.effort import Effort
+from mjfriction.robot.rubbing import forward_share
 
 GONE = 0.03  # of the steps' power, under which a filter has taken the rest
 FEWEST_STEPS = 0.01  # of the effort's RMS that dry friction must reach to tell by

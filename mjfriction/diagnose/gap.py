@@ -17,15 +17,9 @@ from mjfriction.diagnose.rows import Chain, make_chain
 from mjfriction.record.log import Floats, Log, check_joints
 from mjfriction.record.motion import Motion, estimate_motion, raw_noise
 from mjfriction.robot.bandwidth import choose_cutoff
-from mjfriction.robot.effort import (
-    Effort,
-    effort_per_reported,
-    forward_share,
-    link_motion,
-    predict_effort,
-    without_offsets,
-)
+from mjfriction.robot.effort import Effort, effort_per_reported, link_motion, predict_effort, without_offsets
 from mjfriction.robot.robot import Robot
+from mjfriction.robot.rubbing import forward_share
 
 DOUBT_SPEED = 0.02  # of a joint's RMS speed: below it no law can be told from its own rounding at zero
 CLEAR = 0.1  # of a row's window that may be in doubt for the row to count as clear

@@ -13,9 +13,9 @@ from mjfriction.laws.friction import Friction
 from mjfriction.laws.law import Floats
 from mjfriction.plant.sensors import Recorder, record
 from mjfriction.plant.trajectory import Trajectory
-from mjfriction.robot.effort import warmed
 from mjfriction.robot.friction import raised_levels, stated_levels
 from mjfriction.robot.robot import Robot
+from mjfriction.robot.rubbing import warmed
 from mjfriction.robot.schema import Joint, Spring
 from mjfriction.robot.simulation import robot_laws, robot_spec
 from mjfriction.sim.closed_loop import Course, Gains, Played, couple_friction, drop_actuators, play, split_transmission

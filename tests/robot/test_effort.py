@@ -10,9 +10,9 @@ import pytest
 
 from mjfriction.errors import RobotError
 from mjfriction.record.readers import read_log
-from mjfriction.robot.effort import direction
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.predict import predict_log
+from mjfriction.robot.rubbing import direction
 from tests.hidden.machine import Machine, write_case
 
 

@@ -11,8 +11,8 @@ from mjfriction.diagnose.gap import Gap
 from mjfriction.diagnose.regression import Columns
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
-from mjfriction.robot.effort import direction
 from mjfriction.robot.robot import Robot
+from mjfriction.robot.rubbing import direction
 from mjfriction.robot.schema import CommonDrive, Coupling
 
 COULOMB = Parameter("coulomb", "{force}", "dry friction that the other joint's direction of motion brings")

@@ -16,8 +16,8 @@ from mjfriction.diagnose.regression import Columns
 from mjfriction.laws.ambient import ROOM_TEMPERATURE
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
-from mjfriction.robot.effort import warmed
 from mjfriction.robot.robot import Robot
+from mjfriction.robot.rubbing import warmed
 from mjfriction.robot.schema import Event, PressureFriction, Thermal, WarmUp
 
 COULOMB = Parameter("coulomb", "{force}", "change of the Coulomb level")
