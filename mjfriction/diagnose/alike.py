@@ -22,11 +22,12 @@ MOST_CONFIDENT = 0.99
 @dataclass(frozen=True)
 class Standing:
     """How a chosen cause stands among its rivals: the ``alternatives`` it cannot be told from, and the probability
-    (``confidence``) that it is the right name.
+    (``confidence``) that it is the right name; ``rival`` is the likeliest of the alternatives.
     """
 
     alternatives: tuple[str, ...]
     confidence: float
+    rival: Chosen | None = None
 
 
 def standing(model: Model, target: Chosen, field: Field) -> Standing:
@@ -59,14 +60,14 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
         # The joint's own levels are as stated here, so they stand for the place too.
         levels = try_out(without, Chosen(STATED_LEVELS, Site(joint)))
         rivals += [levels] if levels is not None else []
+    rivals = sorted((rival for rival in rivals if _is_rival(rival, own, size(field))), key=lambda rival: rival.merit)
     odds = {
-        rival.chosen.cause.name: math.exp(min(0.0, -0.5 * (own.merit - rival.merit) / repeated))
-        for rival in rivals
-        if _is_rival(rival, own, size(field))
+        rival.chosen.cause.name: math.exp(min(0.0, -0.5 * (own.merit - rival.merit) / repeated)) for rival in rivals
     }
     total = 1.0 + sum(odds.values())
     alternatives = tuple(name for name, likelihood in odds.items() if likelihood / total > UNDECIDED)
-    return Standing(alternatives, min(MOST_CONFIDENT, (1.0 - own.chance) / total))
+    rival = rivals[-1].chosen if alternatives else None
+    return Standing(alternatives, min(MOST_CONFIDENT, (1.0 - own.chance) / total), rival)
 
 
 def redundancy(weighted: Floats) -> float:

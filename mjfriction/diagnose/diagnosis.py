@@ -34,7 +34,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0) -> Diagnosis:
     model = settled.model
     heldout = model.heldout_residual()
     after = tuple(find_structure(gap, heldout))
-    findings = make_findings(settled, field, heldout, seed)
+    findings, experiment = make_findings(settled, field, heldout, seed)
     joints = tuple(_joint_error(gap, joint, model.residual(), heldout) for joint in gap.examined)
     remaining = tuple(unexplained(gap, after, heldout))
     verdict = Verdict.BAD_DATA if faults else reach_verdict(findings, remaining)
@@ -52,6 +52,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0) -> Diagnosis:
         faults=faults,
         not_examined=tuple(joint for i, joint in enumerate(gap.robot.joints) if i not in gap.examined or not moving[i]),
         robot=extend_robot(model),
+        next_experiment=experiment,
         residual_after=model.residual(),
         heldout=heldout,
     )

@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from mjfriction.diagnose.alike import MOST_CONFIDENT, standing
+from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.compete import Field
 from mjfriction.diagnose.gap import Gap
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.outcome import Finding, Fitted
 from mjfriction.diagnose.proof import measure_gain
+from mjfriction.diagnose.separate import Experiment, design_experiment
 from mjfriction.diagnose.stated import Settled, link_changes, without_links
 from mjfriction.record.log import Floats
 
@@ -18,8 +20,10 @@ LINK_INERTIA = "body.link_inertia"
 LINK_FINDING = 0.10  # of a link's stated mass and inertia
 
 
-def make_findings(settled: Settled, field: Field, heldout: Floats, seed: int) -> list[Finding]:
-    """Return the findings, those that gain most first.
+def make_findings(
+    settled: Settled, field: Field, heldout: Floats, seed: int
+) -> tuple[list[Finding], Experiment | None]:
+    """Return the findings, those that gain most first, and the motion that would settle the least certain of them.
 
     ``heldout`` (rows, joints) is what the settled model leaves on motion not fitted; ``seed`` sets the resampling
     behind the intervals of the gains.
@@ -37,12 +41,15 @@ def make_findings(settled: Settled, field: Field, heldout: Floats, seed: int) ->
         without = build_model(model.gap, model.nuisance.without_level(joint), model.chosen)
         found.append((choice, without, strengths[2 * i : 2 * i + 2], widths.nuisance[2 * i : 2 * i + 2]))
     findings = []
+    unsure: list[tuple[float, Chosen, Chosen]] = []
     for choice, without, own, width in found:
         joint = choice.site.joint
         per_reported = abs(float(model.gap.per_reported[joint]))
         clear = model.gap.clear[:, joint]
         before = without.heldout_residual()[clear, joint] / per_reported
         stands = standing(model, choice, field)
+        if stands.rival is not None and choice in model.chosen and stands.rival.cause is not STATED_LEVELS:
+            unsure.append((stands.confidence, choice, stands.rival))
         finding = Finding(
             cause=choice.cause.name,
             joint=None if choice.cause.whole_arm else model.gap.robot.joints[joint],
@@ -58,7 +65,11 @@ def make_findings(settled: Settled, field: Field, heldout: Floats, seed: int) ->
     links = _link_finding(model, widths.nuisance, heldout, seed)
     if links is not None:
         findings.append(links)
-    return sorted(findings, key=lambda finding: -finding.gain.reduction)
+    experiment = None
+    if unsure:
+        _, choice, rival = min(unsure, key=lambda entry: entry[0])
+        experiment = design_experiment(model, choice, rival)
+    return sorted(findings, key=lambda finding: -finding.gain.reduction), experiment
 
 
 def _link_finding(model: Model, half: Floats, heldout: Floats, seed: int) -> Finding | None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from mjfriction.diagnose.extend import Adjustment
 from mjfriction.diagnose.gap import Gap
 from mjfriction.diagnose.proof import Gain
+from mjfriction.diagnose.separate import Experiment
 from mjfriction.diagnose.structure import Structure
 from mjfriction.record.faults import Fault
 from mjfriction.record.log import Floats
@@ -70,7 +71,8 @@ class JointError:
 @dataclass(frozen=True)
 class Diagnosis:
     """Everything a diagnosis found.  ``residual_after`` and ``heldout`` (rows, joints) are what the extended model
-    leaves, fitted to everything and fitted elsewhere; ``remaining`` names structure no cause explains; ``faults`` are
+    leaves, fitted to everything and fitted elsewhere; ``remaining`` names structure no cause explains;
+    ``next_experiment`` would tell an ambiguous finding from its likeliest alternative; ``faults`` are
     those of the log itself, found before any physics is blamed: with any, nothing is fitted.
     """
 
@@ -86,5 +88,6 @@ class Diagnosis:
     faults: tuple[Fault, ...]
     not_examined: tuple[str, ...]
     robot: Robot
+    next_experiment: Experiment | None
     residual_after: Floats
     heldout: Floats

@@ -10,9 +10,13 @@ import numpy as np
 from mjfriction.errors import LogError
 from mjfriction.record.log import Log
 
+PAUSE = 1.0  # s between two logs
+
 
 def merge_logs(logs: Sequence[Log]) -> Log:
     """Join logs of the same joints, each a segment (or several) of its own; columns that not all have are left out.
+
+    The clock runs on: every log begins a pause after the one before it ended, so that what changed between them shows.
 
     Raises :class:`LogError` when they have not the same joints.
     """
@@ -26,14 +30,16 @@ def merge_logs(logs: Sequence[Log]) -> Log:
                 "diagnose logs of one robot together"
             )
     shared = [name for name in first.columns if all(name in log.columns for log in logs)]
-    segments, offset = [], 0
+    segments, times, offset, start = [], [], 0, float(first.time[0])
     for log in logs:
+        times.append(log.time - log.time[0] + start)
+        start = float(times[-1][-1]) + PAUSE
         numbered = np.cumsum(np.append(0, np.diff(log.segment) != 0))
         segments.append(numbered + offset)
         offset = int(segments[-1][-1]) + 1
     return Log(
         source=" + ".join(log.source for log in logs),
-        time=np.concatenate([log.time for log in logs]),
+        time=np.concatenate(times),
         segment=np.concatenate(segments),
         joints=first.joints,
         columns={name: np.concatenate([log.columns[name] for log in logs]) for name in shared},

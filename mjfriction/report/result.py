@@ -122,6 +122,7 @@ def make_report(diagnosis: Diagnosis) -> Report:
         band_hz=diagnosis.gap.chain.band,
         joints=[JointEntry(**vars(error)) for error in diagnosis.joints],
         findings=[_finding(finding) for finding in diagnosis.findings],
+        next_experiment=diagnosis.next_experiment.words if diagnosis.next_experiment else None,
         data_problems=_data_problems(diagnosis),
         adjustments=[
             AdjustmentEntry(

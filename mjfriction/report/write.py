@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pyarrow.parquet
+
 from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.report.html import report_html
 from mjfriction.report.rerun_view import write_recording
@@ -12,10 +14,14 @@ from mjfriction.robot.files import write_robot
 
 
 def write_results(diagnosis: Diagnosis, report: Report, folder: Path) -> None:
-    """Write report.json, report.html, recording.rrd and robot.toml with the model file it names."""
+    """Write report.json, report.html, recording.rrd and robot.toml with the model file it names, and
+    next_experiment.parquet where a motion would tell causes apart.
+    """
     (folder / "report.json").write_text(report_json(report), encoding="utf-8")
     (folder / "report.html").write_text(report_html(diagnosis, report), encoding="utf-8")
     write_recording(diagnosis, report, folder / "recording.rrd")
+    if diagnosis.next_experiment is not None:
+        pyarrow.parquet.write_table(diagnosis.next_experiment.trajectory.table(), folder / "next_experiment.parquet")
     write_robot(
         diagnosis.robot,
         folder,

@@ -1,4 +1,4 @@
-"""A real prismatic axis, EMPS, against the figures published for it."""
+"""Real machines: the prismatic axis EMPS against the figures published for it, and a UR10."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from scipy.signal import decimate
 
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.record.merge import merge_logs
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.predict import predict_log
@@ -63,3 +64,24 @@ def test_force_leads_motion_by_less_than_a_sample_in_both_runs(estimation: Diagn
     delays = [diagnosis.robot.joint("axis").effort_sensor.delay for diagnosis in (estimation, other)]
     assert all(-1.0e-3 < delay < -0.5e-3 for delay in delays)
     assert abs(delays[0] - delays[1]) < 0.2e-3
+
+
+def test_friction_drifts_between_the_two_runs(data: Path) -> None:
+    runs = [read_log(data / f"emps/{name}.parquet") for name in ("estimation", "pulses")]
+    diagnosis = diagnose_log(merge_logs(runs), read_robot(data / "emps/robot.toml"))
+    causes = [finding.cause for finding in diagnosis.findings]
+    assert causes[0] == "friction.asymmetry"
+    assert "friction.stribeck" not in causes
+    drift = next(finding for finding in diagnosis.findings if finding.cause == "event.change")
+    moment = next(parameter.value for parameter in drift.parameters if parameter.name == "time")
+    ends = float(runs[0].time[-1] - runs[0].time[0])
+    assert abs(moment - ends) < 2.0  # rows of the first run end, and those of the second begin, within this
+
+
+def test_the_efforts_of_the_ur10_are_compared_below_their_filter(data: Path) -> None:
+    diagnosis = diagnose_log(read_log(data / "ur10/exciting.parquet"), read_robot(data / "ur10/robot.toml"))
+    assert diagnosis.gap.chain.band < 3.0  # its efforts hold nothing above some 2 Hz
+    found = {(finding.cause, finding.joint) for finding in diagnosis.findings}
+    assert ("body.link_inertia", None) in found
+    assert ("friction.load", "shoulder_lift_joint") in found
+    assert not any(cause == "friction.presliding" for cause, _ in found)

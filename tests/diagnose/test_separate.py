@@ -1,0 +1,60 @@
+"""Where the motion cannot tell two causes apart, the motion that is asked for can."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.plant.machine import simulate
+from mjfriction.plant.motions import excitation
+from mjfriction.plant.sensors import Recorder
+from mjfriction.plant.trajectory import Trajectory
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.files import read_robot
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.schema import Spring
+
+HOME = np.array([0.0, -1.2, 1.4, -0.4, 1.2, 0.0])
+WRIST = 4
+
+
+def noisy(robot: Robot) -> Robot:
+    for joint in robot.table.joint:
+        sensor = joint.effort_sensor.model_copy(update={"noise": 0.3})
+        robot = robot.with_joint(joint.model_copy(update={"effort_sensor": sensor}))
+    return robot
+
+
+def diagnosed(machine: Robot, stated: Robot, motion: Trajectory) -> Diagnosis:
+    columns = simulate(machine, motion, recorder=Recorder(250.0), controller_robot=stated, seed=4)
+    return diagnose_log(log_from_table(pa.table(columns), "log"), stated)
+
+
+@pytest.fixture(scope="module")
+def robots() -> tuple[Robot, Robot]:
+    stated = noisy(read_robot("ur5"))
+    sprung = stated.table.joint[WRIST].model_copy(update={"spring": Spring(stiffness=0.9, preload=0.7)})
+    return stated, stated.with_joint(sprung)
+
+
+def test_a_spring_over_a_short_stroke_is_an_offset_until_the_asked_motion_is_run(
+    robots: tuple[Robot, Robot], tmp_path: Path
+) -> None:
+    stated, machine = robots
+    short = excitation(stated.joints, HOME, np.full(6, 0.12), np.full(6, 0.6), 40.0, seed=2)
+    first = diagnosed(machine, stated, short)
+    assert first.verdict is Verdict.AMBIGUOUS
+    experiment = first.next_experiment
+    assert experiment is not None
+    assert experiment.apart > 3.0 * experiment.apart_on_log
+    body = stated.body()
+    assert np.all(experiment.trajectory.position >= body.lower)
+    assert np.all(experiment.trajectory.position <= body.upper)
+    second = diagnosed(machine, stated, experiment.trajectory)
+    assert [(f.cause, f.joint, f.alternatives) for f in second.findings] == [("body.spring", "wrist_2_joint", ())]
+    assert second.next_experiment is None
