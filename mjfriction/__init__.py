@@ -10,6 +10,8 @@ if TYPE_CHECKING:
     from mjfriction.diagnose.outcome import Diagnosis
     from mjfriction.errors import MjfrictionError
     from mjfriction.laws.friction import Friction, Level, friction
+    from mjfriction.plant.machine import simulate
+    from mjfriction.plant.trajectory import Trajectory, read_trajectory
     from mjfriction.record.log import Log
     from mjfriction.record.readers import read_log
     from mjfriction.robot.files import read_robot, write_robot
@@ -27,6 +29,7 @@ _HOMES = {
     "Log": "mjfriction.record.log",
     "MjfrictionError": "mjfriction.errors",
     "Robot": "mjfriction.robot.robot",
+    "Trajectory": "mjfriction.plant.trajectory",
     "attach": "mjfriction.sim.attach",
     "diagnose_log": "mjfriction.diagnose.diagnosis",
     "friction": "mjfriction.laws.friction",
@@ -35,8 +38,10 @@ _HOMES = {
     "read_friction": "mjfriction.sim.reading",
     "read_log": "mjfriction.record.readers",
     "read_robot": "mjfriction.robot.files",
+    "read_trajectory": "mjfriction.plant.trajectory",
     "robot_laws": "mjfriction.robot.simulation",
     "robot_spec": "mjfriction.robot.simulation",
+    "simulate": "mjfriction.plant.machine",
     "write_robot": "mjfriction.robot.files",
 }
 
@@ -47,6 +52,7 @@ __all__ = [
     "Log",
     "MjfrictionError",
     "Robot",
+    "Trajectory",
     "attach",
     "diagnose_log",
     "friction",
@@ -55,8 +61,10 @@ __all__ = [
     "read_friction",
     "read_log",
     "read_robot",
+    "read_trajectory",
     "robot_laws",
     "robot_spec",
+    "simulate",
     "write_robot",
 ]
 

@@ -25,7 +25,7 @@ def export(robot: RobotSource, out: Out, fastest: Fastest = 2.0, as_json: Json =
 
     from mjfriction.errors import OutputError, RobotError
     from mjfriction.robot.files import read_robot
-    from mjfriction.robot.simulation import robot_laws, robot_spec
+    from mjfriction.robot.simulation import not_in_model, robot_laws, robot_spec
     from mjfriction.sim.export import export_spec
 
     read = read_robot(robot)
@@ -42,13 +42,13 @@ def export(robot: RobotSource, out: Out, fastest: Fastest = 2.0, as_json: Json =
         beside.replace(out)
     except OSError as error:
         raise OutputError(f"{out}: cannot be written: {error.strerror}") from None
-    lost = [joint.name for joint in read.table.joint if joint.cogging or joint.effort_sensor.delay]
+    lost = {joint.name: keys for joint in read.table.joint if (keys := not_in_model(joint))}
     if as_json:
         typer.echo(json.dumps({"model": str(out), "joints": [asdict(one) for one in carried], "not_carried": lost}))
         return
     for one in carried:
         how = "exact" if one.exact else f"fit, off by {one.error:.3g} of {one.size:.3g} (RMS)"
         typer.echo(f"{one.joint}: {one.element}; {how}")
-    for name in lost:
-        typer.echo(f"{name}: its cogging and its sensor's delay are not in the model")
+    for name, keys in lost.items():
+        typer.echo(f"{name}: not in the model: {', '.join(keys)}")
     typer.echo(f"written: {out}")

@@ -10,6 +10,19 @@ from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Joint
 from mjfriction.sim.spec import PointLoad, Spec, add_springs, read_spec
 
+BESIDE = (
+    "cogging",
+    "thermal",
+    "warm_up",
+    "events",
+    "pressure_friction",
+    "coupling",
+    "common_drive",
+    "transmission",
+    "position_sensor",
+    "effort_sensor",
+)
+
 
 def robot_spec(robot: Robot) -> Spec:
     """Read the model file as a MuJoCo spec with the robot's gravity, payload, links, rotors and springs built in.
@@ -30,6 +43,12 @@ def robot_spec(robot: Robot) -> Spec:
     )
     add_springs(spec, {joint.name: (joint.spring.stiffness, joint.spring.preload) for joint in table.joint})
     return spec
+
+
+def not_in_model(joint: Joint) -> list[str]:
+    """Return the keys of a joint that neither its spec nor its laws hold; the machines of ``plant`` play them too."""
+    plain = Joint(name=joint.name)
+    return [key for key in BESIDE if getattr(joint, key) != getattr(plain, key)]
 
 
 def robot_laws(robot: Robot) -> dict[str, list[Friction]]:

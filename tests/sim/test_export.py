@@ -127,6 +127,18 @@ def test_a_model_with_meshes_is_exported_elsewhere(tmp_path) -> None:
     assert (model.nmesh, model.dof_frictionloss[0]) == (1, 1.0)
 
 
+def test_what_the_file_does_not_hold_is_said(tmp_path) -> None:
+    (tmp_path / "arm.xml").write_text(ROTOR)
+    (tmp_path / "robot.toml").write_text(
+        'name = "one"\nmodel = "arm.xml"\n[[joint]]\nname = "rotor"\n'
+        'friction = { law = "coulomb", parameters = { coulomb = 1.0 } }\n'
+        "events = [{ time = 3.0, coulomb = 1.0 }]\nposition_sensor = { offset = 0.1 }\n"
+    )
+    done = mjfriction("export", "--robot", tmp_path / "robot.toml", "--out", tmp_path / "plain.xml")
+    assert done.returncode == 0, done.stderr
+    assert "rotor: not in the model: events, position_sensor" in done.stdout
+
+
 def test_a_folder_that_is_not_there_is_one_line() -> None:
     done = mjfriction("export", "--robot", "ur5", "--out", "/nowhere/arm.xml")
     assert done.returncode == 2
