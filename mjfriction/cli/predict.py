@@ -39,8 +39,8 @@ def predict(log: LogPath, robot: RobotSource, out: Out, json: Json = False) -> N
             pyarrow.parquet.write_table(pa.table(predicted), draft)
     errors = {}
     for name in list(predicted)[1:]:
-        residual = measured.columns[name] - predicted[name]
-        rms, size = (float(np.sqrt(np.nanmean(np.square(v)))) for v in (residual, measured.columns[name]))
+        reported = measured.as_recorded(measured.columns[name])
+        rms, size = (float(np.sqrt(np.nanmean(np.square(v)))) for v in (reported - predicted[name], reported))
         errors[name] = {"rms_error": rms, "relative": rms / size if size else None}
     if json:
         import json as writer

@@ -9,8 +9,9 @@ from scipy.optimize import minimize
 
 from mjfriction.diagnose.causes.cause import Cause, Site
 from mjfriction.diagnose.gap import Gap
-from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
 from mjfriction.diagnose.nuisance import Nuisance
+from mjfriction.diagnose.proof import gain_at
 from mjfriction.diagnose.regression import Columns
 from mjfriction.diagnose.tangent import straightened
 from mjfriction.diagnose.trial import Trial, try_out
@@ -23,6 +24,7 @@ LEAST_KIN = 0.02  # of its partner's effort that a cause's other half must reach
 MOST_CAUSES = 12
 SHORT_LIST = 8
 AROUND_STEPS = 9
+PROOF_SEED = 0  # of the resampling by which a gain is held against zero
 SCREENED_ROWS = 1000  # enough to rank shapes by
 
 
@@ -64,15 +66,34 @@ def compete(gap: Gap, nuisance: Nuisance, field: Field) -> Model:
     Forward: of the candidates whose strengths are beyond chance (Wald's test with block-clustered covariance, at a
     level divided by the number of candidates) and that take away a share of the error on motion not fitted, the one
     that takes most is chosen, until none is left.  Backward: causes that the later ones have made needless are dropped.
+    Proof: a cause whose gain on motion not fitted may be none is refused, and the others compete anew without it.
     """
+    asked, count = field, size(field)
+    while True:
+        model = _pruned(_forward(gap, nuisance, asked, count), count)
+        refused = {choice.key for choice in model.chosen if not _proved(model, choice)}
+        if not refused:
+            return straightened(_with_kin(model, field))
+        asked = tuple(entrant for entrant in asked if entrant.key not in refused)
+
+
+def _forward(gap: Gap, nuisance: Nuisance, field: Field, count: int) -> Model:
     model = build_model(gap, nuisance, ())
     while len(model.chosen) < MOST_CAUSES:
-        passing = [trial for trial in contenders(model, field) if trial.passes(size(field))]
+        passing = [trial for trial in contenders(model, field) if trial.passes(count)]
         if not passing:
             break
         best = max(passing, key=lambda trial: trial.merit)
         model = straightened(reshaped(build_model(gap, nuisance, (*model.chosen, best.chosen))))
-    return straightened(_with_kin(_pruned(model, size(field)), field))
+    return model
+
+
+def _proved(model: Model, choice: Chosen) -> bool:
+    # A joint at rest holds its friction at any level below Coulomb's, for as long as it rests: many rows that say one
+    # thing.  What is seen there alone, and not while the joint moves, is no finding.
+    before, after = model.without(choice).heldout_residual(), model.heldout_residual()
+    touched, _ = cause_block(model.gap, choice)
+    return any(gain_at(model.gap, before, after, joint, PROOF_SEED).low > 0.0 for joint in touched)
 
 
 def contenders(model: Model, field: Field) -> list[Trial]:

@@ -11,7 +11,7 @@ from mjfriction.diagnose.gap import Gap
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.outcome import Finding, Fitted
-from mjfriction.diagnose.proof import measure_gain
+from mjfriction.diagnose.proof import gain_at
 from mjfriction.diagnose.separate import Experiment, design_experiment
 from mjfriction.diagnose.stated import Settled, link_changes, without_links
 from mjfriction.record.log import Floats
@@ -44,9 +44,6 @@ def make_findings(
     unsure: list[tuple[float, Chosen, Chosen]] = []
     for choice, without, own, width in found:
         joint = choice.site.joint
-        per_reported = abs(float(model.gap.per_reported[joint]))
-        clear = model.gap.clear[:, joint]
-        before = without.heldout_residual()[clear, joint] / per_reported
         stands = standing(model, choice, field)
         if stands.rival is not None and choice in model.chosen and stands.rival.cause is not STATED_LEVELS:
             unsure.append((stands.confidence, choice, stands.rival))
@@ -56,7 +53,7 @@ def make_findings(
             confidence=stands.confidence,
             alternatives=stands.alternatives,
             parameters=tuple(_fitted(model.gap, choice, own, width)),
-            gain=measure_gain(before, heldout[clear, joint] / per_reported, model.gap.blocks.row[clear], seed),
+            gain=gain_at(model.gap, without.heldout_residual(), heldout, joint, seed),
             evidence=choice.cause.evidence(model.gap, choice.site, own),
             covariate=choice.cause.covariate,
             shown_at=model.gap.robot.joints[joint],
@@ -81,11 +78,7 @@ def _link_finding(model: Model, half: Floats, heldout: Floats, seed: int) -> Fin
     if not changes.size or np.max(np.abs(changes)) < LINK_FINDING:
         return None
     before = without_links(model).heldout_residual()
-    gains = {}
-    for joint in gap.examined:
-        clear, unit = gap.clear[:, joint], abs(float(gap.per_reported[joint]))
-        rows = (before[clear, joint] / unit, heldout[clear, joint] / unit, gap.blocks.row[clear])
-        gains[joint] = measure_gain(*rows, seed)
+    gains = {joint: gain_at(gap, before, heldout, joint, seed) for joint in gap.examined}
     joint = max(gains, key=lambda place: gains[place].reduction)
     first = 2 * len(model.nuisance.levels)
     scales = [

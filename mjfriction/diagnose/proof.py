@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mjfriction.diagnose.gap import Gap
 from mjfriction.record.log import Floats, Integers
 
 BOOTSTRAPS = 2000
@@ -36,3 +37,9 @@ def measure_gain(before: Floats, after: Floats, block: Integers, seed: int) -> G
     reduction = 1.0 - resampled[1] / np.maximum(resampled[0], 1e-300)
     low, high = np.quantile(reduction, [0.025, 0.975])
     return Gain(float(rms[0]), float(rms[1]), float(1.0 - rms[1] / max(rms[0], 1e-300)), float(low), float(high))
+
+
+def gain_at(gap: Gap, before: Floats, after: Floats, joint: int, seed: int) -> Gain:
+    """Compare two held-out residuals (rows, joints) at a joint, in what its drive reports, where friction is clear."""
+    clear, unit = gap.clear[:, joint], abs(float(gap.per_reported[joint]))
+    return measure_gain(before[clear, joint] / unit, after[clear, joint] / unit, gap.blocks.row[clear], seed)

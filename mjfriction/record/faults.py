@@ -21,6 +21,7 @@ WILD = 25.0  # times the usual departure from its neighbours' median from which 
 WILD_SHARE = 0.02  # of a channel's range that it must depart by besides
 SHORTEST_STUCK = 20  # samples
 STUCK_SPEED = 0.4  # of the usual speed, just before or after a standstill, that no joint stops from at once
+NO_RUN_UP = 0.7  # of the speed further away, that a joint has right beside a standstill if it did not slow down for it
 LONGER = 4.0  # times the longest ordinary run of equal samples, for a run to be no rest of the encoder
 MOSTLY = 0.8  # of a frozen stretch that the joint moves in
 FEWEST_CLIPPED = 12  # samples at the same extreme, in runs
@@ -91,10 +92,18 @@ def stuck(values: Floats, speed: Floats) -> Mask:
     for a, b in runs:
         if b - a < max(SHORTEST_STUCK, LONGER * ordinary):
             continue
-        before, after = _middle(speed[max(a - 6, 0) : max(a - 1, 0)]), _middle(speed[b + 1 : b + 6])
-        if max(before, after) > STUCK_SPEED * usual:
+        before, after = np.abs(speed[max(a - 6, 0) : a]), np.abs(speed[b - 1 : b + 5])
+        if _at_once(before[::-1], usual) or _at_once(after, usual):
             out[a:b] = True
     return out
+
+
+def _at_once(speed: Floats, usual: float) -> bool:
+    # Speeds (k,) from the standstill outwards: fast, and no slower right beside it than further away.
+    if speed.size < 4:
+        return False
+    beyond = float(np.median(speed[1:]))
+    return bool(beyond > STUCK_SPEED * usual and speed[0] > NO_RUN_UP * beyond)
 
 
 def frozen(values: Floats, moving: Mask) -> Mask:
@@ -107,10 +116,6 @@ def frozen(values: Floats, moving: Mask) -> Mask:
         if b - a >= max(SHORTEST_STUCK, LONGER * ordinary) and np.mean(moving[a:b]) > MOSTLY:
             out[a:b] = True
     return out
-
-
-def _middle(speed: Floats) -> float:
-    return float(np.median(np.abs(speed))) if speed.size else 0.0
 
 
 def clipped(values: Floats, moving: Mask) -> Mask:

@@ -24,7 +24,8 @@ class Log:
     ``time`` and ``segment`` have shape (n,); time increases within a segment.  ``columns`` holds every numeric column
     under its full name (``position.elbow_joint``), each of shape (n,).  ``joints`` are the joints that have a
     position column, in the order of the file.  ``faults`` are those of the recording that were found and mended;
-    ``unusable`` marks samples of a column, (n,), that were recorded but say nothing.
+    ``unusable`` marks samples of a column, (n,), that were recorded but say nothing.  Where rows were left out,
+    ``recorded`` (m,) is the time of every row of the file and ``kept`` (m,) marks the n that stand here.
     """
 
     source: str
@@ -34,10 +35,20 @@ class Log:
     columns: Mapping[str, Floats]
     faults: tuple[Fault, ...] = ()
     unusable: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
+    recorded: Floats | None = None
+    kept: NDArray[np.bool_] | None = None
 
     def channel(self, quantity: str, joint: str) -> Floats | None:
         """Return a joint's column (``position``, ``velocity``, ``effort``, ``current``, …), or None if not recorded."""
         return self.columns.get(f"{quantity}.{joint}")
+
+    def as_recorded(self, values: Floats) -> Floats:
+        """Return values (n,) at every row of the file, (m,), NaN at those that were left out."""
+        if self.kept is None:
+            return values
+        out = np.full(self.kept.size, np.nan)
+        out[self.kept] = values
+        return out
 
     def torque_quantity(self, joint: str) -> str | None:
         """Return ``"effort"`` or ``"current"``, whichever the log measured on the joint (effort first), or None."""

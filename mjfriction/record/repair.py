@@ -7,24 +7,21 @@ from dataclasses import replace
 import numpy as np
 
 from mjfriction.record.faults import Fault, clipped, frozen, glitches, repeated_rows, spans, stuck
-from mjfriction.record.log import CURRENT, EFFORT, POSITION, VELOCITY, Floats, Integers, Log
+from mjfriction.record.log import CURRENT, EFFORT, POSITION, VELOCITY, Floats, Log
 
 MOST_LISTED = 3  # places of one fault that are spelled out
 MOST_CLIPPED = 0.5  # of a channel's samples; past that it is no recording of a torque
 
 
-def without_repeats(
-    time: Floats, segment: Integers, columns: dict[str, Floats]
-) -> tuple[Floats, Integers, dict[str, Floats], tuple[Fault, ...]]:
-    """Drop rows that repeat earlier ones; return time, segment, columns and what was found."""
-    repeated = repeated_rows(columns)
+def without_repeats(log: Log) -> Log:
+    """Return the log without rows that repeat earlier ones, and with that said."""
+    repeated = repeated_rows(log.columns)
     if not np.any(repeated):
-        return time, segment, columns, ()
-    kept = ~repeated
-    places = [(time[a], time[b - 1]) for a, b in spans(repeated)]
+        return log
+    places = [(log.time[a], log.time[b - 1]) for a, b in spans(repeated)]
     count = int(np.count_nonzero(repeated))
     fault = Fault("data.duplicate", f"{_places(places)} ({count} rows)", "dropped the repeated rows", places[0])
-    return time[kept], segment[kept], {name: values[kept] for name, values in columns.items()}, (fault,)
+    return replace(_without(log, repeated), segment=log.segment[~repeated], faults=(*log.faults, fault))
 
 
 def repaired(log: Log) -> Log:
@@ -106,4 +103,6 @@ def _without(log: Log, rows: np.ndarray) -> Log:
         segment=piece[kept].astype(np.int64),
         columns={name: values[kept] for name, values in log.columns.items()},
         unusable={name: mask[kept] for name, mask in log.unusable.items()},
+        recorded=log.time if log.recorded is None else log.recorded,
+        kept=log.as_recorded(kept.astype(np.float64)) == 1.0,
     )

@@ -12,18 +12,19 @@ from mjfriction.robot.robot import Robot
 def predict_log(log: Log, robot: Robot) -> dict[str, Floats]:
     """Return ``time`` and, for every effort or current the log measured, what the robot says it would read.
 
-    All columns have the log's rows; rows of stretches too short to differentiate are NaN.  Raises
-    :class:`~mjfriction.errors.LogError` or :class:`~mjfriction.errors.RobotError` when log or robot cannot be used.
+    All columns have the rows of the log's file; rows that were left out as faulty, and those of stretches too short to
+    differentiate, are NaN.  Raises :class:`~mjfriction.errors.LogError` or :class:`~mjfriction.errors.RobotError` when
+    log or robot cannot be used.
     """
     body = robot.body()
     robot = robot.with_stated_friction(body)
     check_joints(log, robot.name, robot.joints)
     motion = estimate_motion(log, robot.joints, choose_cutoff(log, robot, body))
     effort = predict_effort(robot, body, motion)
-    columns = {"time": log.time}
+    columns = {"time": log.time if log.recorded is None else log.recorded}
     for i, joint in enumerate(robot.table.joint):
         quantity = motion.quantity[i]
         if quantity is not None:
             reported = effort.reported[:, i] / effort_per_reported(joint, quantity, robot.name)
-            columns[f"{quantity}.{joint.name}"] = back_to_log(motion, log, reported)
+            columns[f"{quantity}.{joint.name}"] = log.as_recorded(back_to_log(motion, log, reported))
     return columns

@@ -11,6 +11,7 @@ from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import FrictionTerm, Joint, Wave
 
 SURE = 3.0  # deviations of the velocity's noise beyond which the direction of motion is known
+RESTING = 0.5  # of the way that a joint turning at a steady acceleration would go, below which it rests
 
 
 def friction_along(robot: Robot, motion: Motion, rigid: Floats) -> Floats:
@@ -112,14 +113,26 @@ def term_torque(term: FrictionTerm, gear_ratio: float, motion: Motion, index: in
 def direction(velocity: Floats, noise: float) -> tuple[Floats, Floats]:
     """Return how far friction points against forward motion, 0 to 1, and the joint's speed (never quite 0), each (n,).
 
-    Where the velocity is within three deviations of its noise the joint may be stuck.  Friction then passes from its
-    value before to its value after as the drive pulls over, taken as evenly in time; before the first and after the
-    last motion it is taken as none.
+    Where the velocity is within three deviations of its noise the joint may be stuck.  One that passes through that
+    without pause turns somewhere between: friction then goes from its value before to its value after, taken as evenly
+    in time.  One that rests may hold any friction within its level, of either direction: none is the best guess, as it
+    is before the first and after the last motion.
     """
     tiny = max(noise, 1e-12)
-    sure = np.abs(velocity) > SURE * tiny
-    if not np.any(sure):
-        return np.full(velocity.size, 0.5), np.maximum(np.abs(velocity), tiny)
+    speed = np.maximum(np.abs(velocity), tiny)
+    known = np.flatnonzero(np.abs(velocity) > SURE * tiny)
+    if not known.size:
+        return np.full(velocity.size, 0.5), speed
     sample = np.arange(velocity.size)
-    forward = np.interp(sample, sample[sure], (velocity[sure] > 0.0).astype(np.float64), left=0.5, right=0.5)
-    return forward, np.maximum(np.abs(velocity), tiny)
+    forward = np.interp(sample, known, (velocity[known] > 0.0).astype(np.float64), left=0.5, right=0.5)
+    for i in np.flatnonzero(np.diff(known) > 1):
+        unsure = slice(known[i] + 1, known[i + 1])
+        if _rests(velocity[unsure], SURE * tiny):
+            forward[unsure] = 0.5
+    return forward, speed
+
+
+def _rests(velocity: Floats, sure: float) -> bool:
+    # One that turns at a steady acceleration strays by a quarter of sure·samples, one that passes on by more; what
+    # strays by less than half of that stays where it is.
+    return bool(np.ptp(np.cumsum(velocity)) < RESTING * 0.25 * sure * velocity.size)

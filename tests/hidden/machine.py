@@ -66,6 +66,8 @@ class Machine:
     change: Callable[[mujoco.MjModel], None] | None = None  # of the bodies themselves
     ambient: Mapping[str, Callable[[Array], Array]] = field(default_factory=dict)  # further columns, of time
     velocity: str = "none"  # "none", "clean" or "noisy" measured velocity
+    bristle_travel: float = 0.0  # rad over which the Coulomb level builds up after a reversal, and which a rest keeps
+    pauses: bool = False  # whether the motion goes from way-point to way-point and rests at each
 
 
 def mujoco_model(path: Path) -> mujoco.MjModel:
@@ -100,6 +102,33 @@ def multisine(
     return time, q, v, a
 
 
+def way_points(seed: int, joints: int, seconds: float, rate: float) -> tuple[Array, Array, Array, Array]:
+    """Return time and q, v, a (n, joints) of joints that go together from point to point and rest at each."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(int(seconds * rate)) / rate
+    q = np.zeros((time.size, joints))
+    v, a = q.copy(), q.copy()
+    start, here = 0.0, rng.uniform(-1.2, 1.2, joints)
+    while start < seconds:
+        there, going, resting = rng.uniform(-1.2, 1.2, joints), rng.uniform(0.7, 3.0), rng.uniform(0.1, 0.8)
+        own = (time >= start) & (time < start + going + resting)
+        s = np.clip((time[own, None] - start) / going, 0.0, 1.0)
+        q[own] = here + (there - here) * s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
+        v[own] = (there - here) * 30.0 * s**2 * (1.0 - s) ** 2 / going
+        a[own] = (there - here) * 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / going**2
+        start, here = start + going + resting, there
+    return time, q, v, a
+
+
+def bristle(q: Array, travel: float) -> Array:
+    """Return the direction of friction that builds up over a travel, and that a rest keeps, (n,)."""
+    z, out = 0.0, np.empty_like(q)
+    for k, step in enumerate(np.diff(q, prepend=q[0])):
+        z += (np.sign(step) - z) * (1.0 - np.exp(-abs(step) / travel))
+        out[k] = z
+    return out
+
+
 def rigid_torque(model: mujoco.MjModel, q: Array, v: Array, a: Array) -> Array:
     """Return MuJoCo's inverse dynamics along a motion, (n, joints)."""
     data = mujoco.MjData(model)
@@ -113,10 +142,10 @@ def rigid_torque(model: mujoco.MjModel, q: Array, v: Array, a: Array) -> Array:
 
 
 def record(machine: Machine, seed: int, seconds: float = 40.0, rate: float = 250.0) -> dict[str, Array]:
-    """Let the machine follow a multisine and return what its sensors say, as columns of a log."""
+    """Let the machine follow its motion and return what its sensors say, as columns of a log."""
     rng = np.random.default_rng([seed, 1])
     count = len(machine.joints)
-    time, q, v, a = multisine(seed, count, seconds, rate)
+    time, q, v, a = (way_points if machine.pauses else multisine)(seed, count, seconds, rate)
     model = mujoco_model(machine.model)
     if machine.change is not None:
         machine.change(model)
@@ -124,7 +153,8 @@ def record(machine: Machine, seed: int, seconds: float = 40.0, rate: float = 250
     columns = {"time": time, **{name: course(time) for name, course in machine.ambient.items()}}
     step = 2.0 * np.pi / 2**machine.encoder_bits
     for j, joint in enumerate(machine.joints):
-        friction = machine.coulomb[j] * np.sign(v[:, j]) + machine.viscous[j] * v[:, j]
+        direction = bristle(q[:, j], machine.bristle_travel) if machine.bristle_travel else np.sign(v[:, j])
+        friction = machine.coulomb[j] * direction + machine.viscous[j] * v[:, j]
         torque = rigid[:, j] + friction
         course = Instant(time, q[:, j], v[:, j], a[:, j], rigid[:, j], friction, v)
         if j in machine.hidden:

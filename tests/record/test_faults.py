@@ -112,3 +112,23 @@ def test_clipped_samples_are_marked_and_the_rest_is_not() -> None:
     columns = clip(recording())
     log = read(columns)
     np.testing.assert_array_equal(log.unusable[EFFORT], columns[EFFORT] == columns[EFFORT].max())
+
+
+def test_a_quick_start_from_rest_is_no_stuck_sensor() -> None:
+    columns = recording()
+    time = columns["time"]
+    going = np.clip(time - 6.0, 0.0, None)
+    position = np.where(time < 4.0, 1.0 - np.cos(np.pi * time / 4.0), 2.0) + 0.4 * (1.0 - np.cos(4.0 * going))
+    counts = 2.0 * np.pi / 2**15
+    log = read({**columns, POSITION: np.round(position / counts) * counts})
+    assert not any(fault.kind == "data.stuck" for fault in log.faults)
+
+
+def test_rows_left_out_have_their_place_in_what_is_put_back() -> None:
+    whole = recording()
+    log = read(stick(whole))
+    back = log.as_recorded(log.columns[EFFORT])
+    np.testing.assert_array_equal(log.recorded, whole["time"])
+    there = np.isfinite(back)
+    assert np.count_nonzero(~there) == 300
+    np.testing.assert_array_equal(back[there], whole[EFFORT][there])

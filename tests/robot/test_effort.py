@@ -50,11 +50,13 @@ def test_currents_go_through_ratio_and_constant(tmp_path: Path) -> None:
     np.testing.assert_allclose(-5.0 * current, predict_log(log, robot)["effort.elbow_joint"], rtol=1e-2, atol=1e-2)
 
 
-def test_friction_passes_over_while_a_joint_is_stuck() -> None:
-    velocity = np.array([0.5, 0.2, 0.001, -0.001, 0.0, -0.2, -0.5])
+def test_friction_passes_over_as_a_joint_turns_and_is_none_at_rest() -> None:
+    velocity = np.array([0.5, 0.2, 0.02, 0.0, -0.02, -0.2, -0.5])
     forward, speed = direction(velocity, 0.01)
     np.testing.assert_allclose(forward, [1.0, 1.0, 0.75, 0.5, 0.25, 0.0, 0.0])
     assert np.all(speed > 0.0)
+    resting = np.array([0.5, 0.01, -0.01, 0.01, -0.01, 0.01, -0.5])
+    np.testing.assert_allclose(direction(resting, 0.01)[0], [1.0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.0])
     at_rest, _ = direction(np.zeros(5), 0.01)
     assert at_rest.tolist() == [0.5] * 5
     starting, _ = direction(np.array([0.0, 0.0, 0.3]), 0.01)

@@ -19,6 +19,7 @@ LEVEL = Parameter("presliding_level", "{force}", "part of the Coulomb level that
 TRAVEL = Parameter("presliding_travel", "{length}", "travel over which 63 % of the change builds up", lower=1e-9)
 SHORTEST = 2.0  # times the travel that a reversal's doubt covers: what builds up within it cannot be seen
 LONGEST = 0.2  # of the stroke
+LEAST_NOTED = 1e-3  # of the stroke: every contact gives that much before it slides, whatever its law
 SHAPES = 8
 MOST_OF_LEVEL = 2.0  # times the stated level that may build up, for stated levels are off
 LEAST_LEVEL = 0.1  # of the joint's effort, that a level may be where none is stated
@@ -77,6 +78,10 @@ class Presliding(Cause):
         stated = gap.robot.table.joint[site.joint]
         there = max(stated_levels(stated)[0] + stribeck_excess(stated), LEAST_LEVEL * _usual_effort(gap, site.joint))
         return bool(0.0 < strengths[0] < MOST_OF_LEVEL * there)
+
+    def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """A travel that is next to nothing of the stroke is refitted along."""
+        return bool(site.shape[0] > LEAST_NOTED * np.ptp(gap.motion.position[:, site.joint]))
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move a part of the Coulomb level into a Dahl law."""

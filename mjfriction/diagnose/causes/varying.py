@@ -31,7 +31,7 @@ ROD = Parameter("rod", "{force}/Pa", "growth of the level with the pressure on t
 
 LEAST_WARMING = 1.0  # K over a log, below which nothing is seen of it
 MOMENTS = 60
-EDGE = 0.06  # of the log at both ends, in which a step is not looked for
+EDGE = 0.06  # of the joint's motion at both ends, in which a step is not looked for
 TIME_CONSTANTS = (0.1, 3.0)  # of the log's length
 
 
@@ -147,6 +147,11 @@ class WarmUpDrift(_Varying):
         return f"friction drifts smoothly over the log, by {change} from its beginning to its end"
 
 
+def _clear(gap: Gap, site: Site) -> Floats:
+    # When the joint moves: what happens while it rests cannot be told from friction held.
+    return np.asarray(gap.chain.time[gap.clear[:, site.joint]])
+
+
 @final
 class Step(_Varying):
     """Friction steps at one moment and stays."""
@@ -155,23 +160,20 @@ class Step(_Varying):
     shape_parameters = (MOMENT,)
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every moving joint, with moments spread over the log."""
-        moments = self._moments(gap)
-        return [site.shaped((float(moment),)) for site in super().sites(gap) for moment in moments]
-
-    def _moments(self, gap: Gap) -> Floats:
+        """Every moving joint, with moments spread over the time it moves."""
         if np.any(np.diff(gap.motion.time) < 0.0) or gap.motion.time[0] < 0.0:
-            return np.empty(0)
-        return np.asarray(np.quantile(gap.chain.time, np.linspace(EDGE, 1.0 - EDGE, MOMENTS)))
+            return []
+        spread = np.linspace(EDGE, 1.0 - EDGE, MOMENTS)
+        return [site.shaped((float(t),)) for site in super().sites(gap) for t in np.quantile(_clear(gap, site), spread)]
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
-        """Within the log."""
-        low, high = np.quantile(gap.chain.time, [EDGE, 1.0 - EDGE])
+        """Within the time that the joint moves."""
+        low, high = np.quantile(_clear(gap, site), [EDGE, 1.0 - EDGE])
         return [(max(float(low), 1e-3), float(high))]
 
     def shape_steps(self, gap: Gap, site: Site) -> tuple[float, ...]:
         """Half of the distance between two moments."""
-        return (0.5 * float(np.ptp(gap.chain.time)) / MOMENTS,)
+        return (0.5 * float(np.ptp(_clear(gap, site))) / MOMENTS,)
 
     def shape_resolution(self, gap: Gap, site: Site) -> tuple[float, ...]:
         """Half of the time from row to row: a step lies somewhere between two."""

@@ -40,9 +40,9 @@ def log_from_table(table: pa.Table, source: str) -> Log:
             columns[name] = values
     time = columns.pop("time")
     segment = _segment(columns.pop("segment", None), time, source)
-    time, segment, columns, faults = without_repeats(time, segment, columns)
-    _check_time(time, segment, source)
-    return repaired(Log(source=source, time=time, segment=segment, joints=joints, columns=columns, faults=faults))
+    whole = without_repeats(Log(source=source, time=time, segment=segment, joints=joints, columns=columns))
+    _check_time(whole.time, whole.segment, source)
+    return repaired(whole)
 
 
 def _numbers(table: pa.Table, name: str, source: str) -> Floats | None:
