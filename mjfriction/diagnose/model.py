@@ -95,19 +95,24 @@ class Model:
             [*self.nuisance.precisions, *(own for _, own in blocks), precision],
         ).normal
 
-    def friction_is_physical(self, strengths: Floats, joints: list[int]) -> bool:
-        """Return whether fitted friction levels work against the motion.
+    def friction_is_physical(self, strengths: Floats, joints: list[int], candidate: Chosen) -> bool:
+        """Return whether friction levels fitted with one more cause, its strengths last, work against the motion.
 
         Where columns are alike, least squares likes to set a large level against its negative; a Coulomb level or a
         damping below zero by more than errors elsewhere can make it is the mark of that.
         """
+        taken = dict.fromkeys(joints, 0.0)
+        first = self.places[-1].stop if self.places else self.nuisance.count
+        for choice, place in zip((*self.chosen, candidate), (*self.places, slice(first, None)), strict=True):
+            if choice.site.joint in taken:
+                taken[choice.site.joint] += choice.cause.taken_level(strengths[place])
         for i, level in enumerate(self.nuisance.levels):
             joint = level.site.joint
             if joint not in joints:
                 continue
             stated = stated_levels(self.gap.robot.table.joint[joint])
             speed = float(np.sqrt(np.mean(np.square(self.gap.motion.velocity[:, joint]))))
-            coulomb = stated[0] + float(strengths[2 * i])
+            coulomb = stated[0] + float(strengths[2 * i]) - taken[joint]
             damping = (stated[1] + float(strengths[2 * i + 1])) * speed
             scale = abs(coulomb) + abs(damping)
             if coulomb < -BACKWARD_COULOMB * scale or damping < -BACKWARD_VISCOUS * scale:

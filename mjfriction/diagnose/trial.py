@@ -77,7 +77,7 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
     touched = list(columns)
     if not choice.cause.admissible(gap, choice.site, strengths):
         return None
-    if not model.friction_is_physical(fitted, touched):
+    if not model.friction_is_physical(fitted, touched, choice):
         return None
     before = system.normal.heldout_errors(gap.blocks.folds)[touched].sum(axis=0)
     after = normal.heldout_errors(gap.blocks.folds)[touched].sum(axis=0)

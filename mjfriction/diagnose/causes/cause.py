@@ -86,6 +86,10 @@ class Cause(ABC):
         """Return whether fitted strengths are physical; by default all are."""
         return True
 
+    def taken_level(self, strengths: Floats) -> float:
+        """Return how much of the joint's Coulomb level the cause moves into a law of its own: by default none."""
+        return 0.0
+
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """Return whether the cause, once fitted, is a finding; else it is a value refitted along."""
         return True

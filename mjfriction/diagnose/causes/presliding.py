@@ -79,6 +79,10 @@ class Presliding(Cause):
         there = max(stated_levels(stated)[0] + stribeck_excess(stated), LEAST_LEVEL * _usual_effort(gap, site.joint))
         return bool(0.0 < strengths[0] < MOST_OF_LEVEL * there)
 
+    def taken_level(self, strengths: Floats) -> float:
+        """All that builds up."""
+        return float(strengths[0])
+
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """A travel that is next to nothing of the stroke is refitted along."""
         return bool(site.shape[0] > LEAST_NOTED * np.ptp(gap.motion.position[:, site.joint]))
