@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -50,7 +51,7 @@ class Motion:
     clock: Clock
     grids: tuple[Grid, ...]
 
-    @property
+    @functools.cached_property
     def moving(self) -> NDArray[np.bool_]:
         """Whether each joint moves anywhere in the log, shape (joints,)."""
         least = np.maximum(20.0 * self.velocity_noise / max(self.cutoff, 1.0), STILL)

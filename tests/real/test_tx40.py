@@ -1,0 +1,63 @@
+"""A Stäubli TX40, whose wrist motor 6 turns with joints 5 and 6: its friction must be found in joint 5's torque."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet
+import pytest
+
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.files import read_robot
+
+JOINTS = tuple(f"joint_{i}" for i in range(1, 7))
+RATIO = np.array([32.0, 32.0, 45.0, -48.0, 45.0, 32.0])
+ZERO = np.array([-np.pi, -np.pi / 2.0, np.pi / 2.0, 0.0, 0.0, np.pi])
+COULOMB = (7.14, 8.26, 6.34, 2.48, 3.03, 0.282)
+VISCOUS = (8.05, 5.53, 1.97, 1.11, 1.86, 0.65)
+ROTOR = (0.362, 0.362, 0.0988, 0.0313, 0.0468, 0.0105)  # kg·m² at the joint
+
+
+@pytest.fixture(scope="module")
+def tx40(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
+    table = pyarrow.parquet.read_table(data / "tx40/motor_side.parquet")
+    turns = np.diag(RATIO)
+    turns[5, 4] = RATIO[5]
+    motor = np.column_stack([table[f"motor_position.{joint}"].to_numpy() for joint in JOINTS])
+    torque = np.column_stack([table[f"motor_torque.{joint}"].to_numpy() for joint in JOINTS])
+    position, effort = np.linalg.solve(turns, motor.T).T + ZERO, torque @ turns
+    columns = {"time": table["time"].to_numpy()}
+    columns |= {f"position.{joint}": position[:, i] for i, joint in enumerate(JOINTS)}
+    columns |= {f"effort.{joint}": effort[:, i] for i, joint in enumerate(JOINTS)}
+    lines = ['name = "tx40"', f'model = "{data / "tx40/tx40.urdf"}"']
+    for i, joint in enumerate(JOINTS):
+        lines += ["[[joint]]", f'name = "{joint}"']
+        lines += [
+            f"actuator = {{ gear_ratio = {RATIO[i]}, torque_constant = 1.0, rotor_inertia = {ROTOR[i] / RATIO[i] ** 2} }}"
+        ]
+        parameters = f"{{ coulomb = {COULOMB[i]}, viscous = {VISCOUS[i]} }}"
+        lines += [f'friction = {{ law = "coulomb_viscous", parameters = {parameters} }}']
+    path = tmp_path_factory.mktemp("tx40") / "robot.toml"
+    path.write_text("\n".join(lines), encoding="utf-8")
+    return diagnose_log(log_from_table(pa.table(columns), "tx40"), read_robot(path))
+
+
+def test_the_coupling_of_the_wrist_is_found_with_its_published_size(tx40: Diagnosis) -> None:
+    coupling = next(finding for finding in tx40.findings if finding.cause == "drive.coupling")
+    assert coupling.joint == "joint_5"
+    assert "drive.coupling" not in [f.cause for f in tx40.findings if f.joint not in ("joint_5", "joint_6")]
+    fitted = {parameter.name: parameter for parameter in coupling.parameters}
+    # Published: Coulomb 1.95 N·m, viscous 0.616 N·m·s/rad.
+    assert fitted["coulomb"].low < 1.95 < fitted["coulomb"].high
+    assert fitted["viscous"].low < 0.616 < fitted["viscous"].high
+    wrist = next(error for error in tx40.joints if error.joint == "joint_5")
+    assert wrist.rms_heldout_after < 0.3 * wrist.rms_heldout_before
+
+
+def test_no_friction_beyond_coulomb_and_viscous_is_claimed(tx40: Diagnosis) -> None:
+    curves = {"friction.stribeck", "friction.presliding", "friction.viscous_nonlinear", "friction.asymmetry"}
+    assert not curves & {finding.cause for finding in tx40.findings}
