@@ -6,8 +6,8 @@ import numpy as np
 from scipy.optimize import nnls
 
 from mjfriction.body.inverse import inverse_dynamics
-from mjfriction.diagnose.gap import Gap
 from mjfriction.diagnose.units import find_unit_faults
+from mjfriction.identify.gap import Gap
 from mjfriction.record.faults import Fault
 from mjfriction.record.log import Floats
 

@@ -8,13 +8,13 @@ import numpy as np
 from scipy.optimize import minimize
 
 from mjfriction.diagnose.causes.cause import Cause, Site
-from mjfriction.diagnose.gap import Gap
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
 from mjfriction.diagnose.nuisance import Nuisance
-from mjfriction.diagnose.proof import gain_at
-from mjfriction.diagnose.regression import Columns
 from mjfriction.diagnose.tangent import straightened
 from mjfriction.diagnose.trial import Trial, try_out
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.proof import gain_at
+from mjfriction.identify.regression import Columns
 from mjfriction.record.log import Floats
 
 # These two were loosened (from 0.01 and 0.03) with the EMPS log in hand, whose offset stands at their edge; no other

@@ -9,12 +9,12 @@ from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.compete import compete, make_field
 from mjfriction.diagnose.extend import adjustments, extend_robot
 from mjfriction.diagnose.findings import make_findings
-from mjfriction.diagnose.gap import Gap, measure_gap
 from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
 from mjfriction.diagnose.outcome import Diagnosis, JointError, Verdict
 from mjfriction.diagnose.stated import settle
-from mjfriction.diagnose.structure import find_structure
 from mjfriction.diagnose.verdict import faults_in_words, reach_verdict, summarize, unexplained
+from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.structure import find_structure
 from mjfriction.record.log import Floats, Log
 from mjfriction.robot.effort import reported_unit
 from mjfriction.robot.robot import Robot

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.stats import t as student
 
 from mjfriction.diagnose.model import Chosen, Model, cause_block
-from mjfriction.diagnose.regression import Columns, System
+from mjfriction.identify.regression import Columns, System
 from mjfriction.record.log import Floats
 
 STEP = 1e-3  # relative step of a shape parameter for its tangent

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mjfriction.diagnose.causes.cause import Cause, Site
-from mjfriction.diagnose.gap import Gap
 from mjfriction.diagnose.nuisance import Nuisance
-from mjfriction.diagnose.regression import Columns, Normal, Rows, System
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.regression import Columns, Normal, Rows, System
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_levels
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
-from mjfriction.diagnose.gap import Gap
-from mjfriction.diagnose.regression import Columns
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.regression import Columns
 from mjfriction.record.log import Floats
 
 LINK_SCALE = 0.03  # one standard deviation of how far a stated link may be off

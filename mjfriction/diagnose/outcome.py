@@ -6,10 +6,10 @@ import enum
 from dataclasses import dataclass
 
 from mjfriction.diagnose.extend import Adjustment
-from mjfriction.diagnose.gap import Gap
-from mjfriction.diagnose.proof import Gain
 from mjfriction.diagnose.separate import Experiment
-from mjfriction.diagnose.structure import Structure
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.proof import Gain
+from mjfriction.identify.structure import Structure
 from mjfriction.record.faults import Fault
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot

@@ -9,8 +9,8 @@ import pyarrow as pa
 
 from mjfriction.body.model import Body
 from mjfriction.diagnose.extend import extend_robot
-from mjfriction.diagnose.gap import Gap
 from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.identify.gap import Gap
 from mjfriction.plant.motions import excitation, forward_backward
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.record.log import EFFORT, POSITION, Floats

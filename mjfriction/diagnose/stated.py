@@ -9,10 +9,10 @@ import numpy as np
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.compete import Field, contenders, reshaped, size
-from mjfriction.diagnose.gap import Gap
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.trial import FALSE_ALARM, Trial, try_out
+from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats
 
 MOST_LINK_CHANGE = 0.8  # past which a scaled link is no link any more, and the fit a sign of something else

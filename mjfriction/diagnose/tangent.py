@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from mjfriction.diagnose.gap import Gap
 from mjfriction.diagnose.model import Chosen, Model, Tangent, build_model
+from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats
 from mjfriction.robot.effort import predict_effort
 from mjfriction.robot.robot import Robot

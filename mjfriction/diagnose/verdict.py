@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mjfriction.diagnose.gap import Gap
 from mjfriction.diagnose.outcome import Finding, JointError, Verdict
-from mjfriction.diagnose.structure import Structure
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.structure import Structure
 from mjfriction.record.faults import Fault
 from mjfriction.record.log import Floats
 

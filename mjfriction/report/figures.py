@@ -7,7 +7,7 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from mjfriction.diagnose.outcome import Diagnosis, Finding
-from mjfriction.diagnose.structure import covariate_rows
+from mjfriction.identify.structure import covariate_rows
 from mjfriction.record.log import Floats
 
 # Told apart by people who see colours differently, on light ground and on dark.

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, PlainSerializer
 
 from mjfriction.diagnose.outcome import Diagnosis, Finding, Fitted
-from mjfriction.diagnose.structure import Structure
+from mjfriction.identify.structure import Structure
 
 SCHEMA: Literal["mjfriction.report/1"] = "mjfriction.report/1"
 

@@ -228,7 +228,7 @@ def test_care_for_reversals_is_what_gets_the_size_right(tmp_path: Path, monkeypa
         return diagnosis.findings[0].parameters[0].value
 
     assert excess() == pytest.approx(3.5, rel=0.1)
-    monkeypatch.setattr("mjfriction.diagnose.gap._touched", lambda motion, chain, _: chain.rows(0.0 * motion.position))
+    monkeypatch.setattr("mjfriction.identify.gap._touched", lambda motion, chain, _: chain.rows(0.0 * motion.position))
     assert excess() < 0.9 * 3.5
 
 

@@ -36,9 +36,8 @@ def tx40(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
     lines = ['name = "tx40"', f'model = "{data / "tx40/tx40.urdf"}"']
     for i, joint in enumerate(JOINTS):
         lines += ["[[joint]]", f'name = "{joint}"']
-        lines += [
-            f"actuator = {{ gear_ratio = {RATIO[i]}, torque_constant = 1.0, rotor_inertia = {ROTOR[i] / RATIO[i] ** 2} }}"
-        ]
+        rotor = ROTOR[i] / RATIO[i] ** 2
+        lines += [f"actuator = {{ gear_ratio = {RATIO[i]}, torque_constant = 1.0, rotor_inertia = {rotor} }}"]
         parameters = f"{{ coulomb = {COULOMB[i]}, viscous = {VISCOUS[i]} }}"
         lines += [f'friction = {{ law = "coulomb_viscous", parameters = {parameters} }}']
     path = tmp_path_factory.mktemp("tx40") / "robot.toml"

@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 
 from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
-from mjfriction.diagnose.gap import Gap
+from mjfriction.identify.gap import Gap
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import with_asymmetric_damping

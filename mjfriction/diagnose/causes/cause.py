@@ -12,8 +12,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from mjfriction.diagnose.gap import Gap
-from mjfriction.diagnose.regression import Columns
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot

@@ -7,8 +7,8 @@ from typing import ClassVar, final
 import numpy as np
 
 from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
-from mjfriction.diagnose.gap import Gap
-from mjfriction.diagnose.regression import Columns
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot

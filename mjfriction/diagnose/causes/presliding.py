@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 
 from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
-from mjfriction.diagnose.gap import DOUBT_PERIODS, Gap
+from mjfriction.identify.gap import DOUBT_PERIODS, Gap
 from mjfriction.laws.ambient import ambient
 from mjfriction.laws.dahl import DAHL
 from mjfriction.parameter import Parameter

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import final
 
 from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
-from mjfriction.diagnose.gap import Gap
+from mjfriction.identify.gap import Gap
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import CURRENT, Floats
 from mjfriction.robot.robot import Robot

@@ -11,8 +11,8 @@ from typing import final
 import numpy as np
 
 from mjfriction.diagnose.causes.cause import Cause, Quantity, Site
-from mjfriction.diagnose.gap import Gap
-from mjfriction.diagnose.regression import Columns
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.regression import Columns
 from mjfriction.laws.ambient import ROOM_TEMPERATURE
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats

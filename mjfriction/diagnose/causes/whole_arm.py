@@ -11,8 +11,8 @@ import numpy as np
 
 from mjfriction.body.regressor import gravity_torques, tip_link, tip_mass_torques
 from mjfriction.diagnose.causes.cause import Cause, Quantity, Site
-from mjfriction.diagnose.gap import Gap
-from mjfriction.diagnose.regression import Columns
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot

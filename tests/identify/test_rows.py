@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mjfriction.diagnose.blocks import cut_blocks
-from mjfriction.diagnose.rows import make_chain
 from mjfriction.errors import LogError
+from mjfriction.identify.blocks import cut_blocks
+from mjfriction.identify.rows import make_chain
 from mjfriction.record.log import Log
 from mjfriction.record.motion import Motion, estimate_motion
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mjfriction.diagnose.rows import Chain
 from mjfriction.errors import LogError
+from mjfriction.identify.rows import Chain
 from mjfriction.record.log import Floats, Integers
 
 BLOCK_SECONDS = 1.0  # longer than the memory of any noise the filters make

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from mjfriction.body.inverse import motion_derivatives
 from mjfriction.body.model import Body
 from mjfriction.body.regressor import link_torques
-from mjfriction.diagnose.blocks import Blocks, cut_blocks
-from mjfriction.diagnose.effort_band import effort_band
-from mjfriction.diagnose.rows import Chain, make_chain
+from mjfriction.identify.blocks import Blocks, cut_blocks
+from mjfriction.identify.effort_band import effort_band
+from mjfriction.identify.rows import Chain, make_chain
 from mjfriction.record.log import Floats, Log, check_joints
 from mjfriction.record.motion import Motion, estimate_motion, raw_noise
 from mjfriction.robot.bandwidth import choose_cutoff

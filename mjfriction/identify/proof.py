@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mjfriction.diagnose.gap import Gap
+from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats, Integers
 
 BOOTSTRAPS = 2000

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mjfriction.diagnose.regression import Rows, System
+from mjfriction.identify.regression import Rows, System
 
 JOINTS, ROWS, BLOCKS = 2, 600, 20
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mjfriction.diagnose.gap import Gap
-from mjfriction.diagnose.regression import Rows, System
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.regression import Rows, System
 from mjfriction.record.log import Floats
 
 KNOTS = 14
