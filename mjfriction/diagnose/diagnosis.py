@@ -10,13 +10,13 @@ from mjfriction.diagnose.compete import compete, make_field
 from mjfriction.diagnose.extend import adjustments, extend_robot
 from mjfriction.diagnose.findings import make_findings
 from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
-from mjfriction.diagnose.outcome import Diagnosis, JointError, Verdict
+from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.diagnose.stated import settle
 from mjfriction.diagnose.verdict import faults_in_words, reach_verdict, summarize, unexplained
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.joint_error import joint_error
 from mjfriction.identify.structure import find_structure
-from mjfriction.record.log import Floats, Log
-from mjfriction.robot.effort import reported_unit
+from mjfriction.record.log import Log
 from mjfriction.robot.robot import Robot
 
 
@@ -35,7 +35,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0) -> Diagnosis:
     heldout = model.heldout_residual()
     after = tuple(find_structure(gap, heldout))
     findings, experiment = make_findings(settled, field, heldout, seed)
-    joints = tuple(_joint_error(gap, joint, model.residual(), heldout) for joint in gap.examined)
+    joints = tuple(joint_error(gap, joint, model.residual(), heldout) for joint in gap.examined)
     remaining = tuple(unexplained(gap, after, heldout))
     verdict = Verdict.BAD_DATA if faults else reach_verdict(findings, remaining)
     moving = gap.motion.moving
@@ -55,21 +55,4 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0) -> Diagnosis:
         next_experiment=experiment,
         residual_after=model.residual(),
         heldout=heldout,
-    )
-
-
-def _joint_error(gap: Gap, joint: int, residual_after: Floats, heldout: Floats) -> JointError:
-    unit = abs(float(gap.per_reported[joint]))
-    quantity = gap.motion.quantity[joint]
-    assert quantity is not None, "examined joints have a measurement"
-    before = gap.rms(gap.residual[:, joint], joint) / unit
-    return JointError(
-        joint=gap.robot.joints[joint],
-        signal=quantity,
-        unit=reported_unit(quantity, gap.body.sliding[joint]),
-        rms_before=before,
-        rms_after=gap.rms(residual_after[:, joint], joint) / unit,
-        rms_heldout_before=before,
-        rms_heldout_after=gap.rms(heldout[:, joint], joint) / unit,
-        noise_floor=float(gap.noise_floor[joint]) / unit,
     )

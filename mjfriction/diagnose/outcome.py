@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 from mjfriction.diagnose.extend import Adjustment
 from mjfriction.diagnose.separate import Experiment
+from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.gap import Gap
+from mjfriction.identify.joint_error import JointError
 from mjfriction.identify.proof import Gain
 from mjfriction.identify.structure import Structure
 from mjfriction.record.faults import Fault
@@ -26,18 +28,6 @@ class Verdict(enum.Enum):
 
 
 @dataclass(frozen=True)
-class Fitted:
-    """A fitted quantity with its unit and 95 % interval."""
-
-    name: str
-    meaning: str
-    unit: str
-    value: float
-    low: float
-    high: float
-
-
-@dataclass(frozen=True)
 class Finding:
     """A named cause: where (None for the whole arm), how sure, how much, what it gains on motion not fitted, and where
     it shows: ``shown_at`` is the joint to look at.
@@ -52,20 +42,6 @@ class Finding:
     evidence: str
     covariate: str
     shown_at: str
-
-
-@dataclass(frozen=True)
-class JointError:
-    """RMS error of one joint before and after, fitted and held out, in the unit of what its drive reports."""
-
-    joint: str
-    signal: str
-    unit: str
-    rms_before: float
-    rms_after: float
-    rms_heldout_before: float
-    rms_heldout_after: float
-    noise_floor: float
 
 
 @dataclass(frozen=True)

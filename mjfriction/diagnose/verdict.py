@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mjfriction.diagnose.outcome import Finding, JointError, Verdict
+from mjfriction.diagnose.outcome import Finding, Verdict
 from mjfriction.identify.gap import Gap
+from mjfriction.identify.joint_error import JointError
 from mjfriction.identify.structure import Structure
 from mjfriction.record.faults import Fault
 from mjfriction.record.log import Floats

@@ -119,15 +119,26 @@ def measure_gap(log: Log, robot: Robot) -> Gap:
     check_joints(log, robot.name, robot.joints)
     motion = estimate_motion(log, robot.joints, choose_cutoff(log, robot, body))
     effort = predict_effort(robot, body, motion)
-    per_reported = np.array(
-        [
-            effort_per_reported(joint, quantity, robot.name)
-            for joint, quantity in zip(robot.table.joint, motion.quantity, strict=True)
-        ]
-    )
-    torque = motion.torque * per_reported
+    torque = motion.torque * _per_reported(robot, motion)
     chain = make_chain(motion, log.source, effort_band(motion, effort, torque))
-    measured = chain.rows(torque)
+    return _held_against(log, robot, body, motion, effort, chain)
+
+
+def gap_of(robot: Robot, along: Gap) -> Gap:
+    """Return the gap of another robot with the same joints along the same motion, row by row."""
+    body = robot.body()
+    robot = robot.with_stated_friction(body)
+    return _held_against(along.log, robot, body, along.motion, predict_effort(robot, body, along.motion), along.chain)
+
+
+def _per_reported(robot: Robot, motion: Motion) -> Floats:
+    pairs = zip(robot.table.joint, motion.quantity, strict=True)
+    return np.array([effort_per_reported(joint, quantity, robot.name) for joint, quantity in pairs])
+
+
+def _held_against(log: Log, robot: Robot, body: Body, motion: Motion, effort: Effort, chain: Chain) -> Gap:
+    per_reported = _per_reported(robot, motion)
+    measured = chain.rows(motion.torque * per_reported)
     residual = measured - chain.rows(effort.reported)
     noise = [
         abs(per_reported[i]) * raw_noise(log, quantity, joint, motion.clock) if quantity else np.nan

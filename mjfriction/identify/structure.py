@@ -54,7 +54,9 @@ def _share(gap: Gap, joint: int, values: Floats, residual: Floats) -> float:
     target = np.zeros_like(residual)
     weight = np.zeros_like(residual)
     target[:, joint] = residual[:, joint]
-    noise = float(np.sqrt(np.mean(np.square(residual[:, joint])))) + 1e-300
+    noise = float(np.sqrt(np.mean(np.square(residual[:, joint]))))
+    if noise == 0.0:
+        return 0.0
     weight[:, joint] = 1.0 / np.sqrt(noise**2 + np.square(gap.doubt[:, joint]))
     knots = np.unique(np.quantile(values, np.linspace(0.0, 1.0, KNOTS)))
     hats = np.column_stack([np.interp(values, knots, row) for row in np.eye(knots.size)])

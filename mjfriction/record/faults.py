@@ -18,6 +18,7 @@ Mask = NDArray[np.bool_]
 FEWEST_REPEATED = 8  # rows in a row, alike in every column, that no chance repeats
 LONGEST_SINGLE = 2  # samples of a glitch
 WILD = 25.0  # times the usual departure from its neighbours' median from which on a sample is wild
+COMES_BACK = 0.3  # of a wild sample's height, that its neighbours may differ by
 WILD_SHARE = 0.02  # of a channel's range that it must depart by besides
 SHORTEST_STUCK = 20  # samples
 STUCK_SPEED = 0.4  # of the usual speed, just before or after a standstill, that no joint stops from at once
@@ -71,9 +72,18 @@ def glitches(values: Floats) -> Mask:
     spread = float(np.quantile(values, 0.99) - np.quantile(values, 0.01))
     wild = (departure > WILD * usual) & (departure > WILD_SHARE * spread)
     for start, stop in _runs(wild.astype(np.int64)):
-        if wild[start] and stop - start > LONGEST_SINGLE:
+        if wild[start] and (stop - start > LONGEST_SINGLE or not _there_and_back(values, start, stop)):
             wild[start:stop] = False
     return wild
+
+
+def _there_and_back(values: Floats, start: int, stop: int) -> bool:
+    # A wild sample stands out from both neighbours, which are alike; a step or a swing does not come back.
+    if start == 0 or stop == values.size:
+        return True
+    before, after = values[start - 1], values[stop]
+    height = np.min(np.abs(values[start:stop] - 0.5 * (before + after)))
+    return bool(abs(after - before) < COMES_BACK * height)
 
 
 def stuck(values: Floats, speed: Floats) -> Mask:

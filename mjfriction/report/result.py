@@ -7,7 +7,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, PlainSerializer
 
-from mjfriction.diagnose.outcome import Diagnosis, Finding, Fitted
+from mjfriction.diagnose.outcome import Diagnosis, Finding
+from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.structure import Structure
 
 SCHEMA: Literal["mjfriction.report/1"] = "mjfriction.report/1"

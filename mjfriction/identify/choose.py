@@ -1,0 +1,65 @@
+"""Which law a joint needs: the one with the fewest parameters among those that predict motion not fitted as well."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from mjfriction.errors import LawError
+from mjfriction.identify.fit import LawFit, fit_law
+from mjfriction.identify.problem import Problem
+from mjfriction.laws.catalog import find_law
+from mjfriction.record.log import Floats
+
+CANDIDATES = (
+    "coulomb_viscous",
+    "asymmetric",
+    "load_dependent",
+    "quadratic_viscous",
+    "saturating_viscous",
+    "stribeck",
+    "arctan",
+    "dahl",
+    "lugre",
+)
+LEAST_GAIN = 0.01  # of the squared error, that a law with more parameters must take away besides
+STANDARD_ERRORS = 2.0  # by which it must be better on motion not fitted
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A candidate: its fit and its squared error on every block that its fit has not seen, (blocks,)."""
+
+    fit: LawFit
+    heldout: Floats
+
+    @property
+    def parameters(self) -> int:
+        """How many numbers were fitted."""
+        return int(self.fit.x.size)
+
+
+def choose_law(problem: Problem, names: Sequence[str] = CANDIDATES) -> tuple[Choice, list[Choice]]:
+    """Fit every law of a list and return the one to take, and all, in the order of the list.
+
+    A law with more parameters takes the place of a simpler one when its error on motion not fitted is smaller by two
+    standard errors over the blocks and by a hundredth.
+    """
+    choices = []
+    for name in names:
+        try:
+            fit = fit_law(problem, find_law(name))
+        except LawError:
+            if len(names) == 1:
+                raise
+            continue
+        choices.append(Choice(fit, fit.heldout()))
+    best = min(choices, key=lambda choice: choice.parameters)
+    for choice in sorted(choices, key=lambda choice: (choice.parameters, float(np.sum(choice.heldout)))):
+        better = best.heldout - choice.heldout
+        error = float(np.std(better, ddof=1)) * np.sqrt(better.size)
+        if np.sum(better) > max(STANDARD_ERRORS * error, LEAST_GAIN * float(np.sum(best.heldout))):
+            best = choice
+    return best, choices

@@ -1,0 +1,43 @@
+"""How far off a robot is at one joint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mjfriction.identify.gap import Gap
+from mjfriction.record.log import Floats
+from mjfriction.robot.effort import reported_unit
+
+
+@dataclass(frozen=True)
+class JointError:
+    """RMS error of one joint before and after, fitted and held out, in the unit of what its drive reports."""
+
+    joint: str
+    signal: str
+    unit: str
+    rms_before: float
+    rms_after: float
+    rms_heldout_before: float
+    rms_heldout_after: float
+    noise_floor: float
+
+
+def joint_error(gap: Gap, joint: int, residual_after: Floats, heldout: Floats) -> JointError:
+    """Return the errors of an examined joint: of the gap's robot, and of what another leaves of the same rows, fitted
+    and held out, (rows, joints).
+    """
+    unit = abs(float(gap.per_reported[joint]))
+    quantity = gap.motion.quantity[joint]
+    assert quantity is not None, "examined joints have a measurement"
+    before = gap.rms(gap.residual[:, joint], joint) / unit
+    return JointError(
+        joint=gap.robot.joints[joint],
+        signal=quantity,
+        unit=reported_unit(quantity, gap.body.sliding[joint]),
+        rms_before=before,
+        rms_after=gap.rms(residual_after[:, joint], joint) / unit,
+        rms_heldout_before=before,
+        rms_heldout_after=gap.rms(heldout[:, joint], joint) / unit,
+        noise_floor=float(gap.noise_floor[joint]) / unit,
+    )

@@ -1,0 +1,120 @@
+"""A law's statics from a friction map: by nonlinear least squares, and by the manipulator paper's own procedure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.stats import t as student
+
+from mjfriction.errors import LogError
+from mjfriction.identify.coordinates import Coordinates
+from mjfriction.identify.friction_map import FrictionMap
+from mjfriction.identify.problem import Side
+from mjfriction.identify.starts import DYNAMIC, LEFT_AS_DECLARED, Usual, starts
+from mjfriction.laws.ambient import ambient
+from mjfriction.laws.arctan import ARCTAN
+from mjfriction.laws.law import Floats, Law
+
+FIRST_SAMPLES = 4  # of a map, that the cubic near zero is drawn through
+TWO_OVER_PI = 2.0 / np.pi
+
+
+@dataclass(frozen=True)
+class MapFit:
+    """A law's static values on its side, their 95 % half-widths by name, and the RMS it leaves of the map (N·m, N)."""
+
+    law: Law
+    values: dict[str, float]
+    half: dict[str, float]
+    rms: float
+
+
+def fit_map(points: FrictionMap, law: Law, side: Side, gear_ratio: float) -> MapFit:
+    """Fit a law's statics to a map, every point by its own error.
+
+    Half-widths come from the points' scatter about the curve (Student's t), never less than from their own errors.
+    Raises :class:`LogError` when the map has fewer speeds than the law parameters.
+    """
+    speed, friction, error = on_side(points, side, gear_ratio)
+    usual = _usual(speed, friction)
+    begin = starts(law, usual)
+    names = tuple(name for name in begin[0] if name not in LEFT_AS_DECLARED | DYNAMIC)
+    if speed.size <= len(names):
+        raise LogError(
+            f"law '{law.name}' has {len(names)} static parameters, and the passes have {speed.size} speeds; "
+            f"record at least {len(names) + 1} speeds, or identify a law with fewer parameters"
+        )
+    fits = [_fitted(law, names, start, speed, friction, error) for start in begin]
+    coordinates, x, slopes, left = min(fits, key=lambda fit: float(np.sum(np.square(fit[3]))))
+    freedoms = speed.size - x.size
+    scatter = max(1.0, float(np.sum(np.square(left))) / freedoms)
+    covariance = scatter * np.linalg.pinv(slopes.T @ slopes)
+    turned = coordinates.slopes(x)
+    deviation = np.sqrt(np.maximum(np.diag(turned @ covariance @ turned.T), 0.0))
+    half = dict(zip(names, (deviation * float(student.ppf(0.975, freedoms))).tolist(), strict=True))
+    rms = float(np.sqrt(np.mean(np.square(left * error))))
+    return MapFit(law, coordinates.values(x), half, rms)
+
+
+def arctan_procedure(points: FrictionMap, side: Side, gear_ratio: float) -> MapFit:
+    """Fit law (14) as the paper does: δ from the slope near zero, the rest linear in it.
+
+    The slope is that of a cubic through the first samples at the slowest of them; τ_sc is roughly the least friction
+    less the greatest, at the slowest speed; δ is the slope over τ_sc (15–16).  Then θ = (τ_s, τ_sc, τ_v, τ_nlv) by
+    least squares, θ = (ΦᵀΦ)⁻¹ΦᵀT (the paper's (21) prints the first factor as (ΦΦᵀ)⁻¹).
+
+    Raises :class:`LogError` where the map does not fall from its slowest speed, or has fewer than six.
+    """
+    speed, friction, _ = on_side(points, side, gear_ratio)
+    if speed.size < 6:
+        raise LogError(f"law 'arctan' by the slope near zero needs at least six speeds, not {speed.size}; record more")
+    first = min(max(FIRST_SAMPLES, int(np.argmin(friction)) + 1), speed.size)
+    cubic = np.polynomial.Polynomial.fit(speed[:first], friction[:first], 3)
+    slope = float(cubic.deriv()(speed[0]))
+    fall = float(np.min(friction) - friction[0])
+    if slope >= 0.0 or fall >= 0.0:
+        raise LogError(
+            "law 'arctan' by the slope near zero: friction does not fall from the slowest speed on; "
+            "record slower passes, or identify a law without a Stribeck part"
+        )
+    steepness = slope / fall
+    phi = np.column_stack([np.ones_like(speed), np.arctan(steepness * speed), speed, speed**2])
+    theta = np.linalg.lstsq(phi, friction, rcond=None)[0]
+    names = ("static", "stribeck_fall", "viscous", "viscous_bend")
+    values = {**dict(zip(names, theta.tolist(), strict=True)), "stribeck_steepness": steepness, "sign_sharpness": 1e9}
+    return MapFit(ARCTAN, values, {}, float(np.sqrt(np.mean(np.square(friction - phi @ theta)))))
+
+
+def on_side(points: FrictionMap, side: Side, gear_ratio: float) -> tuple[Floats, Floats, Floats]:
+    """Return speed, friction and its error on a side of the gear."""
+    ratio = abs(gear_ratio) if side == "motor" else 1.0
+    return points.speed * ratio, points.friction / ratio, points.error / ratio
+
+
+def _fitted(
+    law: Law, names: tuple[str, ...], start: dict[str, float], speed: Floats, friction: Floats, error: Floats
+) -> tuple[Coordinates, Floats, Floats, Floats]:
+    coordinates = Coordinates(law, names, {n: v for n, v in start.items() if n not in names})
+    around = ambient(speed.size)
+
+    def left(x: Floats) -> Floats:
+        return (friction - law.along(speed, around, law.pack(coordinates.values(x)))) / error
+
+    low, high = coordinates.bounds()
+    begin = np.clip(coordinates.vector(start), low, high)
+    found = least_squares(left, begin, bounds=(low, high), x_scale="jac", max_nfev=400, xtol=1e-12, ftol=1e-12)
+    return coordinates, np.asarray(found.x), np.asarray(found.jac), np.asarray(found.fun)
+
+
+def _usual(speed: Floats, friction: Floats) -> Usual:
+    level = float(np.median(friction))
+    rise = float((friction[-1] - np.min(friction)) / max(speed[-1] - speed[int(np.argmin(friction))], 1e-9 * speed[-1]))
+    return Usual(
+        level=max(level, 1e-9),
+        damping=max(rise, 1e-3 * level / speed[-1]),
+        speed=float(speed[-1]),
+        stroke=1.0,
+        load=1.0,
+    )

@@ -1,0 +1,60 @@
+"""What an identification comes to, as plain data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mjfriction.identify.fit import LawFit
+from mjfriction.identify.fitted import Fitted
+from mjfriction.identify.friction_map import FrictionMap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.joint_error import JointError
+from mjfriction.identify.map_fit import MapFit
+from mjfriction.record.log import Floats
+from mjfriction.robot.robot import Robot
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A law that was tried: the number of its parameters, and its RMS error on motion not fitted, as reported."""
+
+    law: str
+    parameters: int
+    rms_heldout: float
+
+
+@dataclass(frozen=True)
+class JointLaw:
+    """What was identified at a joint.
+
+    ``how`` says from what ("free motion" or "forward and backward passes"); ``structure`` is the largest share of the
+    error that still follows a covariate, and ``follows`` names it; ``trusted`` says whether the intervals may be
+    believed, which they may not where structure is left.  ``passes`` are the joint's passes forward and backward, where
+    the log has them, and ``by_slope`` law (14) fitted to them by the manipulator paper's own procedure.
+    """
+
+    joint: str
+    fit: LawFit
+    how: str
+    parameters: tuple[Fitted, ...]
+    candidates: tuple[Candidate, ...]
+    structure: float
+    follows: str
+    trusted: bool
+    passes: FrictionMap | None = None
+    by_slope: MapFit | None = None
+
+
+@dataclass(frozen=True)
+class Identification:
+    """The whole: ``gap`` is that of the stated robot, ``robot`` the identified one, ``heldout`` (rows, joints) what it
+    leaves of the same rows on motion not fitted; ``links`` are the links' fitted values.
+    """
+
+    gap: Gap
+    robot: Robot
+    joints: tuple[JointError, ...]
+    laws: tuple[JointLaw, ...]
+    links: tuple[Fitted, ...]
+    heldout: Floats
+    summary: str

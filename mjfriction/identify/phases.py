@@ -1,0 +1,68 @@
+"""Phases of constant speed in a log: where one joint goes steadily and the others stand."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+
+from mjfriction.record.log import Floats
+from mjfriction.record.motion import Motion
+
+STEADY = 0.05  # of a phase's speed, that the speed may stray within it
+STANDING = 0.02  # of a joint's fastest speed, below which it stands
+SHORTEST = 0.1  # s
+SETTLED = 0.1  # s at both ends of a phase in which filters still feel the change of speed
+
+
+@dataclass(frozen=True)
+class Phase:
+    """Samples ``first`` to ``past`` of a motion in which ``joint`` goes at a constant velocity, rad/s or m/s."""
+
+    joint: int
+    first: int
+    past: int
+    velocity: float
+
+
+def constant_speed_phases(motion: Motion) -> list[Phase]:
+    """Return the phases of a motion, in time."""
+    top = np.max(np.abs(motion.velocity), axis=0)
+    limit = np.maximum(3.0 * motion.velocity_noise, STANDING * top)
+    going = np.abs(motion.velocity) > limit
+    out = []
+    for joint in range(motion.velocity.shape[1]):
+        others = np.delete(going, joint, axis=1)
+        free = ~np.any(others, axis=1)
+        velocity = motion.velocity[:, joint]
+        sure = free & (np.abs(velocity) > 3.0 * motion.velocity_noise[joint])
+        for first, past in _runs(sure, np.sign(velocity), motion.piece):
+            phase = _steady_part(motion, joint, first, past)
+            if phase is not None:
+                out.append(phase)
+    return sorted(out, key=lambda phase: phase.first)
+
+
+def _runs(mask: np.ndarray, sign: Floats, piece: np.ndarray) -> list[tuple[int, int]]:
+    key = np.where(mask, sign, 0.0)
+    cuts = np.flatnonzero((np.diff(key) != 0.0) | (np.diff(piece) != 0)) + 1
+    return [(a, b) for a, b in itertools.pairwise([0, *cuts.tolist(), key.size]) if key[a] != 0.0]
+
+
+def _steady_part(motion: Motion, joint: int, first: int, past: int) -> Phase | None:
+    velocity = motion.velocity[first:past, joint]
+    noise = float(motion.velocity_noise[joint])
+    plateau = float(np.median(velocity[np.abs(velocity) > 0.9 * np.quantile(np.abs(velocity), 0.9)]))
+    near = np.abs(velocity - plateau) < max(STEADY * abs(plateau), 3.0 * noise)
+    # The longest stretch at the plateau, less what the filter blurs into it.
+    cuts = np.flatnonzero(np.diff(near.astype(np.int8))) + 1
+    stretches = [(a, b) for a, b in itertools.pairwise([0, *cuts.tolist(), near.size]) if near[a]]
+    if not stretches:
+        return None
+    a, b = max(stretches, key=lambda stretch: stretch[1] - stretch[0])
+    margin = int(max(SETTLED, 1.0 / motion.cutoff) * motion.rate)
+    a, b = a + margin, b - margin
+    if b - a < max(4.0, SHORTEST * motion.rate):
+        return None
+    return Phase(joint, first + a, first + b, float(np.mean(velocity[a:b])))

@@ -1,0 +1,78 @@
+"""What a friction law has to explain at one joint: the rows of effort that the rest of the balance leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.starts import Usual
+from mjfriction.laws.law import Law
+from mjfriction.record.log import Floats
+from mjfriction.robot.rubbing import forward_share, surroundings, term_torque
+from mjfriction.robot.schema import FrictionTerm
+
+Side = Literal["joint", "motor"]
+CLEAR = 0.1  # share of the noise that doubt about friction's direction may add to a row the noise is measured on
+LEAST_NOISE = 1e-3  # of the joint's RMS effort
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Rows of one joint: ``target`` (rows,) in N·m or N at the joint, each believed to ``deviation`` (rows,).
+
+    ``gap`` is that of the robot without friction at this joint.
+    """
+
+    gap: Gap
+    joint: int
+    side: Side
+    target: Floats
+    deviation: Floats
+
+    def term(self, law: Law, values: Mapping[str, float]) -> FrictionTerm:
+        """Return a law with values as it stands in a robot file."""
+        return FrictionTerm(law=law.name, side=self.side, parameters=dict(values))
+
+    def rows(self, term: FrictionTerm) -> Floats:
+        """Return the effort of a friction law through the measurement chain, (rows,)."""
+        gap, joint = self.gap, self.gap.robot.table.joint[self.joint]
+        ratio = joint.actuator.gear_ratio
+        around = surroundings(joint, gap.motion, self.joint, gap.effort.rigid[:, self.joint])
+        return joint.effort_sensor.scale * gap.chain.rows(term_torque(term, ratio, gap.motion, self.joint, around))
+
+    def left(self, term: FrictionTerm) -> Floats:
+        """Return what a law leaves, in deviations, (rows,)."""
+        return (self.target - self.rows(term)) / self.deviation
+
+    def believed(self, residual: Floats) -> Problem:
+        """Return the problem with its rows believed by the noise of what a fit leaves of them, (rows,)."""
+        doubt = self.gap.doubt[:, self.joint]
+        effort = float(np.sqrt(np.mean(np.square(self.gap.measured[:, self.joint]))))
+        noise = max(float(self.gap.noise_floor[self.joint]), LEAST_NOISE * effort)
+        for _ in range(3):
+            sure = doubt < CLEAR * noise
+            rows = residual[sure] if np.count_nonzero(sure) > 0.1 * sure.size else residual
+            noise = max(noise, float(np.sqrt(np.mean(np.square(rows)))))
+        return replace(self, deviation=np.hypot(noise, doubt))
+
+    def usual(self) -> Usual:
+        """Return the joint's level and damping by least squares, and its usual speed, stroke and load."""
+        gap, joint = self.gap, self.joint
+        ratio = abs(gap.robot.table.joint[joint].actuator.gear_ratio) if self.side == "motor" else 1.0
+        velocity = gap.motion.velocity[:, joint]
+        columns = gap.chain.rows(np.column_stack([forward_share(gap.motion, joint), velocity]))
+        weight = 1.0 / self.deviation[:, None]
+        level, damping = np.linalg.lstsq(columns * weight, self.target / self.deviation, rcond=None)[0]
+        size = float(np.sqrt(np.mean(np.square(self.target))))
+        speed = float(np.sqrt(np.mean(np.square(velocity))))
+        return Usual(
+            level=max(float(level), 0.05 * size) / ratio,
+            damping=max(float(damping), 0.01 * size / speed) / ratio**2,
+            speed=speed * ratio,
+            stroke=float(np.ptp(gap.motion.position[:, joint])) * ratio,
+            load=float(np.sqrt(np.mean(np.square(gap.effort.rigid[:, joint])))) / ratio,
+        )
