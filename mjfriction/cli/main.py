@@ -11,6 +11,7 @@ from typer import core, exceptions
 from mjfriction.cli.demo import demo
 from mjfriction.cli.diagnose import diagnose
 from mjfriction.cli.export import export
+from mjfriction.cli.identify import identify
 from mjfriction.cli.laws import laws
 from mjfriction.cli.predict import predict
 from mjfriction.cli.simulate import simulate
@@ -27,7 +28,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=True,
 )
-for verb in (demo, diagnose, export, laws, predict, simulate, view):
+for verb in (demo, diagnose, export, identify, laws, predict, simulate, view):
     app.command()(verb)
 
 

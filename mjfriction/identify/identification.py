@@ -32,6 +32,7 @@ from mjfriction.robot.rubbing import forward_share
 
 ROUNDS = 2  # of links by themselves and laws by themselves, before all are taken together
 STRUCTURED = 0.1  # share of what is left that may follow a covariate before intervals are not to be believed
+LEAST_EFFORT = 0.01  # of the joint's RMS effort, that what follows it must reach besides
 FREE, PASSES = "free motion", "forward and backward passes"
 
 
@@ -293,10 +294,15 @@ def _law(
         candidates=tuple(candidates),
         structure=worst.share,
         follows=worst.covariate,
-        trusted=worst.share < STRUCTURED,
+        trusted=not _structured(gap, joint, worst),
         passes=points,
         by_slope=_by_slope(fit, points),
     )
+
+
+def _structured(gap: Gap, joint: int, worst: Structure) -> bool:
+    size = np.sqrt(max(worst.share, 0.0)) * gap.rms(gap.residual[:, joint], joint)
+    return bool(worst.share > STRUCTURED and size > LEAST_EFFORT * gap.rms(gap.measured[:, joint], joint))
 
 
 def _by_slope(fit: LawFit, points: FrictionMap | None) -> MapFit | None:

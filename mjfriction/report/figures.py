@@ -9,6 +9,7 @@ from plotly.subplots import make_subplots
 from mjfriction.diagnose.outcome import Diagnosis, Finding
 from mjfriction.identify.structure import covariate_rows
 from mjfriction.record.log import Floats
+from mjfriction.report.compared import Compared
 
 # Told apart by people who see colours differently, on light ground and on dark.
 BEFORE, AFTER, MEASURED, NOISE = "#d1495b", "#1b80c4", "#8a8d91", "#b7a26a"
@@ -24,19 +25,19 @@ UNITS = {
 }
 
 
-def error_bars(diagnosis: Diagnosis) -> go.Figure:
+def error_bars(compared: Compared, after: str) -> go.Figure:
     """Held-out RMS error of every joint before and after, beside the sensor's noise."""
-    joints = [error.joint for error in diagnosis.joints]
+    joints = [error.joint for error in compared.joints]
     figure = go.Figure()
     for name, colour, values in (
-        ("as stated", BEFORE, [error.rms_heldout_before for error in diagnosis.joints]),
-        ("extended", AFTER, [error.rms_heldout_after for error in diagnosis.joints]),
-        ("sensor noise", NOISE, [error.noise_floor for error in diagnosis.joints]),
+        ("as stated", BEFORE, [error.rms_heldout_before for error in compared.joints]),
+        (after, AFTER, [error.rms_heldout_after for error in compared.joints]),
+        ("sensor noise", NOISE, [error.noise_floor for error in compared.joints]),
     ):
         figure.add_bar(name=name, x=joints, y=values, marker_color=colour)
-    unit = " and ".join(sorted({error.unit for error in diagnosis.joints}))
+    unit = " and ".join(sorted({error.unit for error in compared.joints}))
     figure.update_yaxes(title_text=f"RMS error, {unit}", rangemode="tozero")
-    return _styled(figure, 320)
+    return styled(figure, 320)
 
 
 def residual_against_covariate(diagnosis: Diagnosis, finding: Finding) -> go.Figure:
@@ -56,7 +57,7 @@ def residual_against_covariate(diagnosis: Diagnosis, finding: Finding) -> go.Fig
     clear = gap.clear[:, joint]
     for k, (_, colour, residual) in enumerate(sides, start=1):
         for rows, shade, faint in ((~clear, INK, 0.2), (clear, colour, 0.4)):
-            kept = np.flatnonzero(rows)[_thinned(int(np.count_nonzero(rows)))]
+            kept = np.flatnonzero(rows)[thinned(int(np.count_nonzero(rows)))]
             marker = {"size": 3, "color": shade, "opacity": faint}
             figure.add_scattergl(x=values[kept], y=residual[kept], mode="markers", marker=marker, row=1, col=k)
         centre, mean = _binned(values[clear], residual[clear])
@@ -65,22 +66,22 @@ def residual_against_covariate(diagnosis: Diagnosis, finding: Finding) -> go.Fig
     figure.update_xaxes(title_text=f"{finding.covariate}, {UNITS[finding.covariate][sliding]}")
     figure.update_yaxes(title_text=f"measured − predicted, {_joint_unit(diagnosis, joint)}", col=1)
     figure.update_layout(showlegend=False)
-    return _styled(figure, 380)
+    return styled(figure, 380)
 
 
-def time_course(diagnosis: Diagnosis, joint_name: str) -> go.Figure:
+def time_course(compared: Compared, joint_name: str) -> go.Figure:
     """Measured effort of a joint, and what the stated and the extended robot leave of it, along the log."""
-    gap = diagnosis.gap
+    gap = compared.gap
     joint = gap.robot.joints.index(joint_name)
     unit = float(gap.per_reported[joint])
     time = gap.chain.time
     measured = gap.measured[:, joint] / unit
     left = {
         "stated": (BEFORE, gap.residual[:, joint] / unit),
-        "extended": (AFTER, diagnosis.heldout[:, joint] / unit),
+        "extended": (AFTER, compared.heldout[:, joint] / unit),
     }
     figure = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.08, subplot_titles=("effort", "error"))
-    kept = _thinned(time.size)
+    kept = thinned(time.size)
     figure.add_scattergl(
         x=time[kept], y=measured[kept], name="measured", line={"color": MEASURED, "width": 4}, row=1, col=1
     )
@@ -98,17 +99,18 @@ def time_course(diagnosis: Diagnosis, joint_name: str) -> go.Figure:
             row=2,
             col=1,
         )
-    figure.update_yaxes(title_text=_joint_unit(diagnosis, joint))
+    figure.update_yaxes(title_text=_joint_unit(compared, joint))
     figure.update_xaxes(title_text="time, s", row=2, col=1)
-    return _styled(figure, 520)
+    return styled(figure, 520)
 
 
-def _joint_unit(diagnosis: Diagnosis, joint: int) -> str:
-    name = diagnosis.gap.robot.joints[joint]
-    return next(error.unit for error in diagnosis.joints if error.joint == name)
+def _joint_unit(compared: Compared, joint: int) -> str:
+    name = compared.gap.robot.joints[joint]
+    return next(error.unit for error in compared.joints if error.joint == name)
 
 
-def _thinned(count: int) -> slice:
+def thinned(count: int) -> slice:
+    """Return which of many points to draw."""
     return slice(None, None, max(1, -(-int(count) // MOST_POINTS)))
 
 
@@ -120,7 +122,8 @@ def _binned(values: Floats, residual: Floats) -> tuple[Floats, Floats]:
     return centre, np.bincount(place, residual, minlength=edges.size - 1) / count
 
 
-def _styled(figure: go.Figure, height: int) -> go.Figure:
+def styled(figure: go.Figure, height: int) -> go.Figure:
+    """Return a figure in the page's style."""
     grid = {"gridcolor": "rgba(128,128,128,0.25)", "zerolinecolor": "rgba(128,128,128,0.5)"}
     figure.update_xaxes(**grid)
     figure.update_yaxes(**grid)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -9,7 +10,10 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.identify.outcome import Identification
+from mjfriction.report.compared import Compared
 from mjfriction.report.figures import error_bars, figure_html, residual_against_covariate, time_course
+from mjfriction.report.law_figure import friction_against_speed
 from mjfriction.report.result import Report
 
 MOST_COURSES = 3
@@ -17,34 +21,49 @@ MOST_COURSES = 3
 
 def report_html(diagnosis: Diagnosis, report: Report) -> str:
     """Return the page of a diagnosis."""
-    environment = Environment(
-        loader=PackageLoader("mjfriction.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
-    )
-    environment.filters["digits"] = lambda value: f"{value:.4g}"
-    gap = diagnosis.gap
     findings = [
         (entry, Markup(figure_html(residual_against_covariate(diagnosis, finding), f"finding-{k}")))
         for k, (entry, finding) in enumerate(zip(report.findings, diagnosis.findings, strict=True))
     ]
-    courses = [
-        (joint, Markup(figure_html(time_course(diagnosis, joint), f"course-{k}")))
-        for k, joint in enumerate(_joints_to_show(diagnosis))
+    found = list(dict.fromkeys(finding.shown_at for finding in diagnosis.findings))
+    words = {"badge": report.verdict, "after": "extended", "verb": "diagnose"}
+    return _page("report.html.j2", diagnosis, report, found, {**words, "findings": findings})
+
+
+def identified_html(identification: Identification, report: Report) -> str:
+    """Return the page of an identification."""
+    laws = [
+        (entry, Markup(figure_html(friction_against_speed(identification, law), f"law-{k}")))
+        for k, (entry, law) in enumerate(zip(report.identified, identification.laws, strict=True))
     ]
-    return environment.get_template("report.html.j2").render(
+    words = {"badge": "identified", "after": "identified", "verb": "identify"}
+    return _page("identified.html.j2", identification, report, [], {**words, "laws": laws})
+
+
+def _page(template: str, compared: Compared, report: Report, first: Sequence[str], more: dict[str, object]) -> str:
+    environment = Environment(
+        loader=PackageLoader("mjfriction.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
+    )
+    environment.filters["digits"] = lambda value: f"{value:.4g}"
+    gap = compared.gap
+    courses = [
+        (joint, Markup(figure_html(time_course(compared, joint), f"course-{k}")))
+        for k, joint in enumerate(_joints_to_show(compared, first))
+    ]
+    return environment.get_template(template).render(
         report=report,
         robot=gap.robot.name,
         log_name=Path(gap.log.source).name,
         seconds=gap.motion.time.size / gap.motion.rate,
         rate=gap.motion.rate,
         band=gap.chain.band,
-        bars=Markup(figure_html(error_bars(diagnosis), "errors")),
-        findings=findings,
+        bars=Markup(figure_html(error_bars(compared, str(more["after"])), "errors")),
         courses=courses,
         plotly_script=Markup(get_plotlyjs()),
+        **more,
     )
 
 
-def _joints_to_show(diagnosis: Diagnosis) -> list[str]:
-    found = list(dict.fromkeys(finding.shown_at for finding in diagnosis.findings))
-    by_error = sorted(diagnosis.joints, key=lambda error: -error.rms_heldout_before / max(error.noise_floor, 1e-300))
-    return (found or [error.joint for error in by_error[:1]])[:MOST_COURSES]
+def _joints_to_show(compared: Compared, first: Sequence[str]) -> list[str]:
+    by_error = sorted(compared.joints, key=lambda error: -error.rms_heldout_before / max(error.noise_floor, 1e-300))
+    return (list(first) or [error.joint for error in by_error[:1]])[:MOST_COURSES]

@@ -10,7 +10,9 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.identify.outcome import Identification
 from mjfriction.record.log import Floats
+from mjfriction.report.compared import Compared
 from mjfriction.report.result import Report
 
 NAMESPACE = uuid.UUID("6f1f2f0e-6f0c-4d4e-9d6b-6d6a66726963")
@@ -18,22 +20,33 @@ NAMESPACE = uuid.UUID("6f1f2f0e-6f0c-4d4e-9d6b-6d6a66726963")
 
 def write_recording(diagnosis: Diagnosis, report: Report, path: Path) -> None:
     """Write a recording of every examined joint: effort measured, stated and extended, both errors, and velocity."""
-    gap = diagnosis.gap
-    identity = uuid.uuid5(NAMESPACE, f"{gap.robot.name} {gap.log.source} {report.summary}")
+    found = [finding.shown_at for finding in diagnosis.findings]
+    _write(diagnosis, "extended", _findings_text(report), found, report.summary, path)
+
+
+def write_identified_recording(identification: Identification, report: Report, path: Path) -> None:
+    """Write a recording of every examined joint: effort measured, stated and identified, both errors, and velocity."""
+    _write(identification, "identified", _laws_text(report), [], report.summary, path)
+
+
+def _write(compared: Compared, after: str, text: str, first: list[str], summary: str, path: Path) -> None:
+    gap = compared.gap
+    identity = uuid.uuid5(NAMESPACE, f"{gap.robot.name} {gap.log.source} {summary}")
     stream = rr.RecordingStream("mjfriction", recording_id=identity, send_properties=False)
-    stream.save(path, default_blueprint=_blueprint(diagnosis))
-    stream.log("findings", rr.TextDocument(_findings_text(report), media_type="text/markdown"), static=True)
+    order = list(dict.fromkeys(first + [error.joint for error in compared.joints]))
+    stream.save(path, default_blueprint=_blueprint(order))
+    stream.log("findings", rr.TextDocument(text, media_type="text/markdown"), static=True)
     for joint in gap.examined:
         name = gap.robot.joints[joint]
         unit = float(gap.per_reported[joint])
         measured = gap.measured[:, joint] / unit
-        stated, extended = gap.residual[:, joint] / unit, diagnosis.heldout[:, joint] / unit
+        stated, better = gap.residual[:, joint] / unit, compared.heldout[:, joint] / unit
         series = {
             f"{name}/effort/measured": measured,
             f"{name}/effort/stated": measured - stated,
-            f"{name}/effort/extended": measured - extended,
+            f"{name}/effort/{after}": measured - better,
             f"{name}/error/stated": stated,
-            f"{name}/error/extended": extended,
+            f"{name}/error/{after}": better,
             f"{name}/velocity": gap.chain.rows(gap.motion.velocity[:, joint]),
         }
         for entity, values in series.items():
@@ -50,9 +63,7 @@ def _send(stream: rr.RecordingStream, entity: str, time: Floats, values: Floats)
     )
 
 
-def _blueprint(diagnosis: Diagnosis) -> rrb.Blueprint:
-    found = [finding.shown_at for finding in diagnosis.findings]
-    order = list(dict.fromkeys(found + [error.joint for error in diagnosis.joints]))
+def _blueprint(order: list[str]) -> rrb.Blueprint:
     tabs = [
         rrb.Vertical(
             rrb.TimeSeriesView(origin=f"{name}/effort", name="effort"),
@@ -71,4 +82,12 @@ def _findings_text(report: Report) -> str:
     for finding in report.findings:
         lines += [f"## {finding.cause}" + (f" at {finding.joint}" if finding.joint else ""), finding.evidence]
         lines += [f"- {p.name} = {p.value:.4g} {'' if p.unit == '1' else p.unit}" for p in finding.parameters]
+    return "\n\n".join(lines)
+
+
+def _laws_text(report: Report) -> str:
+    lines = ["# identified", report.summary]
+    for law in report.identified:
+        lines += [f"## {law.joint}: {law.law}"]
+        lines += [f"- {p.name} = {p.value:.4g} {'' if p.unit == '1' else p.unit} {p.note}" for p in law.parameters]
     return "\n\n".join(lines)

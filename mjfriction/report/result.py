@@ -9,7 +9,9 @@ from pydantic import BaseModel, ConfigDict, Field, PlainSerializer
 
 from mjfriction.diagnose.outcome import Diagnosis, Finding
 from mjfriction.identify.fitted import Fitted
+from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
+from mjfriction.record.faults import Fault
 
 SCHEMA: Literal["mjfriction.report/1"] = "mjfriction.report/1"
 
@@ -45,6 +47,7 @@ class ParameterEntry(Entry):
     unit: str
     ci95: Interval
     meaning: str = ""
+    note: str = ""
 
 
 class GainEntry(Entry):
@@ -96,6 +99,38 @@ class StructureEntry(Entry):
     share_after: Number
 
 
+class CandidateEntry(Entry):
+    """A law that was tried on a joint, and its RMS error on motion not fitted."""
+
+    law: str
+    parameters: int
+    rms_heldout: Number
+
+
+class PassEntry(Entry):
+    """Friction at one speed, from passes forward and backward, at the joint."""
+
+    speed: Number
+    friction: Number
+    spread: Number
+
+
+class LawEntry(Entry):
+    """A friction law identified at a joint; ``by_slope`` are law (14)'s values by the slope near zero, where asked."""
+
+    joint: str
+    law: str
+    side: Literal["joint", "motor"]
+    how: str
+    trusted: bool
+    structure: Number
+    follows: str
+    parameters: list[ParameterEntry]
+    candidates: list[CandidateEntry]
+    passes: list[PassEntry] = []
+    by_slope: dict[str, Number] = {}
+
+
 class Report(Entry):
     """The whole report."""
 
@@ -110,6 +145,8 @@ class Report(Entry):
     adjustments: list[AdjustmentEntry] = []
     structure: list[StructureEntry] = []
     not_examined: list[str] = []
+    identified: list[LawEntry] = []
+    links: list[ParameterEntry] = []
     made_by: dict[str, str] = {}
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
@@ -124,7 +161,7 @@ def make_report(diagnosis: Diagnosis) -> Report:
         joints=[JointEntry(**vars(error)) for error in diagnosis.joints],
         findings=[_finding(finding) for finding in diagnosis.findings],
         next_experiment=diagnosis.next_experiment.words if diagnosis.next_experiment else None,
-        data_problems=_data_problems(diagnosis),
+        data_problems=data_problems(diagnosis.gap, diagnosis.faults),
         adjustments=[
             AdjustmentEntry(
                 what=entry.what,
@@ -138,13 +175,18 @@ def make_report(diagnosis: Diagnosis) -> Report:
         ],
         structure=_structure(diagnosis.structure_before, diagnosis.structure_after),
         not_examined=list(diagnosis.not_examined),
-        made_by={name: version(name) for name in ("mjfriction", "mujoco", "pin", "numpy", "scipy")},
+        made_by=made_by(),
     )
 
 
 def report_json(report: Report) -> str:
     """Return a report as text, the same for the same report."""
     return report.model_dump_json(by_alias=True, indent=2) + "\n"
+
+
+def made_by() -> dict[str, str]:
+    """Return the versions of what a report was made with."""
+    return {name: version(name) for name in ("mjfriction", "mujoco", "pin", "numpy", "scipy")}
 
 
 def _finding(finding: Finding) -> FindingEntry:
@@ -154,7 +196,7 @@ def _finding(finding: Finding) -> FindingEntry:
         joint=finding.joint,
         confidence=finding.confidence,
         alternatives=list(finding.alternatives),
-        parameters=[_parameter(fitted) for fitted in finding.parameters],
+        parameters=[parameter_entry(fitted) for fitted in finding.parameters],
         gain=GainEntry(
             rms_before=gain.before, rms_after=gain.after, reduction=gain.reduction, ci95=(gain.low, gain.high)
         ),
@@ -162,13 +204,15 @@ def _finding(finding: Finding) -> FindingEntry:
     )
 
 
-def _parameter(fitted: Fitted) -> ParameterEntry:
+def parameter_entry(fitted: Fitted) -> ParameterEntry:
+    """Return a fitted quantity as a report holds it."""
     return ParameterEntry(
         name=fitted.name,
         value=fitted.value,
         unit=fitted.unit,
         ci95=(fitted.low, fitted.high),
         meaning=fitted.meaning,
+        note=fitted.note,
     )
 
 
@@ -185,17 +229,18 @@ def _structure(before: tuple[Structure, ...], after: tuple[Structure, ...]) -> l
     ]
 
 
-def _data_problems(diagnosis: Diagnosis) -> list[DataProblem]:
-    log, clock = diagnosis.gap.log, diagnosis.gap.motion.clock
-    faults = (*diagnosis.faults, *log.faults)
-    problems = [DataProblem(kind=fault.kind, where=fault.where, action=fault.action) for fault in faults]
+def data_problems(gap: Gap, faults: tuple[Fault, ...] = ()) -> list[DataProblem]:
+    """Return the faults of a log: those that the audit found, those mended when it was read, gaps and its clock."""
+    log, clock = gap.log, gap.motion.clock
+    every = (*faults, *log.faults)
+    problems = [DataProblem(kind=fault.kind, where=fault.where, action=fault.action) for fault in every]
     told = [fault.span for fault in log.faults if fault.span]
     problems += [
         DataProblem(kind="data.gap", where=f"{log.time[row]:.4g} s to {log.time[after]:.4g} s", action="split there")
         for row, after in clock.gaps
         if not any(log.time[row] <= low and high <= log.time[after] for low, high in told)
     ]
-    if any(grid.moved for grid in diagnosis.gap.motion.grids):
+    if any(grid.moved for grid in gap.motion.grids):
         problems.append(
             DataProblem(
                 kind="data.clock",

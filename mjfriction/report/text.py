@@ -1,4 +1,4 @@
-"""A diagnosis in a terminal, in 80 columns."""
+"""A diagnosis or an identification in a terminal, in 80 columns."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from mjfriction.report.result import FindingEntry, Report
+from mjfriction.report.result import FindingEntry, ParameterEntry, Report
 
 WIDTH = 80
 COLOURS = {"explained": "green", "consistent": "green", "ambiguous": "yellow", "unexplained": "red", "bad_data": "red"}
@@ -32,6 +32,35 @@ def print_report(report: Report, console: Console) -> None:
         console.print(f"\nNot examined (no motion or no measurement): {', '.join(report.not_examined)}")
 
 
+def print_identified(report: Report, console: Console) -> None:
+    """Print the laws of an identification."""
+    console.print(Text("IDENTIFIED", style="bold green"), Text(report.summary), sep="\n")
+    console.print()
+    band = f", below {report.band_hz:.3g} Hz" if report.band_hz else ""
+    console.print(Text(f"RMS error on motion not fitted{band}", style="italic"))
+    console.print(_joint_table(report))
+    for law in report.identified:
+        side = ", motor side" if law.side == "motor" else ""
+        console.print()
+        console.print(Text(f"{law.joint}: {law.law}", style="bold"), Text(f"(from {law.how}{side})"))
+        for parameter in law.parameters:
+            _print_parameter(parameter, console)
+        if not law.trusted:
+            share = f"{100 * law.structure:.0f} % of what is left follows {law.follows}"
+            console.print(f"  {share}: the law does not hold here")
+    for problem in report.data_problems:
+        console.print(f"\n{problem.kind}: {problem.where}; {problem.action}")
+    if report.not_examined:
+        console.print(f"\nNot examined (no motion or no measurement): {', '.join(report.not_examined)}")
+
+
+def _print_parameter(parameter: ParameterEntry, console: Console) -> None:
+    low, high = parameter.ci95
+    unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+    note = f"; {parameter.note}" if parameter.note else ""
+    console.print(f"  {parameter.name} = {parameter.value:.4g}{unit}  (95 %: {low:.4g} to {high:.4g}{note})")
+
+
 def _joint_table(report: Report) -> Table:
     table = Table(box=None, padding=(0, 2, 0, 0))
     table.add_column("joint", overflow="fold")
@@ -54,8 +83,6 @@ def _print_finding(finding: FindingEntry, console: Console) -> None:
     console.print(Text(f"{finding.cause}{place}", style="bold"), Text(f"(confidence {finding.confidence:.2f})"))
     console.print(f"  {finding.evidence}")
     for parameter in finding.parameters:
-        low, high = parameter.ci95
-        unit = "" if parameter.unit == "1" else f" {parameter.unit}"
-        console.print(f"  {parameter.name} = {parameter.value:.4g}{unit}  (95 %: {low:.4g} to {high:.4g})")
+        _print_parameter(parameter, console)
     if finding.alternatives:
         console.print(f"  cannot be told on this motion from: {', '.join(finding.alternatives)}")

@@ -1,4 +1,4 @@
-"""The four files of a diagnosis, in one folder."""
+"""The four files of a diagnosis or an identification, in one folder."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from pathlib import Path
 import pyarrow.parquet
 
 from mjfriction.diagnose.outcome import Diagnosis
-from mjfriction.report.html import report_html
-from mjfriction.report.rerun_view import write_recording
+from mjfriction.identify.outcome import Identification
+from mjfriction.report.html import identified_html, report_html
+from mjfriction.report.rerun_view import write_identified_recording, write_recording
 from mjfriction.report.result import Report, report_json
 from mjfriction.robot.files import write_robot
 
@@ -27,3 +28,12 @@ def write_results(diagnosis: Diagnosis, report: Report, folder: Path) -> None:
         folder,
         comment=f"Extended by mjfriction from {Path(diagnosis.gap.log.source).name}.\n{report.summary}",
     )
+
+
+def write_identified(identification: Identification, report: Report, folder: Path) -> None:
+    """Write report.json, report.html, recording.rrd and robot.toml (with its model file) of an identification."""
+    (folder / "report.json").write_text(report_json(report), encoding="utf-8")
+    (folder / "report.html").write_text(identified_html(identification, report), encoding="utf-8")
+    write_identified_recording(identification, report, folder / "recording.rrd")
+    source = Path(identification.gap.log.source).name
+    write_robot(identification.robot, folder, comment=f"Identified by mjfriction from {source}.\n{report.summary}")

@@ -1,0 +1,69 @@
+"""``mjfriction identify``: friction laws and their parameters from a log."""
+
+from __future__ import annotations
+
+import enum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mjfriction.cli.options import Json, LogPaths, RobotSource
+from mjfriction.cli.progress import working
+
+
+class Side(enum.Enum):
+    """The side of the gear whose velocity and torque the laws speak of."""
+
+    JOINT = "joint"
+    MOTOR = "motor"
+
+
+Out = Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the results.", show_default=False)]
+LawName = Annotated[
+    str | None,
+    typer.Option("--law", metavar="LAW", help="One law for all joints; else each gets the one it needs."),
+]
+
+
+def identify(
+    logs: LogPaths,
+    robot: RobotSource,
+    out: Out,
+    law: LawName = None,
+    side: Annotated[Side, typer.Option(help="The side of the gear that the laws speak of.")] = Side.JOINT,
+    links: Annotated[bool, typer.Option(help="Refit the links' masses and centres too.")] = True,
+    json: Json = False,
+) -> None:
+    """Fit friction laws to a log, with intervals: from free motion, or from passes forward and backward.
+
+    The stated friction is replaced. Writes report.json, report.html, recording.rrd and robot.toml into DIR.
+
+    Example: mjfriction identify run1.parquet --robot arm/robot.toml --law lugre --out identified
+    """
+    from mjfriction.identify.identification import identify_log
+    from mjfriction.record.merge import merge_logs
+    from mjfriction.record.readers import read_log
+    from mjfriction.report.folder import whole_folder
+    from mjfriction.report.identified import make_identified_report
+    from mjfriction.report.result import report_json
+    from mjfriction.report.write import write_identified
+    from mjfriction.robot.files import read_robot
+
+    with whole_folder(out) as folder:
+        with working("identifying"):
+            log = merge_logs([read_log(path) for path in logs])
+            identification = identify_log(log, read_robot(robot), law=law, side=side.value, links=links)
+            report = make_identified_report(identification)
+        with working("writing the report"):
+            write_identified(identification, report, folder)
+    if json:
+        typer.echo(report_json(report), nl=False)
+        return
+    from rich.console import Console
+
+    from mjfriction.report.text import WIDTH, print_identified
+
+    console = Console(width=WIDTH, highlight=False, soft_wrap=False)
+    print_identified(report, console)
+    console.print(f"\nResults in {out}: open {out / 'report.html'}, or mjfriction view {out}")
