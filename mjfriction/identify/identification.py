@@ -9,6 +9,7 @@ import numpy as np
 from scipy.stats import t as student
 
 from mjfriction.errors import LogError
+from mjfriction.identify.background import Background, OffsetChange, link_changes, offset_changes
 from mjfriction.identify.checks import notes
 from mjfriction.identify.choose import CANDIDATES, Choice, choose_law
 from mjfriction.identify.coordinates import Coordinates
@@ -16,7 +17,6 @@ from mjfriction.identify.fit import STATIC_SIBLING, LawFit, fit_anew, slopes
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.friction_map import FrictionMap, friction_maps
 from mjfriction.identify.gap import Gap, gap_of, measure_gap
-from mjfriction.identify.inertia import LinkColumns, link_columns, with_links
 from mjfriction.identify.joint_error import JointError, joint_error
 from mjfriction.identify.map_fit import MapFit, arctan_procedure, fit_map
 from mjfriction.identify.outcome import Candidate, Identification, JointLaw
@@ -58,8 +58,7 @@ def identify_log(
     maps = {
         found.joint: found for found in friction_maps(bare.motion, _efforts(bare), constant_speed_phases(bare.motion))
     }
-    columns = link_columns(bare) if links else []
-    change = np.zeros((len(columns), 4))
+    background = [*(link_changes(bare) if links else []), *offset_changes(bare, joints)]
     friction = _coulomb_viscous_columns(bare, joints)
     target = np.nan_to_num(bare.residual)
     problems = [Problem(bare, joint, side, target[:, joint], _doubted(bare, joint)) for joint in joints]
@@ -67,9 +66,10 @@ def identify_log(
     tried: list[list[Choice]] = []
     for number in range(ROUNDS):
         fitted = np.column_stack([choice.fit.problem.rows(choice.fit.term) for choice in chosen]) if chosen else None
-        change, left = _links_fitted(bare, problems, columns, friction, fitted)
+        background = _unshared(background, joints, chosen)
+        change, left = _background_fitted(bare, problems, background, friction, fitted)
         problems = [
-            replace(problem, target=target[:, joint] - _of_links(columns, change, joint)).believed(left[:, i])
+            replace(problem, target=target[:, joint] - _effort_of(background, change, joint)).believed(left[:, i])
             for i, (joint, problem) in enumerate(zip(joints, problems, strict=True))
         ]
         if number == 0:
@@ -80,10 +80,11 @@ def identify_log(
                 Choice(fit := _refitted(problem, choice, maps.get(problem.joint)), fit.heldout())
                 for problem, choice in zip(problems, chosen, strict=True)
             ]
-        if not columns:
-            break
-    final = _with_laws(with_links(bare.robot, columns, change), joints, [choice.fit for choice in chosen])
-    return _outcome(stated, final, joints, chosen, tried, columns, maps)
+    final = bare.robot
+    for part, own in zip(background, change, strict=True):
+        final = part.applied(final, own)
+    final = _with_laws(final, joints, [choice.fit for choice in chosen])
+    return _outcome(stated, final, joints, chosen, tried, background, maps)
 
 
 def _without_friction(robot: Robot, joints: Sequence[int]) -> Robot:
@@ -114,18 +115,25 @@ def _coulomb_viscous_columns(gap: Gap, joints: Sequence[int]) -> dict[int, Float
     }
 
 
-def _of_links(columns: Sequence[LinkColumns], change: Floats, joint: int) -> Floats:
-    return sum((link.columns[joint] @ own for link, own in zip(columns, change, strict=True)), start=np.zeros(1))
+def _unshared(background: Sequence[Background], joints: Sequence[int], chosen: Sequence[Choice]) -> list[Background]:
+    # A law with a level for each direction holds the zero of the effort already.
+    two_way = {joint for joint, choice in zip(joints, chosen, strict=False) if not choice.fit.law.odd}
+    return [part for part in background if not (isinstance(part, OffsetChange) and part.index in two_way)]
 
 
-def _links_fitted(
+def _effort_of(background: Sequence[Background], change: Sequence[Floats], joint: int) -> Floats:
+    parts = [part.columns[joint] @ own for part, own in zip(background, change, strict=True) if joint in part.columns]
+    return np.asarray(sum(parts, start=np.zeros(1)))
+
+
+def _background_fitted(
     gap: Gap,
     problems: Sequence[Problem],
-    links: Sequence[LinkColumns],
+    background: Sequence[Background],
     friction: dict[int, Floats],
     fitted: Floats | None,
-) -> tuple[Floats, Floats]:
-    """Return the links' change (links, 4) and what is left at the problems' joints (rows, joints).
+) -> tuple[list[Floats], Floats]:
+    """Return the strengths of each part of the background and what is left at the problems' joints (rows, joints).
 
     Friction is as ``fitted`` (rows, joints) by laws, or, before there are any, a level and a damping of every joint.
     """
@@ -135,18 +143,17 @@ def _links_fitted(
         weight[:, problem.joint] = 1.0 / problem.deviation
         if fitted is not None:
             target[:, problem.joint] -= fitted[:, i]
-    blocks: list[Columns] = [link.columns for link in links]
-    precisions = [link.precision for link in links]
+    blocks: list[Columns] = [part.columns for part in background]
+    precisions = [part.precision for part in background]
     if fitted is None:
         for joint, own in friction.items():
             blocks.append({joint: own})
             precisions.append(np.zeros(2))
-    if not blocks:
-        return np.zeros((0, 4)), target[:, [problem.joint for problem in problems]]
     system = System(Rows(target, weight, gap.blocks.row), blocks, precisions)
     strengths = system.normal.strengths(np.ones(gap.blocks.count, dtype=bool))
     left = system.residual(strengths)[:, [problem.joint for problem in problems]]
-    return strengths[: 4 * len(links)].reshape(-1, 4), left
+    ends = np.cumsum([part.precision.size for part in background])
+    return np.split(strengths, ends)[: len(background)], left
 
 
 def _joint_law(problem: Problem, names: Sequence[str], points: FrictionMap | None) -> tuple[Choice, list[Choice]]:
@@ -189,11 +196,11 @@ def _outcome(
     joints: Sequence[int],
     chosen: Sequence[Choice],
     tried: Sequence[Sequence[Choice]],
-    links: Sequence[LinkColumns],
+    background: Sequence[Background],
     maps: dict[int, FrictionMap],
 ) -> Identification:
     gap = gap_of(robot, stated)
-    normal, system = _taken_together(gap, joints, chosen, links)
+    normal, system = _taken_together(gap, joints, chosen, background)
     every = np.ones(gap.blocks.count, dtype=bool)
     step = normal.strengths(every)
     covariance = _covariance(normal, step, gap)
@@ -213,19 +220,24 @@ def _outcome(
         statics = _statics(fit.problem, choice, points) if points is not None else None
         laws.append(_law(gap, joint, fit, covariance[own, own], quantile, others, worst, statics, points))
         errors.append(joint_error(stated, joint, gap.residual, heldout))
+    half = quantile * np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    beside: list[Fitted] = []
+    for part in background:
+        beside += part.fitted(robot, half[place : place + part.precision.size])
+        place += part.precision.size
     return Identification(
         gap=stated,
         robot=robot,
         joints=tuple(errors),
         laws=tuple(laws),
-        links=tuple(_links(links, covariance[place:, place:], quantile, gap)),
+        background=tuple(beside),
         heldout=heldout,
         summary=_summary(robot, errors, laws),
     )
 
 
 def _taken_together(
-    gap: Gap, joints: Sequence[int], chosen: Sequence[Choice], links: Sequence[LinkColumns]
+    gap: Gap, joints: Sequence[int], chosen: Sequence[Choice], background: Sequence[Background]
 ) -> tuple[Normal, System]:
     # A further step of everything at once, from where all stand: what intervals and held-out errors are drawn from.
     target = np.nan_to_num(gap.residual)
@@ -236,8 +248,8 @@ def _taken_together(
         weight[:, joint] = 1.0 / choice.fit.problem.believed(target[:, joint]).deviation
         blocks.append({joint: choice.fit.slopes})
         precisions.append(choice.fit.precision)
-    blocks += [link.columns for link in links]
-    precisions += [link.precision for link in links]
+    blocks += [part.columns for part in background]
+    precisions += [part.precision for part in background]
     system = System(Rows(target, weight, gap.blocks.row), blocks, precisions)
     return system.normal, system
 
@@ -322,26 +334,6 @@ def _heldout_rows(choice: Choice) -> Floats:
     for fold in blocks.folds:
         rows = fold[blocks.row]
         out[rows] -= fit.slopes[rows] @ normal.strengths(~fold)
-    return out
-
-
-def _links(links: Sequence[LinkColumns], covariance: Floats, quantile: float, gap: Gap) -> list[Fitted]:
-    half = quantile * np.sqrt(np.maximum(np.diag(covariance), 0.0)).reshape(-1, 4)
-    out = []
-    for k, link in enumerate(links):
-        stated_scale = gap.robot.table.link_scale.get(link.name, 1.0)
-        meaning = "mass and inertia of the link that the joint moves, relative to the model file"
-        width = float(half[k, 0]) * stated_scale
-        out.append(
-            Fitted(f"link_scale.{link.name}", meaning, "1", stated_scale, stated_scale - width, stated_scale + width)
-        )
-        for axis, (value, own) in zip(
-            "xyz",
-            zip(gap.robot.table.link_shift.get(link.name, (0.0, 0.0, 0.0)), half[k, 1:], strict=True),
-            strict=True,
-        ):
-            name, meaning = f"link_shift_{axis}.{link.name}", f"shift of the centre of mass along {axis}"
-            out.append(Fitted(name, meaning, "m", value, value - float(own), value + float(own)))
     return out
 
 

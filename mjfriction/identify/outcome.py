@@ -48,13 +48,13 @@ class JointLaw:
 @dataclass(frozen=True)
 class Identification:
     """The whole: ``gap`` is that of the stated robot, ``robot`` the identified one, ``heldout`` (rows, joints) what it
-    leaves of the same rows on motion not fitted; ``links`` are the links' fitted values.
+    leaves of the same rows on motion not fitted; ``background`` are the fitted values of links and offsets.
     """
 
     gap: Gap
     robot: Robot
     joints: tuple[JointError, ...]
     laws: tuple[JointLaw, ...]
-    links: tuple[Fitted, ...]
+    background: tuple[Fitted, ...]
     heldout: Floats
     summary: str

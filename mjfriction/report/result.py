@@ -146,7 +146,7 @@ class Report(Entry):
     structure: list[StructureEntry] = []
     not_examined: list[str] = []
     identified: list[LawEntry] = []
-    links: list[ParameterEntry] = []
+    background: list[ParameterEntry] = []
     made_by: dict[str, str] = {}
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
