@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 from typer import core, exceptions
 
+from mjfriction.cli.compare import compare
 from mjfriction.cli.demo import demo
 from mjfriction.cli.diagnose import diagnose
 from mjfriction.cli.export import export
@@ -28,7 +29,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=True,
 )
-for verb in (demo, diagnose, export, identify, laws, predict, simulate, view):
+for verb in (compare, demo, diagnose, export, identify, laws, predict, simulate, view):
     app.command()(verb)
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
@@ -13,6 +16,7 @@ from mjfriction.report.compared import Compared
 
 # Told apart by people who see colours differently, on light ground and on dark.
 BEFORE, AFTER, MEASURED, NOISE = "#d1495b", "#1b80c4", "#8a8d91", "#b7a26a"
+MODELS = (BEFORE, AFTER, "#2a9d6f", "#8f5bb5", "#c98a1b")
 INK = "#7d8590"
 MOST_POINTS = 3000
 BINS = 40
@@ -27,17 +31,13 @@ UNITS = {
 
 def error_bars(compared: Compared, after: str) -> go.Figure:
     """Held-out RMS error of every joint before and after, beside the sensor's noise."""
-    joints = [error.joint for error in compared.joints]
-    figure = go.Figure()
-    for name, colour, values in (
-        ("as stated", BEFORE, [error.rms_heldout_before for error in compared.joints]),
-        (after, AFTER, [error.rms_heldout_after for error in compared.joints]),
-        ("sensor noise", NOISE, [error.noise_floor for error in compared.joints]),
-    ):
-        figure.add_bar(name=name, x=joints, y=values, marker_color=colour)
-    unit = " and ".join(sorted({error.unit for error in compared.joints}))
-    figure.update_yaxes(title_text=f"RMS error, {unit}", rangemode="tozero")
-    return styled(figure, 320)
+    joints = compared.joints
+    errors = {
+        "as stated": [error.rms_heldout_before for error in joints],
+        after: [error.rms_heldout_after for error in joints],
+    }
+    unit = " and ".join(sorted({error.unit for error in joints}))
+    return bars([error.joint for error in joints], errors, [error.noise_floor for error in joints], unit)
 
 
 def residual_against_covariate(diagnosis: Diagnosis, finding: Finding) -> go.Figure:
@@ -69,39 +69,41 @@ def residual_against_covariate(diagnosis: Diagnosis, finding: Finding) -> go.Fig
     return styled(figure, 380)
 
 
-def time_course(compared: Compared, joint_name: str) -> go.Figure:
-    """Measured effort of a joint, and what the stated and the extended robot leave of it, along the log."""
+def time_course(compared: Compared, joint_name: str, after: str) -> go.Figure:
+    """Measured effort of a joint, and what the stated and the better robot leave of it, along the log."""
     gap = compared.gap
     joint = gap.robot.joints.index(joint_name)
     unit = float(gap.per_reported[joint])
-    time = gap.chain.time
-    measured = gap.measured[:, joint] / unit
-    left = {
-        "stated": (BEFORE, gap.residual[:, joint] / unit),
-        "extended": (AFTER, compared.heldout[:, joint] / unit),
-    }
+    left = {"stated": gap.residual[:, joint] / unit, after: compared.heldout[:, joint] / unit}
+    return courses(gap.chain.time, gap.measured[:, joint] / unit, left, _joint_unit(compared, joint))
+
+
+def courses(time: Floats, measured: Floats, left: Mapping[str, Floats], unit: str) -> go.Figure:
+    """A measured course (rows,), what each named model predicts of it, and below what it leaves."""
     figure = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.08, subplot_titles=("effort", "error"))
     kept = thinned(time.size)
     figure.add_scattergl(
         x=time[kept], y=measured[kept], name="measured", line={"color": MEASURED, "width": 4}, row=1, col=1
     )
-    for name, (colour, residual) in left.items():
-        predicted = measured - residual
-        figure.add_scattergl(
-            x=time[kept], y=predicted[kept], name=name, line={"color": colour, "width": 1.3}, row=1, col=1
-        )
-        figure.add_scattergl(
-            x=time[kept],
-            y=residual[kept],
-            name=f"measured − {name}",
-            line={"color": colour, "width": 1.3},
-            showlegend=False,
-            row=2,
-            col=1,
-        )
-    figure.update_yaxes(title_text=_joint_unit(compared, joint))
+    for (name, residual), colour in zip(left.items(), itertools.cycle(MODELS)):
+        line = {"color": colour, "width": 1.3}
+        for row, values in ((1, measured - residual), (2, residual)):
+            figure.add_scattergl(
+                x=time[kept], y=values[kept], name=name, line=line, showlegend=row == 1, row=row, col=1
+            )
+    figure.update_yaxes(title_text=unit)
     figure.update_xaxes(title_text="time, s", row=2, col=1)
     return styled(figure, 520)
+
+
+def bars(joints: Sequence[str], errors: Mapping[str, Sequence[float]], noise: Sequence[float], unit: str) -> go.Figure:
+    """RMS errors of every joint by each named model, beside the sensor's noise."""
+    figure = go.Figure()
+    for (name, values), colour in zip(errors.items(), itertools.cycle(MODELS)):
+        figure.add_bar(name=name, x=list(joints), y=list(values), marker_color=colour)
+    figure.add_bar(name="sensor noise", x=list(joints), y=list(noise), marker_color=NOISE)
+    figure.update_yaxes(title_text=f"RMS error, {unit}", rangemode="tozero")
+    return styled(figure, 320)
 
 
 def _joint_unit(compared: Compared, joint: int) -> str:

@@ -41,16 +41,13 @@ def identified_html(identification: Identification, report: Report) -> str:
 
 
 def _page(template: str, compared: Compared, report: Report, first: Sequence[str], more: dict[str, object]) -> str:
-    environment = Environment(
-        loader=PackageLoader("mjfriction.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
-    )
-    environment.filters["digits"] = lambda value: f"{value:.4g}"
     gap = compared.gap
     courses = [
-        (joint, Markup(figure_html(time_course(compared, joint), f"course-{k}")))
+        (joint, Markup(figure_html(time_course(compared, joint, str(more["after"])), f"course-{k}")))
         for k, joint in enumerate(_joints_to_show(compared, first))
     ]
-    return environment.get_template(template).render(
+    return rendered(
+        template,
         report=report,
         robot=gap.robot.name,
         log_name=Path(gap.log.source).name,
@@ -59,9 +56,17 @@ def _page(template: str, compared: Compared, report: Report, first: Sequence[str
         band=gap.chain.band,
         bars=Markup(figure_html(error_bars(compared, str(more["after"])), "errors")),
         courses=courses,
-        plotly_script=Markup(get_plotlyjs()),
         **more,
     )
+
+
+def rendered(template: str, **values: object) -> str:
+    """Return a page: a template with its values and the plotting script."""
+    environment = Environment(
+        loader=PackageLoader("mjfriction.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
+    )
+    environment.filters["digits"] = lambda value: f"{value:.4g}"
+    return environment.get_template(template).render(plotly_script=Markup(get_plotlyjs()), **values)
 
 
 def _joints_to_show(compared: Compared, first: Sequence[str]) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import uuid
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.identify.gap import Gap
 from mjfriction.identify.outcome import Identification
 from mjfriction.record.log import Floats
 from mjfriction.report.compared import Compared
@@ -30,27 +32,32 @@ def write_identified_recording(identification: Identification, report: Report, p
 
 
 def _write(compared: Compared, after: str, text: str, first: list[str], summary: str, path: Path) -> None:
-    gap = compared.gap
+    left = {"stated": compared.gap.residual, after: compared.heldout}
+    order = list(dict.fromkeys(first + [error.joint for error in compared.joints]))
+    write_courses(compared.gap, left, order, text, summary, path)
+
+
+def write_courses(
+    gap: Gap, left: Mapping[str, Floats], order: Sequence[str], text: str, summary: str, path: Path
+) -> None:
+    """Write a recording of efforts measured and predicted, errors and velocities, one tab a joint in ``order``.
+
+    ``left`` are what each named model leaves, (rows, joints); ``text`` is a page in Markdown beside them; ``summary``
+    tells the recording from others of the same log.
+    """
     identity = uuid.uuid5(NAMESPACE, f"{gap.robot.name} {gap.log.source} {summary}")
     stream = rr.RecordingStream("mjfriction", recording_id=identity, send_properties=False)
-    order = list(dict.fromkeys(first + [error.joint for error in compared.joints]))
     stream.save(path, default_blueprint=_blueprint(order))
     stream.log("findings", rr.TextDocument(text, media_type="text/markdown"), static=True)
     for joint in gap.examined:
         name = gap.robot.joints[joint]
         unit = float(gap.per_reported[joint])
         measured = gap.measured[:, joint] / unit
-        stated, better = gap.residual[:, joint] / unit, compared.heldout[:, joint] / unit
-        series = {
-            f"{name}/effort/measured": measured,
-            f"{name}/effort/stated": measured - stated,
-            f"{name}/effort/{after}": measured - better,
-            f"{name}/error/stated": stated,
-            f"{name}/error/{after}": better,
-            f"{name}/velocity": gap.chain.rows(gap.motion.velocity[:, joint]),
-        }
-        for entity, values in series.items():
-            _send(stream, entity, gap.chain.time, values)
+        _send(stream, f"{name}/effort/measured", gap.chain.time, measured)
+        for model, residual in left.items():
+            _send(stream, f"{name}/effort/{model}", gap.chain.time, measured - residual[:, joint] / unit)
+            _send(stream, f"{name}/error/{model}", gap.chain.time, residual[:, joint] / unit)
+        _send(stream, f"{name}/velocity", gap.chain.time, gap.chain.rows(gap.motion.velocity[:, joint]))
     stream.flush()
     stream.disconnect()
 
@@ -63,7 +70,7 @@ def _send(stream: rr.RecordingStream, entity: str, time: Floats, values: Floats)
     )
 
 
-def _blueprint(order: list[str]) -> rrb.Blueprint:
+def _blueprint(order: Sequence[str]) -> rrb.Blueprint:
     tabs = [
         rrb.Vertical(
             rrb.TimeSeriesView(origin=f"{name}/effort", name="effort"),

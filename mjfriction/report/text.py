@@ -6,6 +6,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from mjfriction.identify.comparison import Comparison
 from mjfriction.report.result import FindingEntry, ParameterEntry, Report
 
 WIDTH = 80
@@ -86,3 +87,20 @@ def _print_finding(finding: FindingEntry, console: Console) -> None:
         _print_parameter(parameter, console)
     if finding.alternatives:
         console.print(f"  cannot be told on this motion from: {', '.join(finding.alternatives)}")
+
+
+def comparison_lines(comparison: Comparison) -> Table:
+    """Return the table of a comparison: one row a joint in torque, one in current where all robots can tell."""
+    table = Table(box=None, padding=(0, 2, 0, 0))
+    table.add_column("joint", overflow="fold")
+    for name in comparison.names:
+        table.add_column(name, justify="right", overflow="fold")
+    table.add_column("sensor noise", justify="right")
+    table.add_column("unit")
+    for joint in comparison.joints:
+        efforts = [f"{error.effort:.3g}" for error in joint.errors]
+        table.add_row(joint.joint, *efforts, f"{joint.noise_floor:.2g}", joint.unit)
+        currents = [error.current for error in joint.errors]
+        if all(current is not None for current in currents):
+            table.add_row("", *(f"{current:.3g}" for current in currents), "", "A")
+    return table

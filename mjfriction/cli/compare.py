@@ -1,0 +1,63 @@
+"""``mjfriction compare``: several robots against one log, side by side."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mjfriction.cli.options import Json, LogPath
+from mjfriction.cli.progress import working
+
+Robots = Annotated[
+    list[str],
+    typer.Option("--robot", metavar="R", help="A robot.toml or a bundled robot; give one each.", show_default=False),
+]
+Out = Annotated[
+    Path | None, typer.Option("--out", metavar="DIR", help="Folder for tables, page and recording.", show_default=False)
+]
+
+
+def compare(log: LogPath, robot: Robots, out: Out = None, json: Json = False) -> None:
+    """Show the RMS error of each robot per joint, in torque and in current, side by side.
+
+    With --out, writes comparison.json, report.html and recording.rrd too.
+
+    Example: mjfriction compare run2.parquet --robot arm/robot.toml --robot result/robot.toml
+    """
+    from mjfriction.identify.comparison import compare_robots
+    from mjfriction.record.readers import read_log
+    from mjfriction.report.comparison import comparison_table, summary, write_comparison
+    from mjfriction.report.folder import whole_folder
+    from mjfriction.robot.files import read_robot
+
+    with working("comparing"):
+        robots = [(name, read_robot(source)) for name, source in zip(_names(robot), robot, strict=True)]
+        comparison = compare_robots(read_log(log), robots)
+    if out is not None:
+        with whole_folder(out) as folder, working("writing the report"):
+            write_comparison(comparison, folder)
+    if json:
+        import json as writer
+
+        typer.echo(writer.dumps(comparison_table(comparison), indent=2, ensure_ascii=False))
+        return
+    from rich.console import Console
+
+    from mjfriction.report.text import WIDTH, comparison_lines
+
+    console = Console(width=WIDTH, highlight=False, soft_wrap=False)
+    console.print(summary(comparison))
+    console.print(comparison_lines(comparison))
+    if out is not None:
+        console.print(f"\nResults in {out}: open {out / 'report.html'}, or mjfriction view {out}")
+
+
+def _names(sources: list[str]) -> list[str]:
+    # As short as tells them apart: the file's folder where all are called robot.toml.
+    short = [Path(source).stem for source in sources]
+    if len(set(short)) == len(short):
+        return short
+    folders = [Path(source).absolute().parent.name if Path(source).suffix else source for source in sources]
+    return folders if len(set(folders)) == len(folders) else list(sources)

@@ -1,0 +1,84 @@
+"""Several robots held against one log, side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from mjfriction.errors import RobotError
+from mjfriction.identify.gap import Gap, gap_of, measure_gap
+from mjfriction.record.log import Floats, Log
+from mjfriction.robot.effort import reported_unit
+from mjfriction.robot.robot import Robot
+
+
+@dataclass(frozen=True)
+class ModelError:
+    """RMS error of one robot at one joint: ``effort`` in N·m or N at the joint; ``current`` in A at the motor, None
+    where the robot states no torque constant; ``share`` of the measured effort's RMS.
+    """
+
+    effort: float
+    current: float | None
+    share: float
+
+
+@dataclass(frozen=True)
+class JointComparison:
+    """The errors of all robots at a joint, in their order, beside the sensor's noise in N·m or N."""
+
+    joint: str
+    unit: str
+    measured: float
+    noise_floor: float
+    errors: tuple[ModelError, ...]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """``gap`` is the first robot's; ``residuals`` (rows, joints) are what each robot leaves of its rows."""
+
+    names: tuple[str, ...]
+    gap: Gap
+    residuals: tuple[Floats, ...]
+    joints: tuple[JointComparison, ...]
+
+    @property
+    def best(self) -> str:
+        """The robot with the least error, relative to the measured effort and averaged over the joints."""
+        shares = [np.mean([joint.errors[k].share for joint in self.joints]) for k in range(len(self.names))]
+        return self.names[int(np.argmin(shares))]
+
+
+def compare_robots(log: Log, robots: Sequence[tuple[str, Robot]]) -> Comparison:
+    """Hold named robots with the same joints against a log.
+
+    Errors are over all rows of the log, through one low-pass for all (see :mod:`mjfriction.identify.rows`).  Raises
+    :class:`RobotError` where the robots have not the same joints, and what :func:`measure_gap` raises.
+    """
+    first = robots[0][1]
+    for name, robot in robots[1:]:
+        if robot.joints != first.joints:
+            raise RobotError(
+                f"{name}: has joints {', '.join(robot.joints)}, but {robots[0][0]} has {', '.join(first.joints)}; "
+                "compare robots with the same joints in the same order"
+            )
+    gap = measure_gap(log, first)
+    residuals = [gap.residual, *(gap_of(robot, gap).residual for _, robot in robots[1:])]
+    joints = []
+    for joint in gap.examined:
+        measured = float(np.sqrt(np.mean(np.square(gap.measured[:, joint]))))
+        errors = []
+        for (_, robot), residual in zip(robots, residuals, strict=True):
+            rms = float(np.sqrt(np.mean(np.square(residual[:, joint]))))
+            actuator = robot.table.joint[joint].actuator
+            constant = actuator.torque_constant
+            current = rms / abs(actuator.gear_ratio * constant) if constant else None
+            errors.append(ModelError(rms, current, rms / max(measured, 1e-300)))
+        unit = reported_unit("effort", gap.body.sliding[joint])
+        joints.append(
+            JointComparison(gap.robot.joints[joint], unit, measured, float(gap.noise_floor[joint]), tuple(errors))
+        )
+    return Comparison(tuple(name for name, _ in robots), gap, tuple(residuals), tuple(joints))

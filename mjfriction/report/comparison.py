@@ -1,0 +1,81 @@
+"""comparison.json, report.html and recording.rrd of several robots held against one log."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from markupsafe import Markup
+
+from mjfriction.identify.comparison import Comparison
+from mjfriction.report.figures import bars, courses, figure_html
+from mjfriction.report.html import rendered
+from mjfriction.report.rerun_view import write_courses
+
+
+def comparison_table(comparison: Comparison) -> dict[str, object]:
+    """Return a comparison as plain data, numbers to seven digits."""
+
+    def number(value: float | None) -> float | None:
+        return None if value is None else float(f"{value:.7g}")
+
+    return {
+        "log": Path(comparison.gap.log.source).name,
+        "robots": list(comparison.names),
+        "best": comparison.best,
+        "joints": [
+            {
+                "joint": joint.joint,
+                "unit": joint.unit,
+                "rms_measured": number(joint.measured),
+                "noise_floor": number(joint.noise_floor),
+                "rms_effort": [number(error.effort) for error in joint.errors],
+                "rms_current": [number(error.current) for error in joint.errors],
+                "share": [number(error.share) for error in joint.errors],
+            }
+            for joint in comparison.joints
+        ],
+    }
+
+
+def summary(comparison: Comparison) -> str:
+    """Say in a sentence which robot is nearest to the log, and by how much."""
+    least = comparison.names.index(comparison.best)
+    joint = max(comparison.joints, key=lambda j: max(e.effort for e in j.errors) / max(j.errors[least].effort, 1e-300))
+    most = max(range(len(comparison.names)), key=lambda k: joint.errors[k].effort)
+    return (
+        f"{comparison.best} is nearest to the log; they differ most at {joint.joint}: "
+        f"{joint.errors[least].effort:.3g} {joint.unit} there, {comparison.names[most]} "
+        f"{joint.errors[most].effort:.3g} {joint.unit}."
+    )
+
+
+def write_comparison(comparison: Comparison, folder: Path) -> None:
+    """Write comparison.json, report.html and recording.rrd."""
+    gap = comparison.gap
+    table = json.dumps(comparison_table(comparison), indent=2, ensure_ascii=False) + "\n"
+    (folder / "comparison.json").write_text(table, encoding="utf-8")
+    named = [joint.joint for joint in comparison.joints]
+    left = dict(zip(comparison.names, comparison.residuals, strict=True))
+    errors = {name: [joint.errors[k].effort for joint in comparison.joints] for k, name in enumerate(comparison.names)}
+    units = " and ".join(sorted({joint.unit for joint in comparison.joints}))
+    picture = bars(named, errors, [joint.noise_floor for joint in comparison.joints], units)
+    pictures = []
+    for k, joint in enumerate(comparison.joints):
+        place = gap.robot.joints.index(joint.joint)
+        own = {name: residual[:, place] for name, residual in left.items()}
+        figure = courses(gap.chain.time, gap.measured[:, place], own, joint.unit)
+        pictures.append((joint.joint, Markup(figure_html(figure, f"course-{k}"))))
+    page = rendered(
+        "comparison.html.j2",
+        log_name=Path(gap.log.source).name,
+        names=comparison.names,
+        summary=summary(comparison),
+        joints=comparison.joints,
+        band=gap.chain.band,
+        bars=Markup(figure_html(picture, "errors")),
+        courses=pictures,
+    )
+    (folder / "report.html").write_text(page, encoding="utf-8")
+    text = f"# {' · '.join(comparison.names)}\n\n{summary(comparison)}"
+    write_courses(gap, left, named, text, summary(comparison), folder / "recording.rrd")
