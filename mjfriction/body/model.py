@@ -16,6 +16,7 @@ import pinocchio as pin
 from mjfriction.errors import RobotError, suggestion
 from mjfriction.laws.law import Floats
 
+NO_LIMIT = 1e3  # rad/s or m/s, from which on a stated speed is no limit
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)
 
 
@@ -34,7 +35,7 @@ class Body:
 
     ``links`` names the bodies in the order of the regressor's columns; ``sliding`` (joints,) tells prismatic from
     revolute; ``damping`` and ``dry_friction`` (joints,) are what the model file itself states; ``lower`` and ``upper``
-    its position limits.
+    its position limits, ``top_speed`` its velocity limits, infinite where it states none.
     """
 
     joints: tuple[str, ...]
@@ -44,6 +45,7 @@ class Body:
     dry_friction: Floats
     lower: Floats
     upper: Floats
+    top_speed: Floats
     gravity: Floats
     model: pin.Model
     columns: tuple[int, ...]  # of each asked joint, in the model's velocity vector
@@ -117,10 +119,16 @@ def load_body(
         dry_friction=np.array(model.upperDryFrictionLimit)[order],
         lower=_limits(model, joints, model.lowerPositionLimit, -np.inf),
         upper=_limits(model, joints, model.upperPositionLimit, np.inf),
+        top_speed=_top_speeds(model, columns),
         gravity=np.array(model.gravity.linear),
         model=model,
         columns=columns,
     )
+
+
+def _top_speeds(model: pin.Model, columns: Sequence[int]) -> Floats:
+    stated = np.array(model.velocityLimit)[list(columns)]
+    return np.where((stated > 0.0) & (stated < NO_LIMIT), stated, np.inf)
 
 
 def configuration(body: Body, position: Floats) -> Floats:

@@ -14,6 +14,7 @@ from mjfriction.cli.diagnose import diagnose
 from mjfriction.cli.export import export
 from mjfriction.cli.identify import identify
 from mjfriction.cli.laws import laws
+from mjfriction.cli.plan import plan
 from mjfriction.cli.predict import predict
 from mjfriction.cli.simulate import simulate
 from mjfriction.cli.view import view
@@ -29,7 +30,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=True,
 )
-for verb in (compare, demo, diagnose, export, identify, laws, predict, simulate, view):
+for verb in (compare, demo, diagnose, export, identify, laws, plan, predict, simulate, view):
     app.command()(verb)
 
 

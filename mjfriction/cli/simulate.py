@@ -41,19 +41,15 @@ def simulate(
     Example: mjfriction simulate --robot ur5 --trajectory motion.csv --out run.parquet --rate 500
     """
     import pyarrow
-    import pyarrow.csv
-    import pyarrow.parquet
 
-    from mjfriction.errors import OutputError
     from mjfriction.plant.machine import simulate as run
     from mjfriction.plant.sensors import Recorder
     from mjfriction.plant.trajectory import read_trajectory
     from mjfriction.record.log import CURRENT, EFFORT
-    from mjfriction.report.folder import whole_file
+    from mjfriction.report.table_file import check_table_name, write_table
     from mjfriction.robot.files import read_robot
 
-    if out.suffix.lower() not in (".csv", ".parquet"):
-        raise OutputError(f"{out}: a log is written as .csv or .parquet; name it so")
+    check_table_name(out, "a log")
     with working("simulating"):
         columns = run(
             read_robot(robot),
@@ -63,9 +59,5 @@ def simulate(
             seed=seed,
         )
     table = pyarrow.table(columns)
-    with whole_file(out) as draft:
-        if out.suffix.lower() == ".csv":
-            pyarrow.csv.write_csv(table, draft)
-        else:
-            pyarrow.parquet.write_table(table, draft, compression="zstd")
+    write_table(table, out)
     typer.echo(f"{out}: {table.num_rows} rows, {float(columns['time'][-1]):.4g} s of {len(columns)} columns")

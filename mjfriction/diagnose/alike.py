@@ -9,7 +9,7 @@ import numpy as np
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
-from mjfriction.diagnose.compete import Field, contenders, size
+from mjfriction.diagnose.compete import Field, contenders, fairly, size
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.trial import Trial, try_out
 from mjfriction.record.log import Floats
@@ -55,7 +55,7 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
         and target.cause.name not in entrant.cause.contains
     )
     repeated = redundancy(model.residual()[:, joint] * model.system.rows.weight[:, joint])
-    rivals = contenders(without, here)
+    rivals = fairly(without, [own, *contenders(without, here)])[1:]
     if target.cause is not STATED_LEVELS and joint not in [level.site.joint for level in free.levels]:
         # The joint's own levels are as stated here, so they stand for the place too.
         levels = try_out(without, Chosen(STATED_LEVELS, Site(joint)))

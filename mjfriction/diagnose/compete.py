@@ -24,6 +24,7 @@ LEAST_KIN = 0.02  # of its partner's effort that a cause's other half must reach
 MOST_CAUSES = 12
 SHORT_LIST = 8
 AROUND_STEPS = 9
+NEAR_BEST = 0.9  # of the best candidate's merit, from which on two are compared on the real balance
 PROOF_SEED = 0  # of the resampling by which a gain is held against zero
 SCREENED_ROWS = 1000  # enough to rank shapes by
 
@@ -83,9 +84,29 @@ def _forward(gap: Gap, nuisance: Nuisance, field: Field, count: int) -> Model:
         passing = [trial for trial in contenders(model, field) if trial.passes(count)]
         if not passing:
             break
-        best = max(passing, key=lambda trial: trial.merit)
+        best = max(fairly(model, passing), key=lambda trial: trial.merit)
         model = straightened(reshaped(build_model(gap, nuisance, (*model.chosen, best.chosen))))
     return model
+
+
+def fairly(model: Model, trials: list[Trial]) -> list[Trial]:
+    """Return trials of which those near the best are tried on the real balance, where any of these is curved.
+
+    A payload drawn in a straight line from none can lose against a shifted link that bends less.
+    """
+    best = max((trial.merit for trial in trials), default=0.0)
+    close = [trial for trial in trials if trial.merit > NEAR_BEST * best]
+    if len(close) < 2:
+        return trials
+    return [_bent(model, trial) if trial.merit > NEAR_BEST * best else trial for trial in trials]
+
+
+def _bent(model: Model, trial: Trial) -> Trial:
+    if not trial.chosen.cause.curved:
+        return trial
+    fitted = straightened(build_model(model.gap, model.nuisance, (*model.chosen, trial.chosen)))
+    # What the curved causes chosen before have come to is left as it was: only the newcomer bends.
+    return try_out(model, fitted.chosen[-1]) or trial
 
 
 def _proved(model: Model, choice: Chosen) -> bool:

@@ -18,6 +18,7 @@ PRIOR_SHARE = 100.0  # a cause's strength may be worth this many times the joint
 CLEAR = 0.1  # share of the noise that doubt about friction's direction may add to a row the noise is measured on
 LEAST_NOISE = 1e-3  # of the joint's RMS effort; no model of a machine is better than that
 BACKWARD_COULOMB = 0.1  # of a joint's friction that its Coulomb level may seem to be negative by
+MOST_TAKEN = 1.25  # of a joint's Coulomb level, that its causes may move into laws of their own
 BACKWARD_VISCOUS = 0.3  # and its damping, which errors of the links' inertias reach too
 
 
@@ -112,7 +113,9 @@ class Model:
                 continue
             stated = stated_levels(self.gap.robot.table.joint[joint])
             speed = float(np.sqrt(np.mean(np.square(self.gap.motion.velocity[:, joint]))))
-            coulomb = stated[0] + float(strengths[2 * i]) - taken[joint]
+            coulomb = stated[0] + float(strengths[2 * i])
+            if taken[joint] > MOST_TAKEN * max(coulomb, 0.0):
+                return False
             damping = (stated[1] + float(strengths[2 * i + 1])) * speed
             scale = abs(coulomb) + abs(damping)
             if coulomb < -BACKWARD_COULOMB * scale or damping < -BACKWARD_VISCOUS * scale:

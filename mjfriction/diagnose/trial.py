@@ -10,7 +10,7 @@ from scipy.stats import f as fisher
 from mjfriction.diagnose.model import Chosen, Model, cause_block
 from mjfriction.record.log import Floats
 
-FALSE_ALARM = 0.003  # stated chance that a log without any cause yields one, from noise alone
+FALSE_ALARM = 0.01  # stated chance that a log without any cause yields one, from noise alone
 LEAST_SHARE = 0.01  # of a joint's remaining error that a cause must take away on motion not fitted
 LEAST_EFFECT = 0.005  # of the joint's RMS effort that a cause's own effort must reach
 

@@ -23,7 +23,7 @@ from mjfriction.robot.rubbing import forward_share
 
 DOUBT_SPEED = 0.02  # of a joint's RMS speed: below it no law can be told from its own rounding at zero
 CLEAR = 0.1  # of a row's window that may be in doubt for the row to count as clear
-FEWEST_CLEAR = 0.2  # of a joint's rows; a joint that hardly moves is judged on all of them
+FEWEST_CLEAR, ENOUGH_CLEAR = 0.2, 200  # of a joint's rows, and rows: with fewer than both it is judged on all of them
 HOPELESS = 1e6  # times the effort, that a row may be off by which says nothing
 DOUBT_PERIODS = 0.6  # of the position filter's cutoff: how far a sign change is blurred
 
@@ -152,7 +152,7 @@ def _held_against(log: Log, robot: Robot, body: Body, motion: Motion, effort: Ef
     spoilt = _unusable(log, motion, chain)
     doubt = np.where(spoilt, HOPELESS * np.nanmax(np.abs(measured)), doubt)
     clear = (touched < CLEAR) & ~spoilt
-    clear[:, np.mean(clear, axis=0) < FEWEST_CLEAR] = True
+    clear[:, (np.mean(clear, axis=0) < FEWEST_CLEAR) & (np.sum(clear, axis=0) < ENOUGH_CLEAR)] = True
     return Gap(
         robot=robot,
         body=body,

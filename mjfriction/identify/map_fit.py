@@ -17,7 +17,7 @@ from mjfriction.laws.ambient import ambient
 from mjfriction.laws.arctan import ARCTAN
 from mjfriction.laws.law import Floats, Law
 
-FIRST_SAMPLES = 4  # of a map, that the cubic near zero is drawn through
+FIRST_SAMPLES = 5  # of a map, that the cubic near zero is drawn through
 TWO_OVER_PI = 2.0 / np.pi
 
 
@@ -62,16 +62,16 @@ def arctan_procedure(points: FrictionMap, side: Side, gear_ratio: float) -> MapF
     """Fit law (14) as the paper does: δ from the slope near zero, the rest linear in it.
 
     The slope is that of a cubic through the first samples at the slowest of them; τ_sc is roughly the least friction
-    less the greatest, at the slowest speed; δ is the slope over τ_sc (15–16).  Then θ = (τ_s, τ_sc, τ_v, τ_nlv) by
-    least squares, θ = (ΦᵀΦ)⁻¹ΦᵀT (the paper's (21) prints the first factor as (ΦΦᵀ)⁻¹).
+    less the greatest, at the slowest speed; δ is the slope over τ_sc (15–16), small by a factor 2/π at least, for an
+    arctangent falls by π/2 of τ_sc.  Then θ = (τ_s, τ_sc, τ_v, τ_nlv) by least squares, θ = (ΦᵀΦ)⁻¹ΦᵀT (the paper's
+    (21) prints the first factor as (ΦΦᵀ)⁻¹).
 
     Raises :class:`LogError` where the map does not fall from its slowest speed, or has fewer than six.
     """
     speed, friction, _ = on_side(points, side, gear_ratio)
     if speed.size < 6:
         raise LogError(f"law 'arctan' by the slope near zero needs at least six speeds, not {speed.size}; record more")
-    first = min(max(FIRST_SAMPLES, int(np.argmin(friction)) + 1), speed.size)
-    cubic = np.polynomial.Polynomial.fit(speed[:first], friction[:first], 3)
+    cubic = np.polynomial.Polynomial.fit(speed[:FIRST_SAMPLES], friction[:FIRST_SAMPLES], 3)
     slope = float(cubic.deriv()(speed[0]))
     fall = float(np.min(friction) - friction[0])
     if slope >= 0.0 or fall >= 0.0:

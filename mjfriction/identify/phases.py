@@ -13,6 +13,7 @@ from mjfriction.record.motion import Motion
 STEADY = 0.05  # of a phase's speed, that the speed may stray within it
 STANDING = 0.02  # of a joint's fastest speed, below which it stands
 SHORTEST = 0.1  # s
+LEAST_PART = 0.4  # of a pass, that must go at constant speed: a smooth move is fast only for a moment
 SETTLED = 0.1  # s at both ends of a phase in which filters still feel the change of speed
 
 
@@ -28,11 +29,11 @@ class Phase:
 
 def constant_speed_phases(motion: Motion) -> list[Phase]:
     """Return the phases of a motion, in time."""
-    top = np.max(np.abs(motion.velocity), axis=0)
+    top = np.where(motion.moving, np.max(np.abs(motion.velocity), axis=0), np.inf)
     limit = np.maximum(3.0 * motion.velocity_noise, STANDING * top)
     going = np.abs(motion.velocity) > limit
     out = []
-    for joint in range(motion.velocity.shape[1]):
+    for joint in np.flatnonzero(motion.moving).tolist():
         others = np.delete(going, joint, axis=1)
         free = ~np.any(others, axis=1)
         velocity = motion.velocity[:, joint]
@@ -63,6 +64,6 @@ def _steady_part(motion: Motion, joint: int, first: int, past: int) -> Phase | N
     a, b = max(stretches, key=lambda stretch: stretch[1] - stretch[0])
     margin = int(max(SETTLED, 1.0 / motion.cutoff) * motion.rate)
     a, b = a + margin, b - margin
-    if b - a < max(4.0, SHORTEST * motion.rate):
+    if b - a < max(4.0, SHORTEST * motion.rate) or b - a < LEAST_PART * (past - first) - 2 * margin:
         return None
     return Phase(joint, first + a, first + b, float(np.mean(velocity[a:b])))

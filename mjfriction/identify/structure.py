@@ -11,7 +11,7 @@ from mjfriction.identify.regression import Rows, System
 from mjfriction.record.log import Floats
 
 KNOTS = 14
-COVARIATES = ("velocity", "position", "acceleration", "effort", "time")
+COVARIATES = ("velocity", "position", "acceleration", "effort", "load", "time")
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,7 @@ def covariate_rows(gap: Gap, joint: int, covariate: str) -> Floats:
         "position": motion.position[:, joint],
         "acceleration": motion.acceleration[:, joint],
         "effort": gap.effort.rigid[:, joint],
+        "load": np.abs(gap.effort.rigid[:, joint]) * gap.forward(joint),  # as friction that grows with it acts
     }
     return gap.chain.time if covariate == "time" else gap.chain.rows(sources[covariate])
 
@@ -54,7 +55,7 @@ def _share(gap: Gap, joint: int, values: Floats, residual: Floats) -> float:
     target = np.zeros_like(residual)
     weight = np.zeros_like(residual)
     target[:, joint] = residual[:, joint]
-    noise = float(np.sqrt(np.mean(np.square(residual[:, joint]))))
+    noise = gap.rms(residual[:, joint], joint)
     if noise == 0.0:
         return 0.0
     weight[:, joint] = 1.0 / np.sqrt(noise**2 + np.square(gap.doubt[:, joint]))

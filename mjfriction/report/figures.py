@@ -25,6 +25,7 @@ UNITS = {
     "position": ("rad", "m"),
     "acceleration": ("rad/s²", "m/s²"),
     "effort": ("N·m", "N"),
+    "load": ("N·m", "N"),
     "time": ("s", "s"),
 }
 

@@ -19,7 +19,7 @@ class Load(Cause):
     """μ·|τ_load|·sgn v, the load being what links, gravity and rotor need."""
 
     name = "friction.load"
-    covariate = "effort"
+    covariate = "load"
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The size of the load in the direction of motion, (n, 1)."""

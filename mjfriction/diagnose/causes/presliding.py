@@ -90,7 +90,7 @@ class Presliding(Cause):
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move a part of the Coulomb level into a Dahl law."""
         joint = robot.joints[site.joint]
-        level = float(strengths[0])
+        level = min(float(strengths[0]), stated_levels(robot.joint(joint))[0])
         return with_term(raised_levels(robot, joint, -level, 0.0), joint, DAHL.name, _bristle(level, site.shape[0]))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:

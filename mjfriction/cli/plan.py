@@ -1,0 +1,70 @@
+"""``mjfriction plan``: the experiment to run next."""
+
+from __future__ import annotations
+
+import enum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mjfriction.cli.options import RobotSource
+from mjfriction.cli.progress import working
+
+
+class Protocol(enum.Enum):
+    """The experiments there are."""
+
+    FORWARD_BACKWARD = "forward_backward"
+    EXCITATION = "excitation"
+    SEPARATE = "separate"
+
+
+Kind = Annotated[Protocol, typer.Option("--protocol", help="What the motion is to show.", show_default=False)]
+Out = Annotated[
+    Path, typer.Option("--out", metavar="T", help="Trajectory table, .csv or .parquet.", show_default=False)
+]
+Joints = Annotated[
+    list[str] | None,
+    typer.Option("--joint", metavar="J", help="A joint to move (forward_backward); repeat for more. All by default."),
+]
+Other = Annotated[str | None, typer.Option("--against", metavar="R", help="The other model of the robot (separate).")]
+
+
+def plan(
+    robot: RobotSource,
+    protocol: Kind,
+    out: Out,
+    joint: Joints = None,
+    speeds: Annotated[int, typer.Option(help="How many speeds a joint (forward_backward).", min=3)] = 12,
+    seconds: Annotated[float, typer.Option(help="How long (excitation).", min=10.0)] = 60.0,
+    against: Other = None,
+    seed: Annotated[int, typer.Option(help="Sets what is drawn.")] = 0,
+) -> None:
+    """Write the motion to record next, within the joints' limits, as a table of time and positions.
+
+    forward_backward: each joint to and fro at many speeds, where gravity loads it least, for its friction map.
+    excitation: all joints at once, to tell links from friction. separate: where two models of one robot differ most.
+
+    Example: mjfriction plan --robot ur5 --protocol forward_backward --joint elbow_joint --out passes.csv
+    """
+    from mjfriction.errors import RobotError
+    from mjfriction.identify.protocol import plan_excitation, plan_passes, plan_separation
+    from mjfriction.report.table_file import check_table_name, write_table
+    from mjfriction.robot.files import read_robot
+
+    check_table_name(out, "a trajectory")
+    with working("planning"):
+        model = read_robot(robot)
+        if protocol is Protocol.FORWARD_BACKWARD:
+            found = plan_passes(model, joint or model.joints, count=speeds, seed=seed)
+        elif protocol is Protocol.EXCITATION:
+            found = plan_excitation(model, seconds, seed=seed)
+        elif against is None:
+            raise RobotError("the protocol 'separate' needs the other model of the robot: give it with --against")
+        else:
+            found = plan_separation((model, read_robot(against)), seed=seed)
+        write_table(found.trajectory.table(), out)
+    typer.echo(f"{out}: {float(found.trajectory.time[-1]):.4g} s")
+    for line in found.words:
+        typer.echo(f"  {line}")

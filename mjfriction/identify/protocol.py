@@ -1,0 +1,209 @@
+"""The experiments that identification asks for, as trajectories of the whole arm."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pyarrow as pa
+
+from mjfriction.body.gravity_pose import GravityClass, gravity_pose
+from mjfriction.body.model import Body
+from mjfriction.body.regressor import first_moment_torques, link_torques
+from mjfriction.errors import RobotError
+from mjfriction.plant.motions import KNOTS, excitation, forward_backward, move
+from mjfriction.plant.trajectory import Trajectory
+from mjfriction.record.log import EFFORT, POSITION, Floats
+from mjfriction.record.motion import Motion, estimate_motion
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.effort import predict_effort
+from mjfriction.robot.robot import Robot
+
+REACH = 0.4  # of the way between a joint's limits, either side of the middle
+WIDEST = 1.2  # rad or m of reach, where limits are wide
+UNSTATED_SPEED = 1.5  # rad/s or m/s, where a model states no limit
+SLOWEST_SHARE = 0.005  # of the top speed: the slowest pass
+LONGEST_PASS = 8.0  # s; slower passes go over a part of the stroke
+TOP_SHARE = 0.8  # of a joint's top speed, that passes use
+CUTOFF = 20.0  # Hz, of planned motions' derivatives
+REST = 125  # samples between two joints' passes
+DRAWS = 8  # excitations of which the best is taken
+
+
+@dataclass(frozen=True)
+class Passes:
+    """The plan of one joint: its class, and the speeds (rad/s or m/s) its passes go at."""
+
+    joint: str
+    gravity: GravityClass
+    speeds: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A trajectory, and what it does in sentences for a person."""
+
+    trajectory: Trajectory
+    words: tuple[str, ...]
+
+
+def room(body: Body) -> tuple[Floats, Floats]:
+    """Return the middle of every joint's range and how far a motion may go to either side, (joints,) each."""
+    low = np.where(np.isfinite(body.lower), body.lower, -np.pi)
+    high = np.where(np.isfinite(body.upper), body.upper, np.pi)
+    return 0.5 * (low + high), np.minimum(REACH * (high - low), WIDEST)
+
+
+def plan_passes(robot: Robot, joints: Sequence[str], *, count: int = 12, seed: int = 0) -> Plan:
+    """Plan passes forward and backward of one joint after another, each where gravity loads it least.
+
+    ``count`` speeds a joint, evenly in logarithm from a two-hundredth of its usual top speed up; slow ones over a part
+    of the stroke.  Speeds at which no phase of constant speed would be left are not among them.
+
+    Raises :class:`RobotError` for a joint that the robot has not, or fewer than three speeds.
+    """
+    body = robot.body()
+    if count < 3:
+        raise RobotError(f"{count} speeds are too few for a friction map; at least 3 are needed")
+    _, reach = room(body)
+    parts: list[Floats] = []
+    words = []
+    for name in joints:
+        if name not in robot.joints:
+            raise RobotError(f"robot '{robot.name}' has no joint '{name}'. Its joints are {', '.join(robot.joints)}")
+        index = robot.joints.index(name)
+        freed = gravity_pose(body, index, seed=seed)
+        stroke = 2.0 * float(reach[index])
+        top = TOP_SHARE * float(min(body.top_speed[index], UNSTATED_SPEED))
+        speeds = np.geomspace(SLOWEST_SHARE * top, top, count)
+        acceleration = 4.0 * top * top / stroke  # at top speed half of the stroke is left for the constant phase
+        start = freed.pose.copy()
+        own = []
+        for speed in speeds.tolist():
+            way = min(stroke, speed * LONGEST_PASS)
+            middle = float(freed.pose[index])
+            passes = forward_backward(name, middle - 0.5 * way, way, [speed], acceleration)
+            own.append(passes.position[:, 0])
+        for course in own:
+            pose = np.tile(start, (course.size, 1))
+            pose[:, index] = course
+            parts.append(pose)
+        listed = f"{speeds[0]:.3g} to {speeds[-1]:.3g} {'m/s' if body.sliding[index] else 'rad/s'}"
+        words.append(f"{name}: {count} speeds from {listed}; {freed.kind.value}")
+    return Plan(_joined(robot.joints, parts, body), tuple(words))
+
+
+def plan_excitation(robot: Robot, seconds: float = 60.0, *, seed: int = 0) -> Plan:
+    """Plan a motion of all joints at once, within limits, that tells links and friction apart.
+
+    Of several sums of sines the one is taken whose regressor of links and friction, in usual sizes, has the largest
+    smallest singular value.
+    """
+    body = robot.body()
+    middle, reach = room(body)
+    top = np.minimum(body.top_speed, UNSTATED_SPEED)
+    best: tuple[float, Trajectory] | None = None
+    for draw in range(DRAWS):
+        trajectory = excitation(robot.joints, middle, reach, top, seconds, seed=seed * DRAWS + draw)
+        told = _least_told(body, motion_along(robot, trajectory))
+        if best is None or told > best[0]:
+            best = told, trajectory
+    assert best is not None, "there is always a draw"
+    return Plan(
+        best[1], (f"all joints for {seconds:.0f} s, the best of {DRAWS} draws for telling links from friction",)
+    )
+
+
+def plan_separation(robots: tuple[Robot, Robot], *, seed: int = 0) -> Plan:
+    """Plan the motion, of a few dozen within limits, on which two robots predict efforts that differ most.
+
+    Raises :class:`RobotError` where they have not the same joints, or predict the same on all.
+    """
+    one, other = robots
+    if one.joints != other.joints:
+        raise RobotError(f"'{one.name}' and '{other.name}' have not the same joints; compare models of one robot")
+    body = one.body()
+    top = np.minimum(body.top_speed, UNSTATED_SPEED)
+    best: tuple[float, int, Trajectory] | None = None
+    for joint in range(len(one.joints)):
+        for trajectory in candidate_motions(one.joints, body, top, joint, all_joints=joint == 0, seed=seed):
+            size = difference(robots, motion_along(one, trajectory))
+            worst = int(np.argmax(size))
+            if best is None or size[worst] > best[0]:
+                best = float(size[worst]), worst, trajectory
+    assert best is not None, "a robot has joints"
+    apart, worst, trajectory = best
+    if apart <= 0.0:
+        raise RobotError(f"'{one.name}' and '{other.name}' predict the same efforts on every motion that was tried")
+    unit = "N" if body.sliding[worst] else "N·m"
+    return Plan(trajectory, (f"the two differ by {apart:.3g} {unit} (RMS) at {one.joints[worst]}",))
+
+
+def candidate_motions(
+    names: tuple[str, ...], body: Body, top: Floats, joint: int, *, all_joints: bool = True, seed: int = 0
+) -> list[Trajectory]:
+    """Return motions within the joints' limits: all joints at several speeds and places, and one joint to and fro."""
+    middle, reach = room(body)
+    out = []
+    if all_joints:
+        out = [
+            excitation(names, middle, reach, np.maximum(top * pace, 1e-3), 40.0, seed=4 * seed + draw)
+            for pace in (0.15, 1.0)
+            for draw in range(4)
+        ]
+    # A pass to and fro takes four reaches over its speed; slower than this no one waits for.
+    slowest = 4.0 * reach[joint] / 20.0
+    fastest = max(min(top[joint], 4.0 * reach[joint]), 1.01 * slowest)
+    speeds = np.geomspace(slowest, fastest, 4).tolist()
+    alone = forward_backward(names[joint], middle[joint] - reach[joint], 2.0 * reach[joint], speeds, 4.0 * fastest)
+    still = np.tile(middle, (alone.time.size, 1))
+    still[:, joint] = alone.position[:, 0]
+    return [*out, Trajectory(names, alone.time, still)]
+
+
+def motion_along(robot: Robot, trajectory: Trajectory) -> Motion:
+    """Return the motion that a trajectory asks for, as a log of it would show."""
+    columns = {"time": trajectory.time}
+    for i, name in enumerate(trajectory.joints):
+        columns[f"{POSITION}.{name}"] = trajectory.position[:, i]
+        columns[f"{EFFORT}.{name}"] = np.zeros(trajectory.time.size)
+    return estimate_motion(log_from_table(pa.table(columns), "plan"), robot.joints, CUTOFF)
+
+
+def difference(robots: Sequence[Robot], motion: Motion) -> Floats:
+    """Return the RMS difference of two robots' reported efforts along a motion, (joints,)."""
+    one, other = (predict_effort(robot, robot.body(), motion).reported for robot in robots)
+    return np.asarray(np.sqrt(np.mean(np.square(one - other), axis=0)))
+
+
+def _least_told(body: Body, motion: Motion) -> float:
+    # Columns in the size that stated values usually are off by: a tenth of a link, 2 cm, a tenth of the effort.
+    thin = slice(None, None, max(1, motion.time.size // 1500))
+    course = (motion.position[thin], motion.velocity[thin], motion.acceleration[thin])
+    links = 0.1 * link_torques(body, *course)
+    centres = 0.02 * first_moment_torques(body, *course)
+    size = np.sqrt(np.mean(np.square(links.sum(axis=2)), axis=0))
+    blocks = []
+    for joint in range(len(body.joints)):
+        velocity = motion.velocity[thin, joint]
+        own = np.zeros((velocity.size, 2 * len(body.joints)))
+        own[:, 2 * joint : 2 * joint + 2] = 0.1 * size[joint] * np.column_stack([np.sign(velocity), velocity])
+        rows = np.hstack([links[:, joint], centres[:, joint].reshape(velocity.size, -1), own])
+        blocks.append(rows / max(float(size[joint]), 1e-12))
+    values = np.linalg.svd(np.vstack(blocks), compute_uv=False)
+    # Combinations that no motion shows are the same for all draws; what the better half shows decides.
+    return float(values[values.size // 2])
+
+
+def _joined(joints: tuple[str, ...], parts: list[Floats], body: Body) -> Trajectory:
+    # Between two parts all joints go together from where one ends to where the next begins, and rest there.
+    top = 0.3 * np.minimum(body.top_speed, UNSTATED_SPEED)
+    out = [parts[0]]
+    for before, after in itertools.pairwise(parts):
+        if not np.allclose(before[-1], after[0], atol=1e-9):
+            out += [move(before[-1], after[0], top, top), np.tile(after[0], (REST, 1))]
+        out.append(after)
+    position = np.concatenate(out)
+    return Trajectory(joints, np.arange(position.shape[0]) / KNOTS, position)

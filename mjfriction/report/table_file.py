@@ -1,0 +1,27 @@
+"""A table in a file, by the file's name: CSV or Parquet."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.csv
+import pyarrow.parquet
+
+from mjfriction.errors import OutputError
+from mjfriction.report.folder import whole_file
+
+
+def check_table_name(target: Path, what: str) -> None:
+    """Raise :class:`OutputError` unless the name says how to write the table; ``what`` is what it holds."""
+    if target.suffix.lower() not in (".csv", ".parquet"):
+        raise OutputError(f"{target}: {what} is written as .csv or .parquet; name it so")
+
+
+def write_table(table: pa.Table, target: Path) -> None:
+    """Write a table whole or not at all."""
+    with whole_file(target) as draft:
+        if target.suffix.lower() == ".csv":
+            pyarrow.csv.write_csv(table, draft)
+        else:
+            pyarrow.parquet.write_table(table, draft, compression="zstd")

@@ -1,0 +1,135 @@
+"""Hidden friction is recovered from free motion, with intervals that hold it; a wrong law is said to be one."""
+
+from __future__ import annotations
+
+import functools
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from mjfriction.errors import LawError, LogError
+from mjfriction.identify.identification import identify_log
+from mjfriction.identify.outcome import Identification, JointLaw
+from mjfriction.record.log import Log
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.files import read_robot, write_robot
+from mjfriction.robot.predict import predict_log
+from mjfriction.robot.robot import Robot
+from tests.hidden.machine import UR5_COULOMB, UR5_JOINTS, UR5_VISCOUS, Machine, record, robot_toml
+
+ELBOW = 2
+EXCESS, FADING = 5.0, 0.15
+
+
+def machine(kind: str) -> Machine:
+    effects = {
+        "plain": None,
+        "stribeck": lambda i: EXCESS * np.sign(i.v) * np.exp(-((i.v / FADING) ** 2)),
+        "load": lambda i: 0.1 * np.abs(i.rigid) * np.sign(i.v),
+        "outside": lambda i: 3.0 * np.sin(7.0 * i.q),
+    }
+    return Machine(noise=0.1, hidden={ELBOW: effects[kind]} if effects[kind] else {})
+
+
+def robot_of(machine: Machine, folder: Path, off: float = 0.05) -> Robot:
+    (folder / "robot.toml").write_text(robot_toml(machine, off=off), encoding="utf-8")
+    return read_robot(folder / "robot.toml")
+
+
+@functools.cache
+def log_of(kind: str, seed: int = 11, seconds: float = 40.0) -> Log:
+    return log_from_table(pa.table(record(machine(kind), seed, seconds)), kind)
+
+
+def at_elbow(identification: Identification) -> JointLaw:
+    return next(law for law in identification.laws if law.joint == "elbow_joint")
+
+
+def test_levels_of_every_joint_are_recovered_within_their_intervals(tmp_path: Path) -> None:
+    found = identify_log(log_of("plain"), robot_of(machine("plain"), tmp_path, off=0.3), law="coulomb_viscous")
+    assert [law.joint for law in found.laws] == list(UR5_JOINTS)
+    for law, coulomb, viscous in zip(found.laws, UR5_COULOMB, UR5_VISCOUS, strict=True):
+        values = {fitted.name: fitted for fitted in law.parameters}
+        for name, truth in (("coulomb", coulomb), ("viscous", viscous)):
+            # Six joints and two values: one of twelve may well lie outside its 95 %, none by as much again.
+            half = 0.5 * (values[name].high - values[name].low)
+            assert abs(values[name].value - truth) < 2.0 * half
+            assert half < 0.05 * truth
+        assert law.trusted
+
+
+def test_intervals_hold_the_truth_nine_times_in_ten(tmp_path: Path) -> None:
+    robot = robot_of(machine("plain"), tmp_path)
+    held = []
+    for seed in range(100, 108):
+        found = identify_log(log_of("plain", seed, 20.0), robot, law="coulomb_viscous")
+        for law, *truth in zip(found.laws, UR5_COULOMB, UR5_VISCOUS, strict=True):
+            held += [fitted.low < value < fitted.high for fitted, value in zip(law.parameters, truth, strict=True)]
+    assert np.mean(held) > 0.9
+
+
+def test_the_law_that_is_there_is_chosen_and_its_values_found(tmp_path: Path) -> None:
+    found = identify_log(log_of("stribeck"), robot_of(machine("stribeck"), tmp_path))
+    laws = {law.joint: law.fit.law.name for law in found.laws}
+    assert laws.pop("elbow_joint") == "stribeck"
+    assert set(laws.values()) == {"coulomb_viscous"}
+    values = {fitted.name: fitted for fitted in at_elbow(found).parameters}
+    assert values["coulomb"].low < UR5_COULOMB[ELBOW] < values["coulomb"].high
+    assert values["static"].low < UR5_COULOMB[ELBOW] + EXCESS < values["static"].high
+    assert values["stribeck_velocity"].low < FADING < values["stribeck_velocity"].high
+    assert values["stribeck_exponent"].low < 2.0 < values["stribeck_exponent"].high
+
+
+def test_load_dependence_is_chosen_where_it_is(tmp_path: Path) -> None:
+    law = at_elbow(identify_log(log_of("load"), robot_of(machine("load"), tmp_path)))
+    assert law.fit.law.name == "load_dependent"
+    values = {fitted.name: fitted for fitted in law.parameters}
+    assert values["load"].low < 0.1 < values["load"].high
+
+
+@pytest.mark.parametrize("kind", ["stribeck", "load", "outside"])
+def test_a_law_that_does_not_hold_is_said_not_to(kind: str, tmp_path: Path) -> None:
+    found = identify_log(log_of(kind), robot_of(machine(kind), tmp_path), law="coulomb_viscous")
+    assert not at_elbow(found).trusted
+    assert "elbow_joint" in found.summary
+    assert all(law.trusted for law in found.laws if law.joint != "elbow_joint")
+
+
+def test_the_identified_robot_predicts_another_motion(tmp_path: Path) -> None:
+    robot = robot_of(machine("stribeck"), tmp_path, off=0.3)
+    found = identify_log(log_of("stribeck"), robot)
+    (tmp_path / "out").mkdir()
+    written = read_robot(write_robot(found.robot, tmp_path / "out"))
+    other = log_of("stribeck", seed=12)
+    measured = other.columns["effort.elbow_joint"]
+    errors = [
+        float(np.sqrt(np.nanmean((measured - predict_log(other, r)["effort.elbow_joint"]) ** 2)))
+        for r in (robot, written)
+    ]
+    assert errors[1] < 0.6 * errors[0]
+
+
+def test_what_the_log_does_not_show_is_named(tmp_path: Path) -> None:
+    # The machine has no bristle, so that none of a LuGre law's can be fixed.
+    law = at_elbow(identify_log(log_of("plain"), robot_of(machine("plain"), tmp_path), law="lugre"))
+    notes = {fitted.name: fitted.note for fitted in law.parameters}
+    assert notes["bristle_stiffness"] or notes["bristle_damping"]
+
+
+def test_unknown_and_unsuitable_laws_are_refused(tmp_path: Path) -> None:
+    robot = robot_of(machine("plain"), tmp_path)
+    with pytest.raises(LawError, match="did you mean 'lugre'"):
+        identify_log(log_of("plain"), robot, law="lugree")
+    with pytest.raises(LawError, match="'gms' cannot be identified"):
+        identify_log(log_of("plain"), robot, law="gms")
+
+
+def test_a_log_without_motion_is_refused(tmp_path: Path) -> None:
+    columns = {
+        name: np.full_like(values, values[0]) if name.startswith("position") else values
+        for name, values in record(machine("plain"), 3, 10.0).items()
+    }
+    with pytest.raises(LogError):
+        identify_log(log_from_table(pa.table(columns), "still"), robot_of(machine("plain"), tmp_path))
