@@ -9,6 +9,9 @@ if TYPE_CHECKING:
     from mjfriction.diagnose.diagnosis import diagnose_log
     from mjfriction.diagnose.outcome import Diagnosis
     from mjfriction.errors import MjfrictionError
+    from mjfriction.identify.comparison import Comparison, compare_robots
+    from mjfriction.identify.identification import identify_log
+    from mjfriction.identify.outcome import Identification
     from mjfriction.laws.friction import Friction, Level, friction
     from mjfriction.plant.machine import simulate
     from mjfriction.plant.trajectory import Trajectory, read_trajectory
@@ -23,13 +26,17 @@ if TYPE_CHECKING:
     from mjfriction.sim.reading import read_friction
 
 _HOMES = {
+    "Comparison": "mjfriction.identify.comparison",
     "Diagnosis": "mjfriction.diagnose.outcome",
+    "Identification": "mjfriction.identify.outcome",
     "Friction": "mjfriction.laws.friction",
     "Level": "mjfriction.laws.friction",
     "Log": "mjfriction.record.log",
     "MjfrictionError": "mjfriction.errors",
     "Robot": "mjfriction.robot.robot",
     "Trajectory": "mjfriction.plant.trajectory",
+    "compare_robots": "mjfriction.identify.comparison",
+    "identify_log": "mjfriction.identify.identification",
     "attach": "mjfriction.sim.attach",
     "diagnose_log": "mjfriction.diagnose.diagnosis",
     "friction": "mjfriction.laws.friction",
@@ -46,17 +53,21 @@ _HOMES = {
 }
 
 __all__ = [
+    "Comparison",
     "Diagnosis",
     "Friction",
+    "Identification",
     "Level",
     "Log",
     "MjfrictionError",
     "Robot",
     "Trajectory",
     "attach",
+    "compare_robots",
     "diagnose_log",
     "friction",
     "friction_active",
+    "identify_log",
     "predict_log",
     "read_friction",
     "read_log",

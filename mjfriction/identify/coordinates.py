@@ -13,6 +13,7 @@ from mjfriction.laws.law import Floats, Law
 from mjfriction.laws.rules import Ordering
 from mjfriction.parameter import Parameter
 
+LARGEST = 1e15  # of a parameter above zero without an upper bound, SI units: stiffer than anything
 STEP = 1e-6  # of a coordinate, for the slope of the values
 
 
@@ -50,7 +51,7 @@ class Coordinates:
             declared = self._declared(name)
             if self._logarithmic(name):
                 low.append(math.log(declared.lower))
-                high.append(math.log(declared.upper) if declared.upper < math.inf else math.inf)
+                high.append(math.log(min(declared.upper, LARGEST)))
             else:
                 low.append(0.0 if self._base(name) else declared.lower)
                 high.append(declared.upper)

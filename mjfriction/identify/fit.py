@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 from mjfriction.identify.coordinates import Coordinates
 from mjfriction.identify.problem import Problem
 from mjfriction.identify.regression import Normal, Rows, System
-from mjfriction.identify.starts import DYNAMIC, LEFT_AS_DECLARED, starts
+from mjfriction.identify.starts import DYNAMIC, FADING_SPEEDS, LEFT_AS_DECLARED, starts
 from mjfriction.laws.catalog import find_law
 from mjfriction.laws.law import Law
 from mjfriction.record.log import Floats
@@ -28,9 +28,8 @@ STATIC_SIBLING = {
 }
 """The law without a state whose statics are those of a law with one."""
 
-MOST_ROUNDS = 40
+MOST_ROUNDS, FIRST_ROUNDS = 40, 6
 DIFFERENCE = 1e-4  # of a coordinate, for the slopes of the rows
-WORTH_MORE = 4.0  # deviations squared that a further start must gain to be preferred
 
 
 @dataclass(frozen=True)
@@ -102,7 +101,10 @@ def fit_law(problem: Problem, law: Law) -> LawFit:
         statics = fit_law(problem, find_law(sibling)).values
         shared = {name: value for name, value in statics.items() if name not in LEFT_AS_DECLARED}
         # The fading speed is known now, so that starts differ in the bristle alone.
-        begin = [{**start, **{n: v for n, v in shared.items() if n in start}} for start in begin[: len(begin) // 3]]
+        begin = [
+            {**start, **{n: v for n, v in shared.items() if n in start}}
+            for start in begin[: len(begin) // len(FADING_SPEEDS)]
+        ]
         bristle = [name for name in begin[0] if name in DYNAMIC]
         begin = [_best(problem, law, bristle, begin).values]
     free = [name for name in begin[0] if name not in LEFT_AS_DECLARED]
@@ -110,19 +112,20 @@ def fit_law(problem: Problem, law: Law) -> LawFit:
 
 
 def _best(problem: Problem, law: Law, free: Sequence[str], begin: list[dict[str, float]]) -> LawFit:
-    best: tuple[float, Coordinates, Floats] | None = None
+    # A few rounds from every start, and all from the best.
+    first = FIRST_ROUNDS if len(begin) > 1 else MOST_ROUNDS
+    tried = []
     for start in begin:
         fixed = {name: value for name, value in start.items() if name not in free}
         coordinates = Coordinates(law, tuple(free), fixed)
-        found, loss = _descend(problem, coordinates, coordinates.vector(start))
-        if best is None or loss < best[0] - WORTH_MORE:
-            best = loss, coordinates, found
-    assert best is not None, "there is always a start"
-    _, coordinates, x = best
+        tried.append((coordinates, *_descend(problem, coordinates, coordinates.vector(start), first)))
+    coordinates, x, _ = min(tried, key=lambda entry: entry[2])
+    if first < MOST_ROUNDS:
+        x, _ = _descend(problem, coordinates, x, MOST_ROUNDS)
     return LawFit(problem, coordinates, x, slopes(problem, coordinates, x))
 
 
-def _descend(problem: Problem, coordinates: Coordinates, start: Floats) -> tuple[Floats, float]:
+def _descend(problem: Problem, coordinates: Coordinates, start: Floats, rounds: int) -> tuple[Floats, float]:
     low, high = coordinates.bounds()
     inside = np.clip(start, np.nextafter(low, np.inf), np.nextafter(high, -np.inf))
 
@@ -133,7 +136,7 @@ def _descend(problem: Problem, coordinates: Coordinates, start: Floats) -> tuple
         return -slopes(problem, coordinates, x) / problem.deviation[:, None]
 
     found = least_squares(
-        left, inside, jac=jacobian, bounds=(low, high), x_scale="jac", max_nfev=MOST_ROUNDS, ftol=1e-6, xtol=1e-6
+        left, inside, jac=jacobian, bounds=(low, high), x_scale="jac", max_nfev=rounds, ftol=1e-6, xtol=1e-6
     )
     return np.asarray(found.x), 2.0 * float(found.cost)
 

@@ -18,7 +18,7 @@ from mjfriction.laws.arctan import ARCTAN
 from mjfriction.laws.law import Floats, Law
 
 FIRST_SAMPLES = 5  # of a map, that the cubic near zero is drawn through
-TWO_OVER_PI = 2.0 / np.pi
+FADING_STARTS = 7  # speeds at which a level may fall, between the slowest and the fastest of a map
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,8 @@ def fit_map(points: FrictionMap, law: Law, side: Side, gear_ratio: float) -> Map
     """
     speed, friction, error = on_side(points, side, gear_ratio)
     usual = _usual(speed, friction)
-    begin = starts(law, usual)
+    fading = np.geomspace(2.0 * speed[0], 0.5 * speed[-1], FADING_STARTS) / usual.speed
+    begin = starts(law, usual, fading.tolist())
     names = tuple(name for name in begin[0] if name not in LEFT_AS_DECLARED | DYNAMIC)
     if speed.size <= len(names):
         raise LogError(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -12,7 +13,7 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.starts import Usual
 from mjfriction.laws.law import Law
 from mjfriction.record.log import Floats
-from mjfriction.robot.rubbing import forward_share, surroundings, term_torque
+from mjfriction.robot.rubbing import direction, forward_share, surroundings, term_torque
 from mjfriction.robot.schema import FrictionTerm
 
 Side = Literal["joint", "motor"]
@@ -40,9 +41,18 @@ class Problem:
     def rows(self, term: FrictionTerm) -> Floats:
         """Return the effort of a friction law through the measurement chain, (rows,)."""
         gap, joint = self.gap, self.gap.robot.table.joint[self.joint]
-        ratio = joint.actuator.gear_ratio
-        around = surroundings(joint, gap.motion, self.joint, gap.effort.rigid[:, self.joint])
-        return joint.effort_sensor.scale * gap.chain.rows(term_torque(term, ratio, gap.motion, self.joint, around))
+        torque = term_torque(term, joint.actuator.gear_ratio, gap.motion, self.joint, self._around, self._turned)
+        return joint.effort_sensor.scale * gap.chain.rows(torque)
+
+    @functools.cached_property
+    def _around(self) -> Floats:
+        gap = self.gap
+        return surroundings(gap.robot.table.joint[self.joint], gap.motion, self.joint, gap.effort.rigid[:, self.joint])
+
+    @functools.cached_property
+    def _turned(self) -> tuple[Floats, Floats]:
+        motion = self.gap.motion
+        return direction(motion.velocity[:, self.joint], motion.velocity_noise[self.joint])
 
     def left(self, term: FrictionTerm) -> Floats:
         """Return what a law leaves, in deviations, (rows,)."""

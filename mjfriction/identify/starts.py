@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mjfriction.errors import LawError
@@ -35,8 +36,8 @@ class Usual:
     load: float
 
 
-def starts(law: Law, usual: Usual) -> list[dict[str, float]]:
-    """Return sets of values to begin the fit of a law from.
+def starts(law: Law, usual: Usual, fading: Sequence[float] = FADING_SPEEDS) -> list[dict[str, float]]:
+    """Return sets of values to begin the fit of a law from; ``fading`` are the shares of the usual speed to try.
 
     Raises :class:`LawError` for a law that this fit does not know.
     """
@@ -46,7 +47,7 @@ def starts(law: Law, usual: Usual) -> list[dict[str, float]]:
         )
         raise LawError(f"law '{law.name}' cannot be identified from a log of this kind; allowed are {known}")
     names = [parameter.name for parameter in law.parameters]
-    speeds = FADING_SPEEDS if {"stribeck_velocity", "stribeck_steepness", "half_velocity"} & set(names) else (0.15,)
+    speeds = fading if {"stribeck_velocity", "stribeck_steepness", "half_velocity"} & set(names) else fading[:1]
     travels = GIVING_TRAVELS if "bristle_stiffness" in names else (1e-3,)
     out = []
     for share, travel in itertools.product(speeds, travels):

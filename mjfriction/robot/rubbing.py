@@ -92,16 +92,23 @@ def surroundings(joint: Joint, motion: Motion, index: int, load: Floats) -> Floa
     )
 
 
-def term_torque(term: FrictionTerm, gear_ratio: float, motion: Motion, index: int, around: Floats) -> Floats:
+def term_torque(
+    term: FrictionTerm,
+    gear_ratio: float,
+    motion: Motion,
+    index: int,
+    around: Floats,
+    turned: tuple[Floats, Floats] | None = None,
+) -> Floats:
     """Return one friction law's torque at the joint along a motion, shape (n,).
 
     ``around`` (n, 6) is what surrounds the joint.  A law with a state is followed sample by sample, from rest at the
-    start of every piece; one without takes the direction of :func:`direction`.
+    start of every piece; one without takes the direction of :func:`direction`, or ``turned``, where it is known.
     """
     friction = term.friction(gear_ratio)
     velocity = motion.velocity[:, index]
     if friction.state_count == 0:
-        forward, speed = direction(velocity, motion.velocity_noise[index])
+        forward, speed = turned or direction(velocity, motion.velocity_noise[index])
         return forward * friction.steady(speed, around) + (1.0 - forward) * friction.steady(-speed, around)
     out = np.empty_like(velocity)
     for piece in np.unique(motion.piece):

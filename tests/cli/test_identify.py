@@ -1,0 +1,98 @@
+"""``identify``, ``compare`` and ``plan`` as a user meets them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import jsonschema
+import pyarrow as pa
+import pyarrow.csv
+import pyarrow.parquet
+import pytest
+
+from mjfriction.plant.trajectory import read_trajectory
+from mjfriction.robot.files import read_robot
+from scripts.make_schema import schema
+from tests.cli.test_cli import mjfriction
+from tests.hidden.machine import Machine, record, robot_toml
+
+FILES = {"report.json", "report.html", "recording.rrd", "robot.toml", "ur5_robot.urdf"}
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    folder = tmp_path_factory.mktemp("case")
+    machine = Machine(noise=0.1)
+    pyarrow.parquet.write_table(pa.table(record(machine, seed=2, seconds=20.0)), folder / "log.parquet")
+    (folder / "robot.toml").write_text(robot_toml(machine, off=0.3), encoding="utf-8")
+    return folder / "log.parquet", folder / "robot.toml"
+
+
+@pytest.fixture(scope="module")
+def identified(case: tuple[Path, Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("out") / "identified"
+    done = mjfriction("identify", case[0], "--robot", case[1], "--law", "coulomb_viscous", "--out", out)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    assert done.stdout.startswith("IDENTIFIED")
+    assert max(len(line) for line in done.stdout.splitlines()) <= 80
+    return out
+
+
+def test_identify_writes_four_files_that_hold_together(identified: Path) -> None:
+    assert {path.name for path in identified.iterdir()} == FILES
+    report = json.loads((identified / "report.json").read_text())
+    jsonschema.validate(report, json.loads(schema()))
+    assert report["verdict"] == "explained"
+    (elbow,) = (law for law in report["identified"] if law["joint"] == "elbow_joint")
+    coulomb = next(entry for entry in elbow["parameters"] if entry["name"] == "coulomb")
+    assert coulomb["ci95"][0] < 7.0 < coulomb["ci95"][1]
+    stated = read_robot(identified / "robot.toml").joint("elbow_joint").friction[0].parameters["coulomb"]
+    assert stated == pytest.approx(coulomb["value"], rel=1e-6)
+    page = (identified / "report.html").read_text()
+    assert 'rel="stylesheet"' not in page  # it loads nothing
+
+
+def test_compare_prints_and_writes_both_robots(case: tuple[Path, Path], identified: Path, tmp_path: Path) -> None:
+    words = ("compare", case[0], "--robot", case[1], "--robot", identified / "robot.toml")
+    done = mjfriction(*words, "--out", tmp_path / "out", "--json")
+    assert done.returncode == 0, done.stderr
+    table = json.loads(done.stdout)
+    assert table == json.loads((tmp_path / "out/comparison.json").read_text())
+    assert table["best"] == "identified"
+    for joint in table["joints"]:
+        assert joint["rms_effort"][1] < joint["rms_effort"][0]
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"comparison.json", "report.html", "recording.rrd"}
+    done = mjfriction(*words)
+    assert done.returncode == 0, done.stderr
+    assert max(len(line) for line in done.stdout.splitlines()) <= 80
+
+
+def test_plan_writes_a_trajectory(tmp_path: Path) -> None:
+    out = tmp_path / "passes.csv"
+    words = ("--robot", "ur5", "--protocol", "forward_backward", "--joint", "wrist_3_joint", "--speeds", 4)
+    done = mjfriction("plan", *words, "--out", out)
+    assert done.returncode == 0, done.stderr
+    assert "free of gravity in some poses" in done.stdout
+    assert read_trajectory(out).joints == read_robot("ur5").joints
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("plan", "--robot", "ur5", "--protocol", "separate", "--out", "t.csv"), "give it with --against"),
+        (("plan", "--robot", "ur5", "--protocol", "excitation", "--out", "t.txt"), "written as .csv or .parquet"),
+        (("plan", "--robot", "ur5", "--protocol", "passes", "--out", "t.csv"), "forward_backward"),
+        (("identify", "LOG", "--robot", "ROBOT", "--law", "lugree", "--out", "o"), "did you mean 'lugre'"),
+        (("identify", "LOG", "--robot", "ur10", "--law", "gms", "--out", "o"), "cannot be identified"),
+        (("compare", "LOG", "--robot", "ROBOT", "--robot", "z1"), "same joints"),
+    ],
+)
+def test_bad_input_is_one_line(words: tuple[str, ...], said: str, case: tuple[Path, Path], tmp_path: Path) -> None:
+    places = {"LOG": case[0], "ROBOT": case[1]}
+    done = mjfriction(*(places.get(word, word) for word in words), cwd=tmp_path)
+    assert done.returncode == 2
+    assert said in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert list(tmp_path.iterdir()) == []
