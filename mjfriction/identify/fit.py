@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 from mjfriction.identify.coordinates import Coordinates
 from mjfriction.identify.problem import Problem
 from mjfriction.identify.regression import Normal, Rows, System
-from mjfriction.identify.starts import DYNAMIC, FADING_SPEEDS, LEFT_AS_DECLARED, starts
+from mjfriction.identify.starts import DYNAMIC, GIVING_TRAVELS, LEFT_AS_DECLARED, starts
 from mjfriction.laws.catalog import find_law
 from mjfriction.laws.law import Law
 from mjfriction.record.log import Floats
@@ -101,10 +101,8 @@ def fit_law(problem: Problem, law: Law) -> LawFit:
         statics = fit_law(problem, find_law(sibling)).values
         shared = {name: value for name, value in statics.items() if name not in LEFT_AS_DECLARED}
         # The fading speed is known now, so that starts differ in the bristle alone.
-        begin = [
-            {**start, **{n: v for n, v in shared.items() if n in start}}
-            for start in begin[: len(begin) // len(FADING_SPEEDS)]
-        ]
+        known = {name: value for name, value in shared.items() if name in begin[0]}
+        begin = [{**start, **known} for start in begin[: len(GIVING_TRAVELS)]]
         bristle = [name for name in begin[0] if name in DYNAMIC]
         begin = [_best(problem, law, bristle, begin).values]
     free = [name for name in begin[0] if name not in LEFT_AS_DECLARED]
