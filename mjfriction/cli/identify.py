@@ -33,6 +33,10 @@ def identify(
     law: LawName = None,
     side: Annotated[Side, typer.Option(help="The side of the gear that the laws speak of.")] = Side.JOINT,
     links: Annotated[bool, typer.Option(help="Refit the links' masses and centres too.")] = True,
+    simulated: Annotated[
+        float | None,
+        typer.Option(metavar="S", help="Refine on simulated motion, S seconds at a time; inf for the whole log."),
+    ] = None,
     json: Json = False,
 ) -> None:
     """Fit friction laws to a log, with intervals: from free motion, or from passes forward and backward.
@@ -53,7 +57,9 @@ def identify(
     with whole_folder(out) as folder:
         with working("identifying"):
             log = merge_logs([read_log(path) for path in logs])
-            identification = identify_log(log, read_robot(robot), law=law, side=side.value, links=links)
+            identification = identify_log(
+                log, read_robot(robot), law=law, side=side.value, links=links, simulated=simulated
+            )
             report = make_identified_report(identification)
         with working("writing the report"):
             write_identified(identification, report, folder)

@@ -22,6 +22,7 @@ from mjfriction.identify.map_fit import MapFit, arctan_procedure, fit_map
 from mjfriction.identify.outcome import Candidate, Identification, JointLaw
 from mjfriction.identify.phases import constant_speed_phases
 from mjfriction.identify.problem import Problem, Side
+from mjfriction.identify.refine import Refined, refine
 from mjfriction.identify.regression import Columns, Normal, Rows, System
 from mjfriction.identify.structure import Structure, find_structure
 from mjfriction.laws.arctan import ARCTAN
@@ -37,14 +38,22 @@ FREE, PASSES = "free motion", "forward and backward passes"
 
 
 def identify_log(
-    log: Log, robot: Robot, *, law: str | None = None, side: Side = "joint", links: bool = True
+    log: Log,
+    robot: Robot,
+    *,
+    law: str | None = None,
+    side: Side = "joint",
+    links: bool = True,
+    simulated: float | None = None,
 ) -> Identification:
     """Fit a friction law to every moving joint of a log that has an effort, and the links' inertias with them.
 
     ``law`` is the law's name for all joints; without one each joint gets the simplest law that predicts motion not
     fitted as well as any.  Where the log holds passes forward and backward at three speeds or more, the statics come
     from their differences, in which gravity cancels; else, and for what a bristle adds, from the whole motion.  With
-    ``links`` the links' masses and centres are refitted too.  The joint's stated friction is replaced.
+    ``links`` the links' masses and centres are refitted too.  The joint's stated friction is replaced.  With
+    ``simulated`` all is refined last on simulated motion, in stretches of so many seconds (infinite: the whole log);
+    intervals stay those of the fit to efforts.
 
     Raises :class:`~mjfriction.errors.LogError`, :class:`~mjfriction.errors.RobotError` or
     :class:`~mjfriction.errors.LawError` when log, robot or law cannot be used.
@@ -84,7 +93,13 @@ def identify_log(
     for part, own in zip(background, change, strict=True):
         final = part.applied(final, own)
     final = _with_laws(final, joints, [choice.fit for choice in chosen])
-    return _outcome(stated, final, joints, chosen, tried, background, maps)
+    refined = None
+    if simulated is not None:
+        refined = refine(stated, final, [choice.fit for choice in chosen], background, simulated)
+        final = refined.robot
+        chosen = [Choice(fit, fit.heldout()) for fit in refined.fits]
+        maps = {}
+    return _outcome(stated, final, joints, chosen, tried, background, maps, refined)
 
 
 def _without_friction(robot: Robot, joints: Sequence[int]) -> Robot:
@@ -198,12 +213,13 @@ def _outcome(
     tried: Sequence[Sequence[Choice]],
     background: Sequence[Background],
     maps: dict[int, FrictionMap],
+    refined: Refined | None,
 ) -> Identification:
     gap = gap_of(robot, stated)
     normal, system = _taken_together(gap, joints, chosen, background)
     every = np.ones(gap.blocks.count, dtype=bool)
     step = normal.strengths(every)
-    covariance = _covariance(normal, step, gap)
+    covariance = _covariance(system, step, gap)
     quantile = float(student.ppf(0.975, gap.blocks.groups - 1))
     heldout = np.array(gap.residual)
     for fold in gap.blocks.folds:
@@ -232,7 +248,8 @@ def _outcome(
         laws=tuple(laws),
         background=tuple(beside),
         heldout=heldout,
-        summary=_summary(robot, errors, laws),
+        summary=_summary(robot, errors, laws, refined),
+        simulated=refined,
     )
 
 
@@ -254,10 +271,13 @@ def _taken_together(
     return system.normal, system
 
 
-def _covariance(normal: Normal, step: Floats, gap: Gap) -> Floats:
+def _covariance(system: System, step: Floats, gap: Gap) -> Floats:
     # The larger of the two, number by number: coloured noise makes the one for white noise too small, few blocks the
-    # clustered one.
-    clustered, white = normal.covariance(step, gap.blocks.group), normal.white_covariance()
+    # clustered one.  White noise is as large as what is left, not as the doubt about reversals allows.
+    normal, weight = system.normal, system.rows.weight
+    left = (system.residual(step) * weight)[weight > 0.0]
+    spread = float(np.sum(np.square(left))) / max(1, left.size - step.size)
+    clustered, white = normal.covariance(step, gap.blocks.group), spread * normal.white_covariance()
     grow = np.sqrt(np.maximum(1.0, np.diag(white) / np.maximum(np.diag(clustered), 1e-300)))
     return np.asarray(clustered * np.outer(grow, grow))
 
@@ -337,7 +357,7 @@ def _heldout_rows(choice: Choice) -> Floats:
     return out
 
 
-def _summary(robot: Robot, errors: Sequence[JointError], laws: Sequence[JointLaw]) -> str:
+def _summary(robot: Robot, errors: Sequence[JointError], laws: Sequence[JointLaw], refined: Refined | None) -> str:
     counted: dict[str, int] = {}
     for law in laws:
         counted[law.fit.law.name] = counted.get(law.fit.law.name, 0) + 1
@@ -347,6 +367,12 @@ def _summary(robot: Robot, errors: Sequence[JointError], laws: Sequence[JointLaw
         f"Friction of '{robot.name}' identified: {listed}; the error of {worst.joint} falls from "
         f"{worst.rms_before:.3g} to {worst.rms_heldout_after:.3g} {worst.unit} on motion not fitted."
     )
+    if refined is not None:
+        k = int(np.argmax(refined.before))
+        text += (
+            f" Simulated freely for {refined.seconds:.2g} s at a time, {robot.joints[k]} ends up "
+            f"{refined.after[k]:.3g} (RMS) from where it was, {refined.before[k]:.3g} before that was fitted."
+        )
     doubtful = [law.joint for law in laws if not law.trusted]
     if doubtful:
         text += (

@@ -10,6 +10,7 @@ from mjfriction.identify.friction_map import FrictionMap
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.joint_error import JointError
 from mjfriction.identify.map_fit import MapFit
+from mjfriction.identify.refine import Refined
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 
@@ -48,7 +49,8 @@ class JointLaw:
 @dataclass(frozen=True)
 class Identification:
     """The whole: ``gap`` is that of the stated robot, ``robot`` the identified one, ``heldout`` (rows, joints) what it
-    leaves of the same rows on motion not fitted; ``background`` are the fitted values of links and offsets.
+    leaves of the same rows on motion not fitted; ``background`` are the fitted values of links and offsets;
+    ``simulated`` tells of the refinement on simulated motion, where it was asked for.
     """
 
     gap: Gap
@@ -58,3 +60,4 @@ class Identification:
     background: tuple[Fitted, ...]
     heldout: Floats
     summary: str
+    simulated: Refined | None = None

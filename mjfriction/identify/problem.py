@@ -18,6 +18,7 @@ from mjfriction.robot.schema import FrictionTerm
 
 Side = Literal["joint", "motor"]
 CLEAR = 0.1  # share of the noise that doubt about friction's direction may add to a row the noise is measured on
+FEWEST_SURE = 0.1  # of the rows, that must be without such doubt; else those are taken whose doubt is least
 LEAST_NOISE = 1e-3  # of the joint's RMS effort
 
 
@@ -65,7 +66,7 @@ class Problem:
         noise = max(float(self.gap.noise_floor[self.joint]), LEAST_NOISE * effort)
         for _ in range(3):
             sure = doubt < CLEAR * noise
-            rows = residual[sure] if np.count_nonzero(sure) > 0.1 * sure.size else residual
+            rows = residual[sure if np.mean(sure) > FEWEST_SURE else self.gap.clear[:, self.joint]]
             noise = max(noise, float(np.sqrt(np.mean(np.square(rows)))))
         return replace(self, deviation=np.hypot(noise, doubt))
 

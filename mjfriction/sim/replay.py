@@ -1,0 +1,46 @@
+"""Measured efforts played into a model, stretch by stretch, with nothing that holds the joints on their course."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import mujoco
+import mujoco.rollout
+import numpy as np
+
+from mjfriction.laws.law import Floats
+from mjfriction.sim.callback import friction_active
+
+
+def replay(
+    models: Sequence[mujoco.MjModel], joints: Sequence[str], position: Floats, velocity: Floats, effort: Floats
+) -> Floats:
+    """Let every model run every stretch freely and return where its joints went, (models, stretches, steps, joints).
+
+    ``position`` and ``velocity`` (stretches, joints) are where each stretch begins, its bristles relaxed; ``effort``
+    (models, stretches, steps, joints) acts on the joints, held for one step each.  Actuators stay at zero.
+    """
+    first = models[0]
+    places = np.array([first.jnt_qposadr[first.joint(name).id] for name in joints])
+    dofs = np.array([first.jnt_dofadr[first.joint(name).id] for name in joints])
+    count, stretches, steps, _ = effort.shape
+    data = mujoco.MjData(first)
+    kind = mujoco.mjtState.mjSTATE_FULLPHYSICS
+    initial = np.empty((stretches, mujoco.mj_stateSize(first, kind)))
+    force = np.zeros((count * stretches, steps, first.nv))
+    force[:, :, dofs] = effort.reshape(count * stretches, steps, -1)
+    for k in range(stretches):
+        mujoco.mj_resetData(first, data)
+        data.qpos[places], data.qvel[dofs] = position[k], velocity[k]
+        mujoco.mj_getState(first, data, initial[k], kind)
+    every = [model for model in models for _ in range(stretches)]
+    with friction_active():
+        states, _ = mujoco.rollout.rollout(
+            every,
+            [mujoco.MjData(first) for _ in range(2)],
+            np.tile(initial, (count, 1)),
+            force,
+            control_spec=int(mujoco.mjtState.mjSTATE_QFRC_APPLIED),
+        )
+    moved = states[:, :, 1 + places]  # a full state begins with the time
+    return np.asarray(moved.reshape(count, stretches, steps, len(places)))

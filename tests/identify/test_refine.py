@@ -1,0 +1,62 @@
+"""Refinement on simulated motion, where a coarse encoder makes accelerations worthless."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from mjfriction.errors import RobotError
+from mjfriction.identify.identification import identify_log
+from mjfriction.plant.machine import simulate
+from mjfriction.plant.motions import excitation
+from mjfriction.plant.sensors import Recorder
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.files import read_robot
+from mjfriction.robot.robot import Robot
+from tests.robot.test_friction_terms import URDF
+
+COULOMB, VISCOUS = 2.0, 0.8
+
+
+def robot_with(folder: Path, coulomb: float, viscous: float, more: str = "") -> Robot:
+    (folder / "one.urdf").write_text(URDF)
+    (folder / "robot.toml").write_text(
+        'name = "one"\nmodel = "one.urdf"\n[[joint]]\nname = "hinge"\n'
+        f'friction = {{ law = "coulomb_viscous", parameters = {{ coulomb = {coulomb}, viscous = {viscous} }} }}\n{more}'
+    )
+    return read_robot(folder / "robot.toml")
+
+
+def recorded(folder: Path):
+    real = robot_with(folder, COULOMB, VISCOUS, "position_sensor = { resolution = 0.006 }\n")
+    motion = excitation(("hinge",), np.zeros(1), np.ones(1), np.full(1, 3.0), 30.0, seed=4)
+    return log_from_table(pa.table(simulate(real, motion, recorder=Recorder(500.0), seed=1)), "coarse")
+
+
+def test_refinement_brings_the_open_loop_simulation_back_to_the_log(tmp_path: Path) -> None:
+    found = identify_log(recorded(tmp_path), robot_with(tmp_path, 1.0, 1.0), law="coulomb_viscous", simulated=np.inf)
+    assert found.simulated is not None
+    assert found.simulated.after[0] < 0.3 * found.simulated.before[0]
+    (law,) = found.laws
+    values = {fitted.name: fitted for fitted in law.parameters}
+    assert values["coulomb"].value == pytest.approx(COULOMB, rel=0.01)
+    assert values["viscous"].value == pytest.approx(VISCOUS, rel=0.02)
+    assert found.robot.joint("hinge").friction[0].parameters["coulomb"] == pytest.approx(values["coulomb"].value)
+    assert "Simulated freely for 30 s" in found.summary
+
+
+def test_a_coarse_encoder_does_not_make_the_intervals_useless(tmp_path: Path) -> None:
+    (law,) = identify_log(recorded(tmp_path), robot_with(tmp_path, 1.0, 1.0), law="coulomb_viscous").laws
+    for fitted, truth in zip(law.parameters, (COULOMB, VISCOUS), strict=True):
+        assert fitted.low < truth < fitted.high
+        assert fitted.high - fitted.low < 0.1 * truth
+
+
+def test_what_the_model_does_not_hold_is_refused(tmp_path: Path) -> None:
+    log = recorded(tmp_path)
+    stated = robot_with(tmp_path, 1.0, 1.0, "cogging = [ { wavenumber = 8.0, cosine = 0.1, sine = 0.0 } ]\n")
+    with pytest.raises(RobotError, match="cogging is not in the MuJoCo model"):
+        identify_log(log, stated, law="coulomb_viscous", simulated=1.0)

@@ -1,0 +1,65 @@
+"""The prismatic axis EMPS identified from one run, and simulated open loop on the other."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from mjfriction.identify.identification import identify_log
+from mjfriction.record.log import Log
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.simulation import robot_laws, robot_spec
+from mjfriction.sim.attach import attach
+from mjfriction.sim.callback import friction_active
+
+
+def open_loop_error(robot: Robot, log: Log) -> float:
+    """RMS position error (mm) of the measured force played into the model from the first sample on."""
+    model = attach(robot_spec(robot), robot_laws(robot))
+    model.opt.timestep = 1e-3
+    data = mujoco.MjData(model)
+    position = log.columns["position.axis"]
+    force = log.columns["effort.axis"] - robot.joint("axis").effort_sensor.offset
+    data.qpos[0] = position[0]
+    missed = np.empty(position.size)
+    with friction_active():
+        for i in range(position.size):
+            missed[i] = data.qpos[0] - position[i]
+            data.qfrc_applied[0] = force[i]
+            mujoco.mj_step(model, data)
+    return 1e3 * float(np.sqrt(np.mean(np.square(missed))))
+
+
+def test_the_published_four_parameters_are_found(data: Path) -> None:
+    stated = read_robot(data / "emps/robot.toml")
+    found = identify_log(read_log(data / "emps/estimation.parquet"), stated, law="coulomb_viscous")
+    (law,) = found.laws
+    values = {fitted.name: fitted.value for fitted in law.parameters}
+    assert values["coulomb"] == pytest.approx(20.3935, rel=0.05)
+    assert values["viscous"] == pytest.approx(203.5034, rel=0.05)
+    assert found.robot.table.link_scale["axis"] == pytest.approx(1.0, abs=0.01)
+    assert found.robot.joint("axis").effort_sensor.offset == pytest.approx(-3.1648, rel=0.1)
+    assert not law.trusted  # the directions differ, which no symmetric law can say
+
+
+def test_the_law_of_two_directions_is_chosen(data: Path) -> None:
+    found = identify_log(read_log(data / "emps/estimation.parquet"), read_robot(data / "emps/robot.toml"))
+    (law,) = found.laws
+    assert law.fit.law.name == "asymmetric"
+    values = {fitted.name: fitted.value for fitted in law.parameters}
+    # Published: 166.7 and 240.4 N·s/m.
+    assert values["viscous_positive"] == pytest.approx(166.7, rel=0.05)
+    assert values["viscous_negative"] == pytest.approx(240.4, rel=0.05)
+
+
+@pytest.mark.parametrize(("law", "most"), [("coulomb_viscous", 5.17), ("asymmetric", 6.8)])
+def test_open_loop_position_on_the_other_run(law: str, most: float, data: Path) -> None:
+    stated = read_robot(data / "emps/robot.toml")
+    estimation, pulses = (read_log(data / f"emps/{run}.parquet") for run in ("estimation", "pulses"))
+    found = identify_log(estimation, stated, law=law, simulated=np.inf)
+    assert open_loop_error(found.robot, pulses) < most
