@@ -88,7 +88,10 @@ def _moves_axis(body: Body, k: int, joint: int, pose: Floats, other: Floats) -> 
 
 
 def _felt(body: Body, joint: int, pose: Floats) -> float:
-    down = body.gravity / max(float(np.linalg.norm(body.gravity)), 1e-300)
+    size = float(np.linalg.norm(body.gravity))
+    if size == 0.0:
+        return 0.0
+    down = body.gravity / size
     along = float(_axis(body, joint, pose) @ down)
     return abs(along) if body.sliding[joint] else float(np.sqrt(max(0.0, 1.0 - along * along)))
 
@@ -100,5 +103,5 @@ def _axis(body: Body, joint: int, pose: Floats) -> Floats:
     jacobian = pin.computeJointJacobians(body.model, data, q)
     number = body.model.getJointId(body.joints[joint])
     jacobian = pin.getJointJacobian(body.model, data, number, pin.LOCAL_WORLD_ALIGNED)
-    column = jacobian[:, body.columns[joint]]
+    column = np.reshape(jacobian, (6, body.model.nv))[:, body.columns[joint]]
     return np.asarray(column[:3] if body.sliding[joint] else column[3:])

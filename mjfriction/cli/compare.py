@@ -48,7 +48,8 @@ def compare(log: LogPath, robot: Robots, out: Out = None, json: Json = False) ->
     from mjfriction.report.text import WIDTH, comparison_lines
 
     console = Console(width=WIDTH, highlight=False, soft_wrap=False)
-    console.print(summary(comparison))
+    console.print(f"{summary(comparison)}\n")
+    console.print(f"RMS error while the joint moves, below {comparison.gap.chain.band:.3g} Hz", style="italic")
     console.print(comparison_lines(comparison))
     if out is not None:
         console.print(f"\nResults in {out}: open {out / 'report.html'}, or mjfriction view {out}")

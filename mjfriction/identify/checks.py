@@ -11,6 +11,7 @@ from mjfriction.record.log import Floats
 
 ALIKE = 0.98  # correlation of two parameters past which only a combination of them is known
 LOOSE = 1.0  # of a value, that its interval may be wide to either side before it is not fixed
+UNSEEN = 1e-9  # of the friction's RMS, that a change of a parameter by itself must make
 AT_BOUND = 1e-6  # of the coordinates' size
 SLOPES = frozenset(
     {"bristle_stiffness", "bristle_damping", "stribeck_velocity", "stribeck_steepness", "stribeck_exponent"}
@@ -25,8 +26,11 @@ def notes(fit: LawFit, half: Floats, covariance: Floats) -> dict[str, str]:
     low, high = fit.coordinates.bounds()
     names, values = fit.coordinates.names, fit.values
     out: dict[str, str] = {}
+    seen = np.sqrt(np.mean(np.square(fit.slopes), axis=0)) * np.maximum(np.abs(fit.x), 1e-3)
     for k, name in enumerate(names):
-        if half[k] > LOOSE * abs(values[name]) and name in SLOPES:
+        if seen[k] < UNSEEN * float(np.sqrt(np.mean(np.square(fit.problem.target)))):
+            out[name] = "this log does not show it"
+        elif half[k] > LOOSE * abs(values[name]) and name in SLOPES:
             out[name] = "not fixed by this log: slower motion with more reversals would show it"
         for bound, which in ((low[k], "lowest"), (high[k], "highest")):
             if np.isfinite(bound) and abs(fit.x[k] - bound) < AT_BOUND * (1.0 + abs(bound)):

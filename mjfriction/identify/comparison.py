@@ -55,9 +55,13 @@ class Comparison:
 def compare_robots(log: Log, robots: Sequence[tuple[str, Robot]]) -> Comparison:
     """Hold named robots with the same joints against a log.
 
-    Errors are over all rows of the log, through one low-pass for all (see :mod:`mjfriction.identify.rows`).  Raises
-    :class:`RobotError` where the robots have not the same joints, and what :func:`measure_gap` raises.
+    Errors are over the same rows for all, through one low-pass (see :mod:`mjfriction.identify.rows`): where the joint
+    moves, for at rest and in reversals friction may be anything within its level.  Raises :class:`RobotError` where the
+    robots have not the same joints or two have one name, and what :func:`measure_gap` raises.
     """
+    names = [name for name, _ in robots]
+    if len(set(names)) < len(names):
+        raise RobotError(f"two robots are called '{max(names, key=names.count)}'; give each once")
     first = robots[0][1]
     for name, robot in robots[1:]:
         if robot.joints != first.joints:
@@ -69,10 +73,10 @@ def compare_robots(log: Log, robots: Sequence[tuple[str, Robot]]) -> Comparison:
     residuals = [gap.residual, *(gap_of(robot, gap).residual for _, robot in robots[1:])]
     joints = []
     for joint in gap.examined:
-        measured = float(np.sqrt(np.mean(np.square(gap.measured[:, joint]))))
+        measured = gap.rms(gap.measured[:, joint], joint)
         errors = []
         for (_, robot), residual in zip(robots, residuals, strict=True):
-            rms = float(np.sqrt(np.mean(np.square(residual[:, joint]))))
+            rms = gap.rms(residual[:, joint], joint)
             actuator = robot.table.joint[joint].actuator
             constant = actuator.torque_constant
             current = rms / abs(actuator.gear_ratio * constant) if constant else None

@@ -60,7 +60,7 @@ def plan_passes(robot: Robot, joints: Sequence[str], *, count: int = 12, seed: i
     """Plan passes forward and backward of one joint after another, each where gravity loads it least.
 
     ``count`` speeds a joint, evenly in logarithm from a two-hundredth of its usual top speed up; slow ones over a part
-    of the stroke.  Speeds at which no phase of constant speed would be left are not among them.
+    of the stroke.
 
     Raises :class:`RobotError` for a joint that the robot has not, or fewer than three speeds.
     """
@@ -78,12 +78,13 @@ def plan_passes(robot: Robot, joints: Sequence[str], *, count: int = 12, seed: i
         stroke = 2.0 * float(reach[index])
         top = TOP_SHARE * float(min(body.top_speed[index], UNSTATED_SPEED))
         speeds = np.geomspace(SLOWEST_SHARE * top, top, count)
-        acceleration = 4.0 * top * top / stroke  # at top speed half of the stroke is left for the constant phase
         start = freed.pose.copy()
         own = []
         for speed in speeds.tolist():
             way = min(stroke, speed * LONGEST_PASS)
             middle = float(freed.pose[index])
+            # At top speed three quarters of the way are left for the phase of constant speed.
+            acceleration = 4.0 * max(top * top / stroke, speed * speed / way)
             passes = forward_backward(name, middle - 0.5 * way, way, [speed], acceleration)
             own.append(passes.position[:, 0])
         for course in own:

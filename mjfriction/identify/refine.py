@@ -32,7 +32,10 @@ DIFFERENCE = 1e-3  # of a coordinate, for slopes: what the solver's own rounding
 FREEDOM = 0.5  # of its coordinate's own size (a factor of e^0.5 for a logarithm), that a parameter may move by usually
 PRIOR = 0.02  # weight of a parameter's own distance beside one position error of the size it begins with
 LOST = 1e3  # rad or m
-IN_MODEL_TOO = frozenset({"effort_sensor", "position_sensor"})  # keys whose scale and offset are taken off the log
+IN_MODEL_TOO = frozenset(
+    {"effort_sensor", "position_sensor"}
+)  # keys whose scale, offset and delay the log is cleared of
+SHORTEST = 0.05  # s
 
 
 @dataclass(frozen=True)
@@ -51,23 +54,27 @@ class Stretches:
 
 @dataclass(frozen=True)
 class Refined:
-    """The refined laws and the robot that holds them, and the RMS position errors of the simulation before and after,
-    (joints,), rad or m, in stretches of ``seconds``.
+    """The refined laws ``fits``, what they were ``begun`` from, and the robot that holds them.
+
+    ``before`` and ``after`` (joints,) are RMS position errors of the simulation, rad or m, in stretches of ``seconds``.
     """
 
     robot: Robot
     fits: tuple[LawFit, ...]
+    begun: tuple[LawFit, ...]
     seconds: float
     before: Floats
     after: Floats
 
 
 def cut_stretches(gap: Gap, robot: Robot, seconds: float) -> Stretches:
-    """Cut a gap's log into stretches of so many seconds, or of whole pieces where ``seconds`` is infinite.
+    """Cut a gap's log into stretches of so many seconds, or of its longest piece where ``seconds`` is infinite.
 
-    ``robot`` says what its sensors add.  Raises :class:`RobotError` where a joint has no effort, or the robot holds
-    parts that its MuJoCo model does not.
+    Pieces shorter than that are left out; ``robot`` says what its sensors add.  Raises :class:`RobotError` where a
+    joint has no effort, the robot holds parts that its MuJoCo model does not, or ``seconds`` is no time to compare over.
     """
+    if not seconds >= SHORTEST:
+        raise RobotError(f"{seconds} s are no stretch to simulate; give {SHORTEST} s or more, or inf for the whole log")
     motion = gap.motion
     lacking = [joint for i, joint in enumerate(robot.joints) if i not in gap.examined]
     if lacking:
@@ -84,24 +91,35 @@ def cut_stretches(gap: Gap, robot: Robot, seconds: float) -> Stretches:
     zero = np.array([joint.position_sensor.offset for joint in robot.table.joint])
     bounds = np.flatnonzero(np.diff(motion.piece)) + 1
     pieces = list(itertools.pairwise([0, *bounds.tolist(), motion.time.size]))
-    shortest = min(past - first for first, past in pieces)
-    length = int(min(seconds * motion.rate, shortest)) - 1
+    longest = max(past - first for first, past in pieces)
+    length = int(min(seconds * motion.rate, longest - 1))
     starts = [s for first, past in pieces for s in range(first, past - length, length)]
     compared = np.arange(0, length * fine, max(1, round(COMPARED_EVERY / step)))[1:]
     clock = np.arange(length * fine) / fine
     rows = np.arange(length + 1)
+    # An effort is held over its step, so that the middle's is taken; a drive that reports late is read ahead.
+    delay = np.array([joint.effort_sensor.delay for joint in robot.table.joint])
+    middle, late = clock + 0.5 / fine, delay * motion.rate
 
-    def on_steps(values: Floats) -> Floats:
+    def on_steps(values: Floats, at: Floats, ahead: Floats) -> Floats:
         return np.stack(
-            [np.column_stack([np.interp(clock, rows, own) for own in values[s : s + length + 1].T]) for s in starts]
+            [
+                np.column_stack(
+                    [
+                        np.interp(at + shift, rows, own)
+                        for own, shift in zip(values[s : s + length + 1].T, ahead, strict=True)
+                    ]
+                )
+                for s in starts
+            ]
         )
 
     position = motion.position - zero
     return Stretches(
         position=position[starts],
         velocity=motion.velocity[starts],
-        reported=on_steps(motion.torque * gap.per_reported),
-        measured=on_steps(position)[:, compared],
+        reported=on_steps(motion.torque * gap.per_reported, middle, late),
+        measured=on_steps(position, clock, np.zeros(delay.size))[:, compared],
         compared=compared,
         step=step,
     )
@@ -163,7 +181,7 @@ def refine(gap: Gap, robot: Robot, fits: Sequence[LawFit], background: Sequence[
     )
     before, after = (_rms(_missed(gap, [one], fixed)[0]) for one in (robot, better))
     length = fixed.reported.shape[1] * fixed.step
-    return Refined(better, moved, length, before, after)
+    return Refined(better, moved, tuple(fits), length, before, after)
 
 
 def _stacked(missed: Floats, moved: Floats) -> Floats:

@@ -18,7 +18,8 @@ def replay(
     """Let every model run every stretch freely and return where its joints went, (models, stretches, steps, joints).
 
     ``position`` and ``velocity`` (stretches, joints) are where each stretch begins, its bristles relaxed; ``effort``
-    (models, stretches, steps, joints) acts on the joints, held for one step each.  Actuators stay at zero.
+    (models, stretches, steps, joints) acts on the joints, held for one step each.  The course begins with where each
+    stretch begins; what the last step would lead to is left out.  Actuators stay at zero.
     """
     first = models[0]
     places = np.array([first.jnt_qposadr[first.joint(name).id] for name in joints])
@@ -42,5 +43,7 @@ def replay(
             force,
             control_spec=int(mujoco.mjtState.mjSTATE_QFRC_APPLIED),
         )
-    moved = states[:, :, 1 + places]  # a full state begins with the time
-    return np.asarray(moved.reshape(count, stretches, steps, len(places)))
+    # A full state begins with the time; a rollout gives the state after each step.
+    moved = states[:, :-1, 1 + places].reshape(count, stretches, steps - 1, len(places))
+    begin = np.broadcast_to(position[None, :, None, :], (count, stretches, 1, len(places)))
+    return np.concatenate([begin, moved], axis=2)

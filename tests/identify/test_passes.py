@@ -189,3 +189,31 @@ def test_measured_gap_of_the_identified_robot_is_smaller() -> None:
     after = measure_gap(found.gap.log, found.robot)
     elbow = found.gap.robot.joints.index("elbow_joint")
     assert after.rms(after.residual[:, elbow], elbow) < 0.05 * found.gap.rms(found.gap.residual[:, elbow], elbow)
+
+
+def test_what_the_robot_file_states_besides_is_not_taken_for_friction() -> None:
+    # A drive that reports 30 % too much, and friction that varies along the stroke, both stated.
+    elbow = machine().joint("elbow_joint")
+    wave = {"wavenumber": 6.0, "cosine": 1.0, "sine": 0.0}
+    sensor = elbow.effort_sensor.model_copy(update={"scale": 1.3})
+    plain = FrictionTerm(law="coulomb_viscous", parameters={"coulomb": 7.0, "viscous": 8.0})
+    table = elbow.model_dump() | {"friction_waves": [wave], "effort_sensor": sensor.model_dump(), "friction": [plain]}
+    robot = machine().with_joint(type(elbow).model_validate(table))
+    plan = plan_passes(robot, ["elbow_joint"], count=5)
+    columns = simulate(robot, plan.trajectory, recorder=Recorder(250.0), seed=1)
+    found = identify_log(log_from_table(pa.table(columns), "passes"), robot, law="coulomb_viscous")
+    (law,) = found.laws
+    values = {fitted.name: fitted.value for fitted in law.parameters}
+    assert law.how == "forward and backward passes"
+    assert values["coulomb"] == pytest.approx(7.0, rel=0.01)
+    assert values["viscous"] == pytest.approx(8.0, rel=0.01)
+    # What is said of the robot is so of the robot that is written.
+    (error,) = (error for error in found.joints if error.joint == "elbow_joint")
+    assert error.rms_heldout_after == pytest.approx(error.rms_after, rel=1e-6)
+
+
+def test_a_robot_of_one_joint_and_one_without_gravity_can_be_planned_for() -> None:
+    assert plan_passes(read_robot("linear_axis"), read_robot("linear_axis").joints, count=4).trajectory.time.size > 100
+    arm = read_robot("ur5")
+    floating = Robot(arm.table.model_copy(update={"gravity": (0.0, 0.0, 0.0)}), arm.folder)
+    assert gravity_pose(floating.body(), 1).kind is GravityClass.NEVER

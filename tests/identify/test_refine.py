@@ -55,6 +55,33 @@ def test_a_coarse_encoder_does_not_make_the_intervals_useless(tmp_path: Path) ->
         assert fitted.high - fitted.low < 0.1 * truth
 
 
+def test_the_true_robot_goes_where_the_log_says(tmp_path: Path) -> None:
+    # A step too early or too late, or an effort held half a step off, would leave some 1e-3 rad.
+    real = robot_with(tmp_path, COULOMB, VISCOUS)
+    motion = excitation(("hinge",), np.zeros(1), np.ones(1), np.full(1, 3.0), 12.0, seed=4)
+    log = log_from_table(pa.table(simulate(real, motion, recorder=Recorder(250.0), seed=1)), "fine")
+    found = identify_log(log, real, law="coulomb_viscous", simulated=1.0)
+    assert found.simulated is not None
+    assert found.simulated.before[0] < 3e-4
+    for fitted, truth in zip(found.laws[0].parameters, (COULOMB, VISCOUS), strict=True):
+        assert fitted.value == pytest.approx(truth, rel=5e-3)
+        assert fitted.low < truth < fitted.high
+
+
+def test_what_the_log_says_nothing_of_is_not_known_exactly(tmp_path: Path) -> None:
+    found = identify_log(recorded(tmp_path), robot_with(tmp_path, 1.0, 1.0), law="temperature_dependent")
+    values = {fitted.name: fitted for fitted in found.laws[0].parameters}
+    assert values["viscous_decay"].note == "this log does not show it"
+    shifts = [fitted for fitted in found.background if fitted.name.startswith("link_shift")]
+    assert all(fitted.high - fitted.low > 0.02 for fitted in shifts)
+
+
+@pytest.mark.parametrize("seconds", [0.0, -1.0, float("nan"), 0.01])
+def test_stretches_of_no_length_are_refused(seconds: float, tmp_path: Path) -> None:
+    with pytest.raises(RobotError, match="no stretch to simulate"):
+        identify_log(recorded(tmp_path), robot_with(tmp_path, 1.0, 1.0), law="coulomb", simulated=seconds)
+
+
 def test_what_the_model_does_not_hold_is_refused(tmp_path: Path) -> None:
     log = recorded(tmp_path)
     stated = robot_with(tmp_path, 1.0, 1.0, "cogging = [ { wavenumber = 8.0, cosine = 0.1, sine = 0.0 } ]\n")

@@ -1,0 +1,209 @@
+"""What fitted laws come to: everything taken together once more, for intervals, held-out errors and remarks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.stats import t as student
+
+from mjfriction.identify.background import Background
+from mjfriction.identify.checks import notes
+from mjfriction.identify.choose import Choice
+from mjfriction.identify.fit import LawFit
+from mjfriction.identify.fitted import Fitted
+from mjfriction.identify.friction_map import FrictionMap
+from mjfriction.identify.gap import Gap, gap_of
+from mjfriction.identify.joint_error import JointError, joint_error
+from mjfriction.identify.map_fit import MapFit
+from mjfriction.identify.outcome import Candidate, Identification, JointLaw
+from mjfriction.identify.refine import Refined
+from mjfriction.identify.regression import Columns, Rows, System
+from mjfriction.identify.statics import statics_by_slope, statics_from_passes
+from mjfriction.identify.structure import Structure, find_structure
+from mjfriction.record.log import Floats
+from mjfriction.robot.robot import Robot
+
+STRUCTURED = 0.1  # share of what is left that may follow a covariate before intervals are not to be believed
+RISEN = 1.1  # times the stated robot's error, from which on an identified one is worse
+LEAST_EFFORT = 0.01  # of the joint's RMS effort, that what follows it must reach besides
+FREE, PASSES, SIMULATED = "free motion", "forward and backward passes", "simulated motion"
+
+
+def conclude(
+    stated: Gap,
+    robot: Robot,
+    joints: Sequence[int],
+    chosen: Sequence[Choice],
+    tried: Sequence[Sequence[Choice]],
+    background: Sequence[Background],
+    maps: dict[int, FrictionMap],
+    refined: Refined | None,
+) -> Identification:
+    """Return the outcome of an identification.
+
+    It is that of the ``chosen`` laws at ``joints``, among those ``tried`` there, built into ``robot`` with the refitted
+    ``background``, against the ``stated`` robot's gap; ``maps`` are the joints' passes.
+    """
+    gap = gap_of(robot, stated)
+    system = _taken_together(gap, joints, chosen, background)
+    step = system.normal.strengths(np.ones(gap.blocks.count, dtype=bool))
+    covariance = _covariance(system, step, gap)
+    quantile = float(student.ppf(0.975, gap.blocks.groups - 1))
+    heldout = np.array(gap.residual)
+    for fold in gap.blocks.folds:
+        rows = fold[gap.blocks.row]
+        heldout[rows] = system.residual(system.normal.strengths(~fold))[rows]
+    passed = _passed(joints, chosen, maps)
+    for joint in joints:
+        if refined is not None or joint in passed:
+            # Values that do not come from these rows are held against them as they stand.
+            heldout[:, joint] = gap.residual[:, joint]
+    after = find_structure(gap, np.nan_to_num(heldout))
+    laws, errors, place = [], [], 0
+    begun = refined.begun if refined is not None else [choice.fit for choice in chosen]
+    for joint, choice, others, before in zip(joints, chosen, tried, begun, strict=True):
+        fit = choice.fit
+        own = slice(place, place + fit.x.size)
+        place += fit.x.size
+        worst = max((s for s in after if s.joint == gap.robot.joints[joint]), key=lambda s: s.share)
+        half, spread = _half_widths(fit, covariance[own, own], quantile, passed.get(joint), before)
+        law = JointLaw(
+            joint=gap.robot.joints[joint],
+            fit=fit,
+            how=SIMULATED if refined is not None else (PASSES if joint in passed else FREE),
+            parameters=tuple(_parameters(fit, half, notes(fit, half, spread), bool(gap.body.sliding[joint]))),
+            candidates=tuple(_candidate(gap, joint, other) for other in others),
+            structure=worst.share,
+            follows=worst.covariate,
+            trusted=not _structured(gap, joint, worst),
+            passes=maps.get(joint),
+            by_slope=statics_by_slope(fit, maps.get(joint)),
+        )
+        laws.append(law)
+        errors.append(joint_error(stated, joint, gap.residual, heldout))
+    half = quantile * np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    beside: list[Fitted] = []
+    for part in background:
+        beside += part.fitted(robot, half[place : place + part.precision.size])
+        place += part.precision.size
+    return Identification(
+        gap=stated,
+        robot=robot,
+        joints=tuple(errors),
+        laws=tuple(laws),
+        background=tuple(beside),
+        heldout=heldout,
+        summary=_summary(robot, errors, laws, refined),
+        simulated=refined,
+    )
+
+
+def _taken_together(
+    gap: Gap, joints: Sequence[int], chosen: Sequence[Choice], background: Sequence[Background]
+) -> System:
+    # A further step of everything at once, from where all stand: what intervals and held-out errors are drawn from.
+    target = np.nan_to_num(gap.residual)
+    weight = np.zeros_like(target)
+    blocks: list[Columns] = []
+    precisions: list[Floats] = []
+    for joint, choice in zip(joints, chosen, strict=True):
+        weight[:, joint] = 1.0 / choice.fit.problem.believed(target[:, joint]).deviation
+        blocks.append({joint: choice.fit.slopes})
+        precisions.append(choice.fit.precision)
+    blocks += [part.columns for part in background]
+    precisions += [part.precision for part in background]
+    return System(Rows(target, weight, gap.blocks.row), blocks, precisions)
+
+
+def _covariance(system: System, step: Floats, gap: Gap) -> Floats:
+    # The larger of the two, number by number: coloured noise makes the one for white noise too small, few blocks the
+    # clustered one, and what no row shows has nothing but what is known beforehand.  White noise is as large as what
+    # is left, not as the doubt about reversals allows.
+    normal, weight = system.normal, system.rows.weight
+    left = (system.residual(step) * weight)[weight > 0.0]
+    spread = max(float(np.sum(np.square(left))) / max(1, left.size - step.size), 1e-12)
+    clustered = normal.covariance(step, gap.blocks.group)
+    white = replace(normal, gram=normal.gram / spread).white_covariance()
+    return np.asarray(clustered + np.diag(np.maximum(0.0, np.diag(white) - np.diag(clustered))))
+
+
+def _passed(joints: Sequence[int], chosen: Sequence[Choice], maps: dict[int, FrictionMap]) -> dict[int, MapFit]:
+    fits = {joint: choice.fit for joint, choice in zip(joints, chosen, strict=True) if joint in maps}
+    found = {joint: statics_from_passes(fit, maps[joint]) for joint, fit in fits.items()}
+    return {joint: statics for joint, statics in found.items() if statics is not None}
+
+
+def _half_widths(
+    fit: LawFit, covariance: Floats, quantile: float, statics: MapFit | None, begun: LawFit
+) -> tuple[Floats, Floats]:
+    # Those of the passes where the values come from them; what a simulation moved a value by is added to the interval.
+    turned = fit.coordinates.slopes(fit.x)
+    spread = turned @ covariance @ turned.T
+    half = quantile * np.sqrt(np.maximum(np.diag(spread), 0.0))
+    names = fit.coordinates.names
+    if statics is not None:
+        half = np.array([statics.half.get(name, own) for name, own in zip(names, half.tolist(), strict=True)])
+    moved = np.array([abs(fit.values[name] - begun.values[name]) for name in names])
+    return half + moved, spread
+
+
+def _parameters(fit: LawFit, half: Floats, said: dict[str, str], sliding: bool) -> list[Fitted]:
+    out = []
+    for name, width in zip(fit.coordinates.names, half, strict=True):
+        declared = fit.law.parameter(name)
+        value = fit.values[name]
+        low, high = (float(np.clip(value + s * width, declared.lower, declared.upper)) for s in (-1.0, 1.0))
+        unit = declared.unit_for(sliding=sliding and fit.problem.side == "joint")
+        out.append(Fitted(name, declared.meaning, unit, value, low, high, said.get(name, "")))
+    return out
+
+
+def _candidate(gap: Gap, joint: int, choice: Choice) -> Candidate:
+    error = gap.rms(_heldout_rows(choice), joint) / abs(float(gap.per_reported[joint]))
+    return Candidate(choice.fit.law.name, choice.parameters, error)
+
+
+def _structured(gap: Gap, joint: int, worst: Structure) -> bool:
+    size = np.sqrt(max(worst.share, 0.0)) * gap.rms(gap.residual[:, joint], joint)
+    return bool(worst.share > STRUCTURED and size > LEAST_EFFORT * gap.rms(gap.measured[:, joint], joint))
+
+
+def _heldout_rows(choice: Choice) -> Floats:
+    fit, normal = choice.fit, choice.fit.normal()
+    blocks = fit.problem.gap.blocks
+    out = fit.left
+    for fold in blocks.folds:
+        rows = fold[blocks.row]
+        out[rows] -= fit.slopes[rows] @ normal.strengths(~fold)
+    return out
+
+
+def _summary(robot: Robot, errors: Sequence[JointError], laws: Sequence[JointLaw], refined: Refined | None) -> str:
+    counted: dict[str, int] = {}
+    for law in laws:
+        counted[law.fit.law.name] = counted.get(law.fit.law.name, 0) + 1
+    listed = ", ".join(f"{name} at {count} joint{'s' * (count > 1)}" for name, count in counted.items())
+    most = max(errors, key=lambda error: error.rms_before / max(error.rms_heldout_after, 1e-300))
+    verb = "falls" if most.rms_heldout_after < most.rms_before else "goes"
+    text = (
+        f"Friction of '{robot.name}' identified: {listed}; the error of {most.joint} {verb} from "
+        f"{most.rms_before:.3g} to {most.rms_heldout_after:.3g} {most.unit} on motion not fitted."
+    )
+    risen = [error.joint for error in errors if error.rms_heldout_after > RISEN * error.rms_before]
+    if risen:
+        text += f" It rises at {', '.join(risen)}: the stated friction was nearer than this law can be."
+    if refined is not None:
+        k = int(np.argmax(refined.before))
+        text += (
+            f" Simulated freely for {refined.seconds:.2g} s at a time, {robot.joints[k]} ends up "
+            f"{refined.after[k]:.3g} (RMS) from where it was, {refined.before[k]:.3g} before that was fitted."
+        )
+    doubtful = [law.joint for law in laws if not law.trusted]
+    if doubtful:
+        text += (
+            f" At {', '.join(doubtful)} an error is left that follows the motion: no law of friction explains it, and "
+            "the intervals there are too narrow; mjfriction diagnose looks for its cause."
+        )
+    return text
