@@ -71,7 +71,7 @@ def cut_stretches(gap: Gap, robot: Robot, seconds: float) -> Stretches:
     """Cut a gap's log into stretches of so many seconds, or of its longest piece where ``seconds`` is infinite.
 
     Pieces shorter than that are left out; ``robot`` says what its sensors add.  Raises :class:`RobotError` where a
-    joint has no effort, the robot holds parts that its MuJoCo model does not, or ``seconds`` is no time to compare over.
+    joint has no effort, the robot holds parts that its MuJoCo model does not, or ``seconds`` is no time to compare.
     """
     if not seconds >= SHORTEST:
         raise RobotError(f"{seconds} s are no stretch to simulate; give {SHORTEST} s or more, or inf for the whole log")
@@ -102,14 +102,10 @@ def cut_stretches(gap: Gap, robot: Robot, seconds: float) -> Stretches:
     middle, late = clock + 0.5 / fine, delay * motion.rate
 
     def on_steps(values: Floats, at: Floats, ahead: Floats) -> Floats:
+        shifted = list(zip(range(ahead.size), ahead, strict=True))
         return np.stack(
             [
-                np.column_stack(
-                    [
-                        np.interp(at + shift, rows, own)
-                        for own, shift in zip(values[s : s + length + 1].T, ahead, strict=True)
-                    ]
-                )
+                np.column_stack([np.interp(at + shift, rows, values[s : s + length + 1, k]) for k, shift in shifted])
                 for s in starts
             ]
         )
