@@ -20,6 +20,13 @@ class Protocol(enum.Enum):
     SEPARATE = "separate"
 
 
+OF_PROTOCOL = {
+    "--joint": Protocol.FORWARD_BACKWARD,
+    "--speeds": Protocol.FORWARD_BACKWARD,
+    "--seconds": Protocol.EXCITATION,
+    "--against": Protocol.SEPARATE,
+}
+
 Kind = Annotated[Protocol, typer.Option("--protocol", help="What the motion is to show.", show_default=False)]
 Out = Annotated[
     Path, typer.Option("--out", metavar="T", help="Trajectory table, .csv or .parquet.", show_default=False)
@@ -36,8 +43,8 @@ def plan(
     protocol: Kind,
     out: Out,
     joint: Joints = None,
-    speeds: Annotated[int, typer.Option(help="How many speeds a joint (forward_backward).", min=3)] = 12,
-    seconds: Annotated[float, typer.Option(help="How long (excitation).", min=10.0)] = 60.0,
+    speeds: Annotated[int | None, typer.Option(help="How many speeds a joint (forward_backward): 12.", min=3)] = None,
+    seconds: Annotated[float | None, typer.Option(help="How long (excitation): 60 s.", min=10.0)] = None,
     against: Other = None,
     seed: Annotated[int, typer.Option(help="Sets what is drawn.")] = 0,
 ) -> None:
@@ -54,12 +61,18 @@ def plan(
     from mjfriction.robot.files import read_robot
 
     check_table_name(out, "a trajectory")
+    given = {"--joint": joint, "--speeds": speeds, "--seconds": seconds, "--against": against}
+    for name, value in given.items():
+        if value is not None and OF_PROTOCOL[name] is not protocol:
+            raise RobotError(
+                f"{name} is of the protocol '{OF_PROTOCOL[name].value}'; leave it out, or ask for that one"
+            )
     with working("planning"):
         model = read_robot(robot)
         if protocol is Protocol.FORWARD_BACKWARD:
-            found = plan_passes(model, joint or model.joints, count=speeds, seed=seed)
+            found = plan_passes(model, joint or model.joints, count=speeds or 12, seed=seed)
         elif protocol is Protocol.EXCITATION:
-            found = plan_excitation(model, seconds, seed=seed)
+            found = plan_excitation(model, seconds or 60.0, seed=seed)
         elif against is None:
             raise RobotError("the protocol 'separate' needs the other model of the robot: give it with --against")
         else:

@@ -11,7 +11,7 @@ Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A folder of results
 
 
 def view(folder: Folder) -> None:
-    """Open the Rerun recording of a diagnosis.
+    """Open the Rerun recording of a result.
 
     Example: mjfriction view result
     """

@@ -46,6 +46,7 @@ def make_findings(
     for choice, without, own, width in found:
         joint = choice.site.joint
         stands = standing(model, choice, field)
+        shown = _most_gained(model, without, heldout) if choice.cause.whole_arm else joint
         if stands.rival is not None and choice in model.chosen and stands.rival.cause is not STATED_LEVELS:
             unsure.append((stands.confidence, choice, stands.rival))
         finding = Finding(
@@ -54,10 +55,10 @@ def make_findings(
             confidence=stands.confidence,
             alternatives=stands.alternatives,
             parameters=tuple(_fitted(model.gap, choice, own, width)),
-            gain=gain_at(model.gap, without.heldout_residual(), heldout, joint, seed),
+            gain=gain_at(model.gap, without.heldout_residual(), heldout, shown, seed),
             evidence=choice.cause.evidence(model.gap, choice.site, own),
             covariate=choice.cause.covariate,
-            shown_at=model.gap.robot.joints[joint],
+            shown_at=model.gap.robot.joints[shown],
         )
         findings.append(finding)
     links = _link_finding(model, widths.nuisance, heldout, seed)
@@ -68,6 +69,13 @@ def make_findings(
         _, choice, rival = min(unsure, key=lambda entry: entry[0])
         experiment = design_experiment(model, choice, rival)
     return sorted(findings, key=lambda finding: -finding.gain.reduction), experiment
+
+
+def _most_gained(model: Model, without: Model, heldout: Floats) -> int:
+    # Where a cause that all joints feel takes the largest share of the error away.
+    before = without.heldout_residual()
+    gap = model.gap
+    return max(gap.examined, key=lambda j: gap.rms(before[:, j], j) / max(gap.rms(heldout[:, j], j), 1e-300))
 
 
 def _link_finding(model: Model, half: Floats, heldout: Floats, seed: int) -> Finding | None:

@@ -60,6 +60,8 @@ def compare_robots(log: Log, robots: Sequence[tuple[str, Robot]]) -> Comparison:
     robots have not the same joints or two have one name, and what :func:`measure_gap` raises.
     """
     names = [name for name, _ in robots]
+    if len(names) < 2:
+        raise RobotError("one robot compares with nothing; give --robot once for each")
     if len(set(names)) < len(names):
         raise RobotError(f"two robots are called '{max(names, key=names.count)}'; give each once")
     first = robots[0][1]

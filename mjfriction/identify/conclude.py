@@ -26,6 +26,7 @@ from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 
 STRUCTURED = 0.1  # share of what is left that may follow a covariate before intervals are not to be believed
+FAR_ABOVE_NOISE = 3.0  # times the sensor's noise
 RISEN = 1.1  # times the stated robot's error, from which on an identified one is worse
 LEAST_EFFORT = 0.01  # of the joint's RMS effort, that what follows it must reach besides
 FREE, PASSES, SIMULATED = "free motion", "forward and backward passes", "simulated motion"
@@ -88,6 +89,7 @@ def conclude(
     for part in background:
         beside += part.fitted(robot, half[place : place + part.precision.size])
         place += part.precision.size
+    far = [gap.robot.joints[joint] for joint in joints if _far_above_noise(gap, heldout, joint)]
     return Identification(
         gap=stated,
         robot=robot,
@@ -95,7 +97,7 @@ def conclude(
         laws=tuple(laws),
         background=tuple(beside),
         heldout=heldout,
-        summary=_summary(robot, errors, laws, refined),
+        summary=_summary(robot, errors, laws, far, refined),
         simulated=refined,
     )
 
@@ -180,7 +182,15 @@ def _heldout_rows(choice: Choice) -> Floats:
     return out
 
 
-def _summary(robot: Robot, errors: Sequence[JointError], laws: Sequence[JointLaw], refined: Refined | None) -> str:
+def _far_above_noise(gap: Gap, heldout: Floats, joint: int) -> bool:
+    left = gap.rms(heldout[:, joint], joint)
+    effort = gap.rms(gap.measured[:, joint], joint)
+    return left > max(FAR_ABOVE_NOISE * float(gap.noise_floor[joint]), LEAST_EFFORT * effort)
+
+
+def _summary(
+    robot: Robot, errors: Sequence[JointError], laws: Sequence[JointLaw], far: Sequence[str], refined: Refined | None
+) -> str:
     counted: dict[str, int] = {}
     for law in laws:
         counted[law.fit.law.name] = counted.get(law.fit.law.name, 0) + 1
@@ -191,6 +201,11 @@ def _summary(robot: Robot, errors: Sequence[JointError], laws: Sequence[JointLaw
         f"Friction of '{robot.name}' identified: {listed}; the error of {most.joint} {verb} from "
         f"{most.rms_before:.3g} to {most.rms_heldout_after:.3g} {most.unit} on motion not fitted."
     )
+    if far and refined is None:
+        text += (
+            f" At {', '.join(far)} more than {FAR_ABOVE_NOISE:.0f} times the sensor's noise is left: friction is not "
+            "all that the model lacks there; mjfriction diagnose looks for the rest."
+        )
     risen = [error.joint for error in errors if error.rms_heldout_after > RISEN * error.rms_before]
     if risen:
         text += f" It rises at {', '.join(risen)}: the stated friction was nearer than this law can be."

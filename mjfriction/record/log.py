@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -15,6 +16,11 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 POSITION, VELOCITY, EFFORT, CURRENT = "position", "velocity", "effort", "current"
+KNOWN = (
+    *(POSITION, VELOCITY, EFFORT, CURRENT),
+    *("temperature", "position_ref", "velocity_ref", "pressure_head", "pressure_rod"),
+)
+LIKE = 0.8  # of likeness to a known quantity, from which on a column's name is taken for misspelt
 
 
 @dataclass(frozen=True)
@@ -87,6 +93,12 @@ def check_joints(log: Log, robot_name: str, robot_joints: tuple[str, ...]) -> No
         )
     for name in log.columns:
         quantity, dot, joint = name.partition(".")
+        meant = difflib.get_close_matches(quantity, KNOWN, n=1, cutoff=LIKE)
+        if dot and joint in robot_joints and quantity not in KNOWN and meant:
+            raise LogError(
+                f"{log.source}: column '{name}' is not of the format, and would be left out; did you mean "
+                f"'{meant[0]}.{joint}'?"
+            )
         if dot and quantity in (VELOCITY, EFFORT, CURRENT) and joint not in robot_joints:
             raise LogError(
                 f"{log.source}: column '{name}': robot '{robot_name}' has no joint "

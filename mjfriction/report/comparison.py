@@ -12,6 +12,8 @@ from mjfriction.report.figures import bars, courses, figure_html
 from mjfriction.report.html import rendered
 from mjfriction.report.rerun_view import write_courses
 
+ALIKE = 1.02  # times the best robot's error at every joint, up to which no robot is nearer than another
+
 
 def comparison_table(comparison: Comparison) -> dict[str, object]:
     """Return a comparison as plain data, numbers to seven digits."""
@@ -43,6 +45,11 @@ def summary(comparison: Comparison) -> str:
     least = comparison.names.index(comparison.best)
     joint = max(comparison.joints, key=lambda j: max(e.effort for e in j.errors) / max(j.errors[least].effort, 1e-300))
     most = max(range(len(comparison.names)), key=lambda k: joint.errors[k].effort)
+    if joint.errors[most].effort < ALIKE * joint.errors[least].effort:
+        return (
+            f"They are equally near to the log, within {100 * (ALIKE - 1.0):.0f} % at every joint: nothing is left to "
+            "choose by."
+        )
     return (
         f"{comparison.best} is nearest to the log; they differ most at {joint.joint}: "
         f"{joint.errors[least].effort:.3g} {joint.unit} there, {comparison.names[most]} "

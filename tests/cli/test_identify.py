@@ -96,3 +96,36 @@ def test_bad_input_is_one_line(words: tuple[str, ...], said: str, case: tuple[Pa
     assert said in done.stderr
     assert len(done.stderr.strip().splitlines()) == 1
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--protocol", "excitation", "--joint", "elbow_joint"), "--joint is of the protocol 'forward_backward'"),
+        (("--protocol", "forward_backward", "--seconds", "30"), "--seconds is of the protocol 'excitation'"),
+    ],
+)
+def test_plan_refuses_options_of_another_protocol(words: tuple[str, ...], said: str, tmp_path: Path) -> None:
+    done = mjfriction("plan", "--robot", "ur5", *words, "--out", tmp_path / "t.csv")
+    assert done.returncode == 2
+    assert said in done.stderr
+
+
+def test_a_misspelt_column_is_not_left_out_in_silence(case: tuple[Path, Path], tmp_path: Path) -> None:
+    table = pyarrow.parquet.read_table(case[0])
+    names = [name.replace("effort.elbow_joint", "efort.elbow_joint") for name in table.schema.names]
+    pyarrow.parquet.write_table(table.rename_columns(names), tmp_path / "log.parquet")
+    done = mjfriction("diagnose", tmp_path / "log.parquet", "--robot", case[1], "--out", tmp_path / "out")
+    assert done.returncode == 2
+    assert "did you mean 'effort.elbow_joint'" in done.stderr
+
+
+def test_compare_names_no_winner_where_there_is_none(case: tuple[Path, Path], tmp_path: Path) -> None:
+    same = tmp_path / "same.toml"
+    same.write_text(case[1].read_text())
+    done = mjfriction("compare", case[0], "--robot", case[1], "--robot", same)
+    assert done.returncode == 0, done.stderr
+    assert "equally near" in done.stdout
+    done = mjfriction("compare", case[0], "--robot", case[1])
+    assert done.returncode == 2
+    assert "compares with nothing" in done.stderr

@@ -53,7 +53,7 @@ class TorqueConstant(Cause):
         constant = gap.robot.table.joint[site.joint].actuator.torque_constant
         if gap.motion.quantity[site.joint] == CURRENT and constant is not None:
             return (
-                f"currents read {factor:.3g} times what the model needs at every load: the torque constant is "
-                f"{constant / factor:.3g} N·m/A, not {constant:.3g}"
+                f"currents read {factor:.3g} times what the model needs at every load: if the gear ratio is right, the "
+                f"torque constant is {constant / factor:.3g} N·m/A, not {constant:.3g}"
             )
         return f"the reported effort is {factor:.3g} times what the model needs, at every load"
