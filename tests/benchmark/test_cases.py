@@ -11,6 +11,7 @@ import pytest
 
 from mjfriction.benchmark.cases import SEVERITY, Case, Setting, draw_of, make_case, write_case
 from mjfriction.benchmark.effects import EFFECTS
+from mjfriction.benchmark.score import Finding, Outcome
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.record.readers import read_log
@@ -87,3 +88,13 @@ def test_what_is_no_cause_ends_as_unexplained() -> None:
     diagnosis = diagnosed(case)
     assert diagnosis.verdict is Verdict.UNEXPLAINED
     assert {entry.joint for entry in diagnosis.remaining} == {"elbow_joint"}
+
+
+def test_what_is_too_faint_is_asked_of_no_tool_and_held_against_none() -> None:
+    found = (Finding("drive.elasticity", "elbow", 0.9), Finding("friction.load", "elbow", 0.9))
+    seen = Outcome((("friction.load", "elbow"),), found, "explained", 1.0, 1.0, faint=(("drive.elasticity", "elbow"),))
+    assert seen.exact
+    assert seen.false_alarms == ()
+    missed = Outcome((), (), "consistent", None, 1.0, faint=(("drive.elasticity", "elbow"),))
+    assert missed.exact
+    assert missed.hit
