@@ -167,10 +167,11 @@ class System:
             cross += np.sqrt(every) * self.base[joint][::every].T @ flat
             own += np.einsum("nki,nkj->kij", weighted, weighted, optimize=True)
             moment += np.sqrt(every) * (self.target[::every, joint] @ flat).reshape(number, count)
-        through = _solve(self._gram, cross).reshape(-1, number, count)
+        gram, fitted = self._thinned(every)
+        through = _solve(gram, cross).reshape(-1, number, count)
         cross = cross.reshape(-1, number, count)
         reduced = own - np.einsum("pki,pkj->kij", cross, through, optimize=True)
-        score = moment - np.einsum("p,pki->ki", self._strengths, cross, optimize=True)
+        score = moment - np.einsum("p,pki->ki", fitted, cross, optimize=True)
         # A column that the model holds already is left without strength rather than divided by nothing.
         diagonal = np.einsum("kii->ki", reduced)
         full = np.einsum("kii->ki", own)
@@ -182,13 +183,21 @@ class System:
         strengths = np.linalg.solve(reduced, score[:, :, None])[:, :, 0]
         return strengths, np.einsum("ki,ki->k", score, strengths)
 
-    @functools.cached_property
-    def _gram(self) -> Floats:
-        return np.asarray(self.normal.gram.sum(axis=(0, 1)) + np.diag(self.normal.precision))
+    def _thinned(self, every: int) -> tuple[Floats, Floats]:
+        # The model's gram and strengths on the rows that candidates are screened on: on others, what it nearly holds
+        # would be lost in a difference, and what it leaves would look like more.
+        if every not in self._kept:
+            gram, moment = np.diag(self.normal.precision), np.zeros(self.normal.count)
+            for joint, base in enumerate(self.base):
+                thin = base[::every]
+                gram = gram + every * thin.T @ thin
+                moment = moment + every * thin.T @ self.target[::every, joint]
+            self._kept[every] = gram, _solve(gram, moment)
+        return self._kept[every]
 
     @functools.cached_property
-    def _strengths(self) -> Floats:
-        return _solve(self._gram, self.normal.moment.sum(axis=(0, 1)))
+    def _kept(self) -> dict[int, tuple[Floats, Floats]]:
+        return {}
 
     def extended(self, candidate: Columns, precision: Floats) -> Normal:
         """Return the normal equations with a candidate's columns added at the end."""
