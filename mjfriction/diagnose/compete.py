@@ -137,8 +137,11 @@ def contenders(model: Model, field: Field) -> list[Trial]:
 
 
 def _tried(model: Model, choice: Chosen) -> Trial | None:
+    best = _best_shape(model, choice)
+    if not choice.cause.own_shape(best.site):
+        return None
     # The shape that fits best may be one that nature does not allow; the grid's may be.
-    return try_out(model, _best_shape(model, choice)) or try_out(model, choice)
+    return try_out(model, best) or try_out(model, choice)
 
 
 def _screening(gap: Gap, entrant: Entrant, every: int) -> Columns:

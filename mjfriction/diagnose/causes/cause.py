@@ -98,6 +98,12 @@ class Cause(ABC):
         """Return the range each shape parameter is searched in."""
         return []
 
+    def own_shape(self, site: Site) -> bool:
+        """Return whether a shape that was searched is one of the cause: a search that ends at the edge of its range may
+        have found something else.  By default every shape is.
+        """
+        return True
+
     def shape_resolution(self, gap: Gap, site: Site) -> tuple[float, ...]:
         """Return how finely the rows can tell each shape parameter at best: by default as finely as the fit says."""
         return tuple(0.0 for _ in site.shape)

@@ -16,6 +16,7 @@ from mjfriction.robot.robot import Robot
 
 EXCESS = Parameter("stribeck_excess", "{force}", "friction near rest above the Coulomb level", lower=0.0)
 EXPONENTS = (1.0, 2.0)
+EXPONENT_RANGE = (0.5, 4.0)
 SLOWEST = 2.0  # times the speed below which the direction is in doubt: what fades faster looks like a blurred reversal
 FASTEST = 0.6  # of the top speed: what fades slower is a bent viscous curve
 
@@ -40,7 +41,11 @@ class Stribeck(Cause):
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
         """The speeds between which a fading level is told from a blurred reversal and from damping."""
         speed = np.abs(gap.motion.velocity[:, site.joint])
-        return [(SLOWEST * gap.doubt_speed[site.joint], FASTEST * float(np.quantile(speed, 0.99))), (0.5, 4.0)]
+        return [(SLOWEST * gap.doubt_speed[site.joint], FASTEST * float(np.quantile(speed, 0.99))), EXPONENT_RANGE]
+
+    def own_shape(self, site: Site) -> bool:
+        """A level that stays and then falls like a step is no Stribeck curve; published exponents end at 2."""
+        return site.shape[1] < 0.97 * EXPONENT_RANGE[1]
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The fading level in the direction of motion, (n, 1)."""
