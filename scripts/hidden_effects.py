@@ -27,7 +27,7 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 
 from mjfriction.benchmark.cases import SEVERITY, Setting, make_case, write_case
-from mjfriction.benchmark.effects import EFFECTS
+from mjfriction.benchmark.effects.catalog import EFFECTS
 from mjfriction.benchmark.score import Finding, Outcome, reliability, removed_share, score
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -10,7 +10,8 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet
 
-from mjfriction.benchmark.effects import EFFECTS, Draw, Effect, Place
+from mjfriction.benchmark.effects.catalog import EFFECTS, Draw
+from mjfriction.benchmark.effects.effect import Effect, Place
 from mjfriction.laws.law import Floats
 from mjfriction.plant.machine import Control, simulate
 from mjfriction.plant.motions import excitation

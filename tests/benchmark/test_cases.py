@@ -10,7 +10,7 @@ import pyarrow as pa
 import pytest
 
 from mjfriction.benchmark.cases import SEVERITY, Case, Setting, draw_of, make_case, write_case
-from mjfriction.benchmark.effects import EFFECTS
+from mjfriction.benchmark.effects.catalog import EFFECTS
 from mjfriction.benchmark.score import Finding, Outcome
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis, Verdict

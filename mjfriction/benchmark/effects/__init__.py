@@ -1,0 +1,1 @@
+"""The hidden effects, a file for each part of the machine."""

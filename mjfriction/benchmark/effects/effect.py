@@ -1,0 +1,73 @@
+"""What a hidden effect is: it turns a robot into one that has something its maker does not know of.
+
+An effect is drawn at a place, with whatever shape it has; how strong it is, is one number that the case scales until
+the effect stands out of the noise as much as was asked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from mjfriction.laws.law import Floats
+from mjfriction.robot.friction import stated_levels
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.schema import Joint
+
+Change = Callable[[Robot, float], Robot]
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One hidden effect: its ``cause``, its ``joint`` (None for the whole arm), the ``change`` it makes at a strength,
+    the strength to ``begin`` with and the ``most`` there may be of it, and columns the log gains by it.
+    """
+
+    cause: str
+    joint: str | None
+    change: Change
+    begin: float
+    most: float
+    ambient: Mapping[str, Floats]
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where an effect is drawn: the robot, a joint of it, that joint's stroke, centre and usual speed, and the time."""
+
+    robot: Robot
+    joint: str
+    centre: float
+    stroke: float
+    speed: float
+    time: Floats
+
+    @property
+    def coulomb(self) -> float:
+        """The joint's Coulomb level."""
+        return stated_levels(self.robot.joint(self.joint))[0]
+
+    @property
+    def viscous(self) -> float:
+        """The joint's damping."""
+        return stated_levels(self.robot.joint(self.joint))[1]
+
+
+def on_joint(
+    cause: str, place: Place, change: Change, begin: float, most: float, ambient: Mapping[str, Floats] | None = None
+) -> Effect:
+    """Return an effect on the place's own joint."""
+    return Effect(cause, place.joint, change, begin, most, ambient or {})
+
+
+def updated(robot: Robot, joint: str, **changes: object) -> Robot:
+    """Return the robot with keys of a joint's table replaced."""
+    table: Joint = robot.joint(joint)
+    return robot.with_joint(table.model_copy(update=changes))
+
+
+def sign(rng: np.random.Generator) -> float:
+    """Draw −1 or 1."""
+    return float(rng.choice([-1.0, 1.0]))
