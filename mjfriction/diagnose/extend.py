@@ -11,6 +11,7 @@ from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Model
 from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
 from mjfriction.robot.friction import raised_levels, stated_levels
+from mjfriction.robot.links import link_scale, scaled_link
 from mjfriction.robot.robot import Robot
 
 
@@ -41,10 +42,8 @@ def extend_robot(model: Model) -> Robot:
         joint = level.site.joint
         coulomb, viscous = strengths[2 * i : 2 * i + 2] / sensor[joint]
         robot = raised_levels(robot, robot.joints[joint], float(coulomb), float(viscous))
-    scale = dict(robot.table.link_scale)
-    for k, link in enumerate(nuisance.links):
-        scale[link.name] = scale.get(link.name, 1.0) * (1.0 + float(strengths[2 * len(nuisance.levels) + k]))
-    robot = Robot(robot.table.model_copy(update={"link_scale": scale}), robot.folder)
+    for k, link in enumerate(nuisance.links, start=2 * len(nuisance.levels)):
+        robot = scaled_link(robot, link.name, 1.0 + float(strengths[k]))
     for choice, place in zip(model.chosen, model.places, strict=True):
         joint = choice.site.joint
         before = sensor[joint] if choice.cause.before_sensor else 1.0
@@ -66,7 +65,7 @@ def adjustments(model: Model) -> list[Adjustment]:
             fitted = stated[k] + float(strengths[2 * i + k])
             out.append(Adjustment(name, gap.robot.joints[joint], unit, stated[k], fitted, float(half[2 * i + k])))
     for k, link in enumerate(model.nuisance.links, start=2 * len(model.nuisance.levels)):
-        stated_scale = gap.robot.table.link_scale.get(link.name, 1.0)
+        stated_scale = link_scale(gap.robot, link.name)
         fitted = stated_scale * (1.0 + float(strengths[k]))
         out.append(Adjustment("link_scale", link.name, "1", stated_scale, fitted, stated_scale * float(half[k])))
     for choice, place, width in zip(model.chosen, model.places, widths.causes, strict=True):

@@ -73,10 +73,9 @@ def make_nuisance(gap: Gap) -> Nuisance:
         speed = float(np.sqrt(np.mean(np.square(gap.motion.velocity[:, site.joint]))))
         precision = np.square(np.array([1.0, speed]) / (LEVEL_SCALE * effort))
         levels.append(Level(site, STATED_LEVELS.columns(gap, site), precision))
-    scale = np.array([joint.effort_sensor.scale for joint in gap.robot.table.joint])
     links = []
     for k, name in enumerate(gap.body.links):
-        block = {joint: gap.chain.rows(scale[joint] * gap.link_torques[:, joint, k])[:, None] for joint in gap.examined}
+        block = {joint: rows[:, k, :1] for joint, rows in gap.link_rows.items()}
         if any(np.any(values) for values in block.values()):
             links.append(LinkScale(name, block, np.array([1.0 / LINK_SCALE**2])))
     return Nuisance(tuple(levels), tuple(links))

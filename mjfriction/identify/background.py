@@ -12,11 +12,11 @@ from typing import Protocol
 
 import numpy as np
 
-from mjfriction.body.regressor import first_moment_torques
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.record.log import Floats
+from mjfriction.robot.links import link_scale, link_shift, scaled_link, shifted_link
 from mjfriction.robot.robot import Robot
 
 USUAL_SCALE = 0.10  # one standard deviation of how far a stated mass and inertia are off
@@ -62,16 +62,12 @@ class LinkChange:
 
     def applied(self, robot: Robot, strengths: Floats) -> Robot:
         """Scale the link and move its centre."""
-        scale, shift = dict(robot.table.link_scale), dict(robot.table.link_shift)
-        scale[self.name] = scale.get(self.name, 1.0) * (1.0 + float(np.clip(strengths[0], SMALLEST, LARGEST)))
-        stated = shift.get(self.name, (0.0, 0.0, 0.0))
-        x, y, z = (float(a + b) for a, b in zip(stated, strengths[1:], strict=True))
-        shift[self.name] = (x, y, z)
-        return Robot(robot.table.model_copy(update={"link_scale": scale, "link_shift": shift}), robot.folder)
+        factor = 1.0 + float(np.clip(strengths[0], SMALLEST, LARGEST))
+        return shifted_link(scaled_link(robot, self.name, factor), self.name, strengths[1:].tolist())
 
     def fitted(self, robot: Robot, half: Floats) -> list[Fitted]:
         """The scale, and the shifts."""
-        scale, shift = robot.table.link_scale[self.name], robot.table.link_shift[self.name]
+        scale, shift = link_scale(robot, self.name), link_shift(robot, self.name)
         meaning = "mass and inertia of the link that the joint moves, relative to the model file"
         out = [_fitted(f"link_scale.{self.name}", meaning, "1", scale, scale * float(half[0]))]
         for axis, value, own in zip("xyz", shift, half[1:].tolist(), strict=True):
@@ -109,16 +105,10 @@ class OffsetChange:
 
 def link_changes(gap: Gap) -> list[Background]:
     """Return every link that is felt."""
-    linked = gap.linked
-    shifts = first_moment_torques(gap.body, linked.position, linked.velocity, linked.acceleration)
     size = float(np.sqrt(np.mean(np.square(np.nan_to_num(gap.measured)))))
     out: list[Background] = []
     for k, name in enumerate(gap.body.links):
-        block = {}
-        for joint in gap.examined:
-            scale = gap.robot.table.joint[joint].effort_sensor.scale
-            samples = np.column_stack([gap.link_torques[:, joint, k], shifts[:, joint, k]])
-            block[joint] = scale * gap.chain.rows(samples)
+        block = {joint: rows[:, k] for joint, rows in gap.link_rows.items()}
         if any(np.max(np.abs(columns)) > FELT * size for columns in block.values()):
             out.append(LinkChange(name, block))
     return out

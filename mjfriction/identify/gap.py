@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mjfriction.body.inverse import motion_derivatives
 from mjfriction.body.model import Body
-from mjfriction.body.regressor import link_torques
+from mjfriction.body.regressor import first_moment_torques, link_torques
 from mjfriction.identify.blocks import Blocks, cut_blocks
 from mjfriction.identify.effort_band import effort_band
 from mjfriction.identify.rows import Chain, make_chain
@@ -91,10 +91,19 @@ class Gap:
         return [forward_share(self.motion, joint) for joint in range(len(self.motion.joints))]
 
     @functools.cached_property
-    def link_torques(self) -> Floats:
-        """The share of every link in the inverse dynamics, (n, joints, links)."""
-        linked = self.linked
-        return link_torques(self.body, linked.position, linked.velocity, linked.acceleration)
+    def link_rows(self) -> dict[int, Floats]:
+        """What each examined joint reports for every link, (rows, links, 4): its share of the inverse dynamics, and per
+        metre that its centre of mass is moved along x, y and z.
+        """
+        course = (self.linked.position, self.linked.velocity, self.linked.acceleration)
+        parts = (link_torques(self.body, *course)[..., None], first_moment_torques(self.body, *course))
+        scale = [joint.effort_sensor.scale for joint in self.robot.table.joint]
+        out = {}
+        for joint in self.examined:
+            samples = np.concatenate([part[:, joint] for part in parts], axis=2)
+            flat = self.chain.rows(scale[joint] * samples.reshape(samples.shape[0], -1))
+            out[joint] = flat.reshape(-1, *samples.shape[1:])
+        return out
 
     @functools.cached_property
     def linked(self) -> Motion:

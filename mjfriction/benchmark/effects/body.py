@@ -6,6 +6,7 @@ import numpy as np
 
 from mjfriction.benchmark.effects.effect import Effect, Place, on_joint, updated
 from mjfriction.body.regressor import tip_link
+from mjfriction.robot.links import scaled_link
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import (
     Payload,
@@ -30,8 +31,7 @@ def link_inertia(rng: np.random.Generator, place: Place) -> Effect:
     way = 1.0 if rng.random() < 0.6 else -0.7
 
     def change(robot: Robot, a: float) -> Robot:
-        scale = {place.joint: max(0.2, 1.0 + way * a)}
-        return Robot(robot.table.model_copy(update={"link_scale": scale}), robot.folder)
+        return scaled_link(robot, place.joint, max(0.2, 1.0 + way * a))
 
     return Effect("body.link_inertia", None, change, 0.3, 1.5, {})
 

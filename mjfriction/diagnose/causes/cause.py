@@ -66,9 +66,12 @@ class Cause(ABC):
         """Return where the cause may sit, with a starting grid of shapes: by default every examined, moving joint."""
         return [Site(joint) for joint in gap.examined if gap.motion.moving[joint]]
 
-    @abstractmethod
     def samples(self, gap: Gap, site: Site) -> Floats:
-        """Return the effort per unit strength along the motion, (n, strengths), at the joint, before the sensor."""
+        """Return the effort per unit strength along the motion, (n, strengths), at the joint, before the sensor.
+
+        A cause that several joints feel gives its :meth:`columns` itself, and has none.
+        """
+        raise NotImplementedError(f"{type(self).__name__} gives its columns itself")
 
     @abstractmethod
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from typing import final
+from typing import ClassVar, final
 
 import numpy as np
 
-from mjfriction.body.regressor import first_moment_torques
 from mjfriction.diagnose.causes.cause import Cause, Quantity, Site
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
+from mjfriction.robot.links import link_scale, link_shift, scaled_link, shifted_link
 from mjfriction.robot.robot import Robot
 
 LEAST_NOTED = 0.08  # of a link's mass, from which on it is a finding: no stated mass is better than that
@@ -26,10 +25,7 @@ class _Link(Cause):
     name = "body.link_inertia"
     covariate = "effort"
     whole_arm = True
-
-    @abstractmethod
-    def torques(self, gap: Gap) -> Floats:
-        """Return the efforts per unit strength of every link, (n, joints, links, strengths)."""
+    part: ClassVar[slice]  # of a gap's link rows, that is the cause's own
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every link of the robot's own joints that any examined joint feels."""
@@ -37,38 +33,22 @@ class _Link(Cause):
         sites = [Site(gap.robot.joints.index(name)) for name in gap.body.links if name in gap.robot.joints]
         return [s for s in sites if any(np.max(np.abs(c)) > least for c in self.columns(gap, s).values())]
 
-    def samples(self, gap: Gap, site: Site) -> Floats:
-        """The efforts at the joint that moves the link, (n, strengths)."""
-        return np.asarray(self.torques(gap)[:, site.joint, self._link(gap, site)])
-
     def columns(self, gap: Gap, site: Site) -> Columns:
         """The efforts at every examined joint, through the chain."""
-        key = f"{type(self).__name__} {site.joint}"
-        if key not in gap.kept:
-            torques = self.torques(gap)
-            scale = [joint.effort_sensor.scale for joint in gap.robot.table.joint]
-            for k, name in enumerate(gap.body.links):
-                if name in gap.robot.joints:
-                    place = f"{type(self).__name__} {gap.robot.joints.index(name)}"
-                    gap.kept[place] = {i: scale[i] * gap.chain.rows(torques[:, i, k]) for i in gap.examined}
-        return gap.kept[key]
-
-    def _link(self, gap: Gap, site: Site) -> int:
-        return gap.body.links.index(gap.robot.joints[site.joint])
+        link = gap.body.links.index(gap.robot.joints[site.joint])
+        return {joint: rows[:, link, self.part] for joint, rows in gap.link_rows.items()}
 
 
 @final
 class LinkScale(_Link):
     """Mass and inertia of one link are a factor off."""
 
-    def torques(self, gap: Gap) -> Floats:
-        """The link's share of the torques."""
-        return gap.link_torques[:, :, :, None]
+    part = slice(0, 1)
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The factor, stated times change."""
         name = gap.robot.joints[site.joint]
-        stated = gap.robot.table.link_scale.get(name, 1.0)
+        stated = link_scale(gap.robot, name)
         meaning = "mass and inertia of the link that the joint moves, relative to the model file"
         return (Quantity(Parameter(f"link_scale.{name}", "1", meaning, lower=0.0), factor=stated, shift=stated),)
 
@@ -82,10 +62,7 @@ class LinkScale(_Link):
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Scale the link."""
-        name = robot.joints[site.joint]
-        scale = {**robot.table.link_scale}
-        scale[name] = scale.get(name, 1.0) * (1.0 + float(strengths[0]))
-        return Robot(robot.table.model_copy(update={"link_scale": scale}), robot.folder)
+        return scaled_link(robot, robot.joints[site.joint], 1.0 + float(strengths[0]))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give the factor."""
@@ -98,16 +75,12 @@ class LinkCentre(_Link):
     """The centre of mass of one link lies elsewhere."""
 
     curved = True
-
-    def torques(self, gap: Gap) -> Floats:
-        """Torques per metre along the axes of the link's frame."""
-        linked = gap.linked
-        return first_moment_torques(gap.body, linked.position, linked.velocity, linked.acceleration)
+    part = slice(1, 4)
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The shift, stated plus change."""
         name = gap.robot.joints[site.joint]
-        stated = gap.robot.table.link_shift.get(name, (0.0, 0.0, 0.0))
+        stated = link_shift(gap.robot, name)
         axes = [Parameter(f"link_shift_{x}.{name}", "m", f"shift of the centre of mass along {x}") for x in "xyz"]
         return tuple(Quantity(axis, shift=shift) for axis, shift in zip(axes, stated, strict=True))
 
@@ -117,11 +90,7 @@ class LinkCentre(_Link):
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move the centre."""
-        name = robot.joints[site.joint]
-        stated = robot.table.link_shift.get(name, (0.0, 0.0, 0.0))
-        x, y, z = (float(a + b) for a, b in zip(stated, strengths, strict=True))
-        shift = {**robot.table.link_shift, name: (x, y, z)}
-        return Robot(robot.table.model_copy(update={"link_shift": shift}), robot.folder)
+        return shifted_link(robot, robot.joints[site.joint], strengths.tolist())
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give the shift."""

@@ -33,10 +33,6 @@ class _WholeArm(Cause):
     def torques(self, gap: Gap) -> Floats:
         """Return effort per unit strength at every joint, (n, joints, strengths)."""
 
-    def samples(self, gap: Gap, site: Site) -> Floats:
-        """The effort at the site's joint."""
-        return np.asarray(self.torques(gap)[:, site.joint])
-
     def columns(self, gap: Gap, site: Site) -> Columns:
         """The effort at every examined joint, through the chain."""
         if self.name not in gap.kept:
