@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -9,6 +10,7 @@ import typer
 
 from mjfriction.cli.options import Json, LogPath
 from mjfriction.cli.progress import working
+from mjfriction.cli.show import show
 
 Robots = Annotated[
     list[str],
@@ -28,8 +30,9 @@ def compare(log: LogPath, robot: Robots, out: Out = None, json: Json = False) ->
     """
     from mjfriction.identify.comparison import compare_robots
     from mjfriction.record.readers import read_log
-    from mjfriction.report.comparison import comparison_table, summary, write_comparison
+    from mjfriction.report.comparison import comparison_table, write_comparison
     from mjfriction.report.folder import whole_folder
+    from mjfriction.report.text import print_comparison
     from mjfriction.robot.files import read_robot
 
     with working("comparing"):
@@ -43,16 +46,7 @@ def compare(log: LogPath, robot: Robots, out: Out = None, json: Json = False) ->
 
         typer.echo(writer.dumps(comparison_table(comparison), indent=2, ensure_ascii=False))
         return
-    from rich.console import Console
-
-    from mjfriction.report.text import WIDTH, comparison_lines
-
-    console = Console(width=WIDTH, highlight=False, soft_wrap=False)
-    console.print(f"{summary(comparison)}\n")
-    console.print(f"RMS error while the joint moves, below {comparison.gap.chain.band:.3g} Hz", style="italic")
-    console.print(comparison_lines(comparison))
-    if out is not None:
-        console.print(f"\nResults in {out}: open {out / 'report.html'}, or mjfriction view {out}")
+    show(partial(print_comparison, comparison), out)
 
 
 def _names(sources: list[str]) -> list[str]:

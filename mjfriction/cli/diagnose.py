@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -9,6 +10,7 @@ import typer
 
 from mjfriction.cli.options import Json, LogPaths, RobotSource
 from mjfriction.cli.progress import working
+from mjfriction.cli.show import show
 
 Out = Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the results.", show_default=False)]
 Seed = Annotated[int, typer.Option(help="Sets the resampling behind the intervals of the gains.")]
@@ -31,6 +33,7 @@ def report_diagnosis(logs: list[Path], robot: str, out: Path, *, seed: int, json
     from mjfriction.record.readers import read_log
     from mjfriction.report.folder import whole_folder
     from mjfriction.report.result import make_report, report_json
+    from mjfriction.report.text import print_report
     from mjfriction.report.write import write_results
     from mjfriction.robot.files import read_robot
 
@@ -44,10 +47,4 @@ def report_diagnosis(logs: list[Path], robot: str, out: Path, *, seed: int, json
     if json:
         typer.echo(report_json(report), nl=False)
         return
-    from rich.console import Console
-
-    from mjfriction.report.text import WIDTH, print_report
-
-    console = Console(width=WIDTH, highlight=False, soft_wrap=False)
-    print_report(report, console)
-    console.print(f"\nResults in {out}: open {out / 'report.html'}, or mjfriction view {out}")
+    show(partial(print_report, report), out)

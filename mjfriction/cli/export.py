@@ -24,6 +24,7 @@ def export(robot: RobotSource, out: Out, fastest: Fastest = 2.0, as_json: Json =
     from dataclasses import asdict
 
     from mjfriction.errors import OutputError, RobotError
+    from mjfriction.report.folder import whole_file
     from mjfriction.robot.files import read_robot
     from mjfriction.robot.simulation import not_in_model, robot_laws, robot_spec
     from mjfriction.sim.export import export_spec
@@ -36,12 +37,8 @@ def export(robot: RobotSource, out: Out, fastest: Fastest = 2.0, as_json: Json =
         spec.compile()
     except ValueError as error:
         raise RobotError(f"{read.model_path}: MuJoCo cannot compile it: {' '.join(str(error).split())}") from None
-    beside = out.with_name(f".{out.name}.part")
-    try:
-        beside.write_text(spec.to_xml(), encoding="utf-8")
-        beside.replace(out)
-    except OSError as error:
-        raise OutputError(f"{out}: cannot be written: {error.strerror}") from None
+    with whole_file(out) as draft:
+        draft.write_text(spec.to_xml(), encoding="utf-8")
     lost = {joint.name: keys for joint in read.table.joint if (keys := not_in_model(joint))}
     if as_json:
         typer.echo(json.dumps({"model": str(out), "joints": [asdict(one) for one in carried], "not_carried": lost}))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -10,6 +11,7 @@ import typer
 
 from mjfriction.cli.options import Json, LogPaths, RobotSource
 from mjfriction.cli.progress import working
+from mjfriction.cli.show import show
 
 
 class Side(enum.Enum):
@@ -51,6 +53,7 @@ def identify(
     from mjfriction.report.folder import whole_folder
     from mjfriction.report.identified import make_identified_report
     from mjfriction.report.result import report_json
+    from mjfriction.report.text import print_identified
     from mjfriction.report.write import write_identified
     from mjfriction.robot.files import read_robot
 
@@ -66,10 +69,4 @@ def identify(
     if json:
         typer.echo(report_json(report), nl=False)
         return
-    from rich.console import Console
-
-    from mjfriction.report.text import WIDTH, print_identified
-
-    console = Console(width=WIDTH, highlight=False, soft_wrap=False)
-    print_identified(report, console)
-    console.print(f"\nResults in {out}: open {out / 'report.html'}, or mjfriction view {out}")
+    show(partial(print_identified, report), out)

@@ -56,7 +56,13 @@ def plan(
     Example: mjfriction plan --robot ur5 --protocol forward_backward --joint elbow_joint --out passes.csv
     """
     from mjfriction.errors import RobotError
-    from mjfriction.identify.protocol import plan_excitation, plan_passes, plan_separation
+    from mjfriction.identify.protocol import (
+        USUAL_SECONDS,
+        USUAL_SPEEDS,
+        plan_excitation,
+        plan_passes,
+        plan_separation,
+    )
     from mjfriction.report.table_file import check_table_name, write_table
     from mjfriction.robot.files import read_robot
 
@@ -70,9 +76,9 @@ def plan(
     with working("planning"):
         model = read_robot(robot)
         if protocol is Protocol.FORWARD_BACKWARD:
-            found = plan_passes(model, joint or model.joints, count=speeds or 12, seed=seed)
+            found = plan_passes(model, joint or model.joints, count=speeds or USUAL_SPEEDS, seed=seed)
         elif protocol is Protocol.EXCITATION:
-            found = plan_excitation(model, seconds or 60.0, seed=seed)
+            found = plan_excitation(model, seconds or USUAL_SECONDS, seed=seed)
         elif against is None:
             raise RobotError("the protocol 'separate' needs the other model of the robot: give it with --against")
         else:

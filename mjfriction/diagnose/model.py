@@ -11,12 +11,11 @@ from mjfriction.diagnose.causes.cause import Cause, Site
 from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns, Normal, Rows, System
+from mjfriction.identify.row_noise import least_noise, row_noise
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_levels
 
 PRIOR_SHARE = 100.0  # a cause's strength may be worth this many times the joint's effort: next to no restraint
-CLEAR = 0.1  # share of the noise that doubt about friction's direction may add to a row the noise is measured on
-LEAST_NOISE = 1e-3  # of the joint's RMS effort; no model of a machine is better than that
 BACKWARD_COULOMB = 0.1  # of a joint's friction that its Coulomb level may seem to be negative by
 MOST_TAKEN = 1.25  # of a joint's Coulomb level, that its causes may move into laws of their own
 BACKWARD_VISCOUS = 0.3  # and its damping, which errors of the links' inertias reach too
@@ -141,15 +140,12 @@ def build_model(gap: Gap, nuisance: Nuisance, chosen: tuple[Chosen, ...]) -> Mod
     columns = nuisance.columns + [block for block, _ in blocks]
     precisions = nuisance.precisions + [precision for _, precision in blocks]
     target = np.nan_to_num(gap.residual) - sum(choice.tangent.bend for choice in chosen if choice.tangent)
-    floor = np.maximum(np.nan_to_num(gap.noise_floor), LEAST_NOISE * _rms(np.nan_to_num(gap.measured)))
-    noise = np.maximum(floor, _rms(np.nan_to_num(gap.residual)))
+    noise = np.maximum(least_noise(gap), np.sqrt(np.mean(np.square(np.nan_to_num(gap.residual)), axis=0)))
     for _ in range(3):
         model = Model(gap, nuisance, chosen, System(_weighted_rows(gap, target, noise), columns, precisions))
         left = model.residual()
         for joint in gap.examined:
-            clear = gap.doubt[:, joint] < CLEAR * noise[joint]
-            values = left[clear, joint] if np.count_nonzero(clear) > 50 else left[:, joint]
-            noise[joint] = max(floor[joint], 1.4826 * float(np.median(np.abs(values))))
+            noise[joint] = row_noise(gap, joint, left[:, joint], float(noise[joint]))
     return Model(gap, nuisance, chosen, System(_weighted_rows(gap, target, noise), columns, precisions))
 
 
@@ -158,7 +154,3 @@ def _weighted_rows(gap: Gap, target: Floats, noise: Floats) -> Rows:
     deviation = np.sqrt(np.square(noise) + np.square(np.nan_to_num(gap.doubt)))
     weight = np.divide(1.0, deviation, out=np.zeros_like(deviation), where=measured & (deviation > 0.0))
     return Rows(target, weight, gap.blocks.row)
-
-
-def _rms(values: Floats) -> Floats:
-    return np.asarray(np.sqrt(np.mean(np.square(values), axis=0)))

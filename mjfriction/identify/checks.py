@@ -13,7 +13,7 @@ ALIKE = 0.98  # correlation of two parameters past which only a combination of t
 LOOSE = 1.0  # of a value, that its interval may be wide to either side before it is not fixed
 UNSEEN = 1e-9  # of the friction's RMS, that a change of a parameter by itself must make
 AT_BOUND = 1e-6  # of the coordinates' size
-SLOPES = frozenset(
+SHAPES = frozenset(
     {"bristle_stiffness", "bristle_damping", "stribeck_velocity", "stribeck_steepness", "stribeck_exponent"}
 )
 
@@ -30,7 +30,7 @@ def notes(fit: LawFit, half: Floats, covariance: Floats) -> dict[str, str]:
     for k, name in enumerate(names):
         if seen[k] < UNSEEN * float(np.sqrt(np.mean(np.square(fit.problem.target)))):
             out[name] = "this log does not show it"
-        elif half[k] > LOOSE * abs(values[name]) and name in SLOPES:
+        elif half[k] > LOOSE * abs(values[name]) and name in SHAPES:
             out[name] = "not fixed by this log: slower motion with more reversals would show it"
         for bound, which in ((low[k], "lowest"), (high[k], "highest")):
             if np.isfinite(bound) and abs(fit.x[k] - bound) < AT_BOUND * (1.0 + abs(bound)):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -31,7 +32,7 @@ STANDARD_ERRORS = 3.0  # by which it must be better on motion not fitted
 
 @dataclass(frozen=True)
 class Choice:
-    """A candidate: its fit and its squared error on every block that its fit has not seen, (blocks,)."""
+    """A candidate: its fit, and what that leaves of every row it has not seen, (rows,)."""
 
     fit: LawFit
     heldout: Floats
@@ -40,6 +41,13 @@ class Choice:
     def parameters(self) -> int:
         """How many numbers were fitted."""
         return int(self.fit.x.size)
+
+    @functools.cached_property
+    def errors(self) -> Floats:
+        """The squared error of every block in deviations, on motion not fitted, (blocks,)."""
+        problem = self.fit.problem
+        weighted = np.square(self.heldout / problem.deviation)
+        return np.asarray(np.bincount(problem.gap.blocks.row, weighted), dtype=np.float64)
 
 
 def choose_law(problem: Problem, names: Sequence[str] = CANDIDATES) -> tuple[Choice, list[Choice]]:
@@ -59,10 +67,10 @@ def choose_law(problem: Problem, names: Sequence[str] = CANDIDATES) -> tuple[Cho
         choices.append(Choice(fit, fit.heldout()))
     best = min(choices, key=lambda choice: choice.parameters)
     able = [choice for choice in choices if choice is best or _shows(choice.fit)]
-    for choice in sorted(able, key=lambda choice: (choice.parameters, float(np.sum(choice.heldout)))):
-        better = best.heldout - choice.heldout
+    for choice in sorted(able, key=lambda choice: (choice.parameters, float(np.sum(choice.errors)))):
+        better = best.errors - choice.errors
         error = float(np.std(better, ddof=1)) * np.sqrt(better.size)
-        if np.sum(better) > max(STANDARD_ERRORS * error, LEAST_GAIN * float(np.sum(best.heldout))):
+        if np.sum(better) > max(STANDARD_ERRORS * error, LEAST_GAIN * float(np.sum(best.errors))):
             best = choice
     return best, choices
 

@@ -13,6 +13,8 @@ from mjfriction.record.log import Floats, Log
 from mjfriction.robot.effort import reported_unit
 from mjfriction.robot.robot import Robot
 
+ALIKE = 1.02  # times the best robot's error at every joint, up to which no robot is nearer than another
+
 
 @dataclass(frozen=True)
 class ModelError:
@@ -50,6 +52,23 @@ class Comparison:
         """The robot with the least error, relative to the measured effort and averaged over the joints."""
         shares = [np.mean([joint.errors[k].share for joint in self.joints]) for k in range(len(self.names))]
         return self.names[int(np.argmin(shares))]
+
+    @property
+    def summary(self) -> str:
+        """Which robot is nearest to the log, and by how much, in a sentence."""
+        least = self.names.index(self.best)
+        joint = max(self.joints, key=lambda j: max(e.effort for e in j.errors) / max(j.errors[least].effort, 1e-300))
+        most = max(range(len(self.names)), key=lambda k: joint.errors[k].effort)
+        if joint.errors[most].effort < ALIKE * joint.errors[least].effort:
+            return (
+                f"They are equally near to the log, within {100 * (ALIKE - 1.0):.0f} % at every joint: nothing is left "
+                "to choose by."
+            )
+        return (
+            f"{self.best} is nearest to the log; they differ most at {joint.joint}: "
+            f"{joint.errors[least].effort:.3g} {joint.unit} there, {self.names[most]} "
+            f"{joint.errors[most].effort:.3g} {joint.unit}."
+        )
 
 
 def compare_robots(log: Log, robots: Sequence[tuple[str, Robot]]) -> Comparison:

@@ -36,7 +36,7 @@ def conclude(
     stated: Gap,
     robot: Robot,
     joints: Sequence[int],
-    chosen: Sequence[Choice],
+    fits: Sequence[LawFit],
     tried: Sequence[Sequence[Choice]],
     background: Sequence[Background],
     maps: dict[int, FrictionMap],
@@ -44,11 +44,11 @@ def conclude(
 ) -> Identification:
     """Return the outcome of an identification.
 
-    It is that of the ``chosen`` laws at ``joints``, among those ``tried`` there, built into ``robot`` with the refitted
+    It is that of the laws ``fits`` at ``joints``, among those ``tried`` there, built into ``robot`` with the refitted
     ``background``, against the ``stated`` robot's gap; ``maps`` are the joints' passes.
     """
     gap = gap_of(robot, stated)
-    system = _taken_together(gap, joints, chosen, background)
+    system = _taken_together(gap, joints, fits, background)
     step = system.normal.strengths(np.ones(gap.blocks.count, dtype=bool))
     covariance = _covariance(system, step, gap)
     quantile = float(student.ppf(0.975, gap.blocks.groups - 1))
@@ -56,16 +56,15 @@ def conclude(
     for fold in gap.blocks.folds:
         rows = fold[gap.blocks.row]
         heldout[rows] = system.residual(system.normal.strengths(~fold))[rows]
-    passed = _passed(joints, chosen, maps)
+    passed = _passed(joints, fits, maps)
     for joint in joints:
         if refined is not None or joint in passed:
             # Values that do not come from these rows are held against them as they stand.
             heldout[:, joint] = gap.residual[:, joint]
     after = find_structure(gap, np.nan_to_num(heldout))
     laws, errors, place = [], [], 0
-    begun = refined.begun if refined is not None else [choice.fit for choice in chosen]
-    for joint, choice, others, before in zip(joints, chosen, tried, begun, strict=True):
-        fit = choice.fit
+    begun = refined.begun if refined is not None else fits
+    for joint, fit, others, before in zip(joints, fits, tried, begun, strict=True):
         own = slice(place, place + fit.x.size)
         place += fit.x.size
         worst = max((s for s in after if s.joint == gap.robot.joints[joint]), key=lambda s: s.share)
@@ -103,17 +102,17 @@ def conclude(
 
 
 def _taken_together(
-    gap: Gap, joints: Sequence[int], chosen: Sequence[Choice], background: Sequence[Background]
+    gap: Gap, joints: Sequence[int], fits: Sequence[LawFit], background: Sequence[Background]
 ) -> System:
     # A further step of everything at once, from where all stand: what intervals and held-out errors are drawn from.
     target = np.nan_to_num(gap.residual)
     weight = np.zeros_like(target)
     blocks: list[Columns] = []
     precisions: list[Floats] = []
-    for joint, choice in zip(joints, chosen, strict=True):
-        weight[:, joint] = 1.0 / choice.fit.problem.believed(target[:, joint]).deviation
-        blocks.append({joint: choice.fit.slopes})
-        precisions.append(choice.fit.precision)
+    for joint, fit in zip(joints, fits, strict=True):
+        weight[:, joint] = 1.0 / fit.problem.believed(target[:, joint]).deviation
+        blocks.append({joint: fit.slopes})
+        precisions.append(fit.precision)
     blocks += [part.columns for part in background]
     precisions += [part.precision for part in background]
     return System(Rows(target, weight, gap.blocks.row), blocks, precisions)
@@ -131,9 +130,9 @@ def _covariance(system: System, step: Floats, gap: Gap) -> Floats:
     return np.asarray(clustered + np.diag(np.maximum(0.0, np.diag(white) - np.diag(clustered))))
 
 
-def _passed(joints: Sequence[int], chosen: Sequence[Choice], maps: dict[int, FrictionMap]) -> dict[int, MapFit]:
-    fits = {joint: choice.fit for joint, choice in zip(joints, chosen, strict=True) if joint in maps}
-    found = {joint: statics_from_passes(fit, maps[joint]) for joint, fit in fits.items()}
+def _passed(joints: Sequence[int], fits: Sequence[LawFit], maps: dict[int, FrictionMap]) -> dict[int, MapFit]:
+    pairs = zip(joints, fits, strict=True)
+    found = {joint: statics_from_passes(fit, maps[joint]) for joint, fit in pairs if joint in maps}
     return {joint: statics for joint, statics in found.items() if statics is not None}
 
 
@@ -163,23 +162,13 @@ def _parameters(fit: LawFit, half: Floats, said: dict[str, str], sliding: bool) 
 
 
 def _candidate(gap: Gap, joint: int, choice: Choice) -> Candidate:
-    error = gap.rms(_heldout_rows(choice), joint) / abs(float(gap.per_reported[joint]))
+    error = gap.rms(choice.heldout, joint) / abs(float(gap.per_reported[joint]))
     return Candidate(choice.fit.law.name, choice.parameters, error)
 
 
 def _structured(gap: Gap, joint: int, worst: Structure) -> bool:
     size = np.sqrt(max(worst.share, 0.0)) * gap.rms(gap.residual[:, joint], joint)
     return bool(worst.share > STRUCTURED and size > LEAST_EFFORT * gap.rms(gap.measured[:, joint], joint))
-
-
-def _heldout_rows(choice: Choice) -> Floats:
-    fit, normal = choice.fit, choice.fit.normal()
-    blocks = fit.problem.gap.blocks
-    out = fit.left
-    for fold in blocks.folds:
-        rows = fold[blocks.row]
-        out[rows] -= fit.slopes[rows] @ normal.strengths(~fold)
-    return out
 
 
 def _far_above_noise(gap: Gap, heldout: Floats, joint: int) -> bool:

@@ -11,7 +11,6 @@ from mjfriction.errors import LogError
 from mjfriction.identify.background import Background, OffsetChange, link_changes, offset_changes
 from mjfriction.identify.choose import CANDIDATES, Choice, choose_law
 from mjfriction.identify.conclude import conclude
-from mjfriction.identify.coordinates import Coordinates
 from mjfriction.identify.fit import LawFit, fit_anew, slopes
 from mjfriction.identify.friction_map import FrictionMap, friction_maps
 from mjfriction.identify.gap import Gap, gap_of, measure_gap
@@ -25,6 +24,7 @@ from mjfriction.laws.catalog import find_law
 from mjfriction.record.log import Floats, Log
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import forward_share
+from mjfriction.robot.schema import FrictionTerm
 
 ROUNDS = 2  # of links by themselves and laws by themselves, before all are taken together
 
@@ -57,7 +57,10 @@ def identify_log(
         raise LogError(
             f"{log.source}: no joint moves and reports an effort or a current that changes; nothing can be identified"
         )
-    bare = gap_of(_without_friction(stated.robot, joints), stated)
+    without = stated.robot
+    for joint in joints:
+        without = _with_friction(without, joint, ())
+    bare = gap_of(without, stated)
     maps = {
         found.joint: found for found in friction_maps(bare.motion, _efforts(bare), constant_speed_phases(bare.motion))
     }
@@ -65,46 +68,38 @@ def identify_log(
     friction = _coulomb_viscous_columns(bare, joints)
     target = np.nan_to_num(bare.residual)
     problems = [Problem(bare, joint, side, target[:, joint], _doubted(bare, joint)) for joint in joints]
-    chosen: list[Choice] = []
+    fits: list[LawFit] = []
     tried: list[list[Choice]] = []
-    for number in range(ROUNDS):
-        fitted = np.column_stack([choice.fit.problem.rows(choice.fit.term) for choice in chosen]) if chosen else None
-        background = _unshared(background, joints, chosen)
-        change, left = _background_fitted(bare, problems, background, friction, fitted)
+    for _ in range(ROUNDS):
+        laws = np.column_stack([fit.problem.rows(fit.term) for fit in fits]) if fits else None
+        background = _unshared(background, joints, fits)
+        change, left = _background_fitted(bare, problems, background, friction, laws)
         problems = [
             replace(problem, target=target[:, joint] - _effort_of(background, change, joint)).believed(left[:, i])
             for i, (joint, problem) in enumerate(zip(joints, problems, strict=True))
         ]
-        if number == 0:
-            results = [_joint_law(problem, names, maps.get(problem.joint)) for problem in problems]
-            chosen, tried = [best for best, _ in results], [all_of for _, all_of in results]
+        if not fits:
+            results = [choose_law(problem, names) for problem in problems]
+            fits, tried = [best.fit for best, _ in results], [all_of for _, all_of in results]
+            fits = [_from_passes(fit, maps.get(fit.problem.joint)) or fit for fit in fits]
         else:
-            chosen = [
-                Choice(fit := _refitted(problem, choice, maps.get(problem.joint)), fit.heldout())
-                for problem, choice in zip(problems, chosen, strict=True)
-            ]
+            pairs = zip(problems, fits, strict=True)
+            moved = [(problem, replace(fit, problem=problem)) for problem, fit in pairs]
+            fits = [_from_passes(fit, maps.get(problem.joint)) or fit_anew(problem, fit) for problem, fit in moved]
     final = bare.robot
     for part, own in zip(background, change, strict=True):
         final = part.applied(final, own)
-    final = _with_laws(final, joints, [choice.fit for choice in chosen])
+    for fit in fits:
+        final = _with_friction(final, fit.problem.joint, (fit.term,))
     refined = None
     if simulated is not None:
-        refined = refine(stated, final, [choice.fit for choice in chosen], background, simulated)
-        final = refined.robot
-        chosen = [Choice(fit, fit.heldout()) for fit in refined.fits]
-    return conclude(stated, final, joints, chosen, tried, background, maps, refined)
+        refined = refine(stated, final, fits, background, simulated)
+        final, fits = refined.robot, list(refined.fits)
+    return conclude(stated, final, joints, fits, tried, background, maps, refined)
 
 
-def _without_friction(robot: Robot, joints: Sequence[int]) -> Robot:
-    for joint in joints:
-        robot = robot.with_joint(robot.table.joint[joint].model_copy(update={"friction": ()}))
-    return robot
-
-
-def _with_laws(robot: Robot, joints: Sequence[int], fits: Sequence[LawFit]) -> Robot:
-    for joint, fit in zip(joints, fits, strict=True):
-        robot = robot.with_joint(robot.table.joint[joint].model_copy(update={"friction": (fit.term,)}))
-    return robot
+def _with_friction(robot: Robot, joint: int, terms: tuple[FrictionTerm, ...]) -> Robot:
+    return robot.with_joint(robot.table.joint[joint].model_copy(update={"friction": terms}))
 
 
 def _efforts(gap: Gap) -> Floats:
@@ -126,9 +121,9 @@ def _coulomb_viscous_columns(gap: Gap, joints: Sequence[int]) -> dict[int, Float
     }
 
 
-def _unshared(background: Sequence[Background], joints: Sequence[int], chosen: Sequence[Choice]) -> list[Background]:
+def _unshared(background: Sequence[Background], joints: Sequence[int], fits: Sequence[LawFit]) -> list[Background]:
     # A law with a level for each direction holds the zero of the effort already.
-    two_way = {joint for joint, choice in zip(joints, chosen, strict=False) if not choice.fit.law.odd}
+    two_way = {joint for joint, fit in zip(joints, fits, strict=False) if not fit.law.odd}
     return [part for part in background if not (isinstance(part, OffsetChange) and part.index in two_way)]
 
 
@@ -167,23 +162,10 @@ def _background_fitted(
     return np.split(strengths, ends)[: len(background)], left
 
 
-def _joint_law(problem: Problem, names: Sequence[str], points: FrictionMap | None) -> tuple[Choice, list[Choice]]:
-    best, choices = choose_law(problem, names)
-    if points is not None:
-        fit = _refitted(problem, best, points)
-        best = Choice(fit, fit.heldout())
-    return best, choices
-
-
-def _refitted(problem: Problem, choice: Choice, points: FrictionMap | None) -> LawFit:
-    law = choice.fit.law
-    statics = statics_from_passes(choice.fit, points) if points is not None else None
+def _from_passes(fit: LawFit, points: FrictionMap | None) -> LawFit | None:
+    statics = statics_from_passes(fit, points) if points is not None else None
     if statics is None:
-        return fit_anew(problem, choice.fit)
-    values = {
-        **choice.fit.values,
-        **{name: value for name, value in statics.values.items() if name in choice.fit.values},
-    }
-    coordinates = Coordinates(law, choice.fit.coordinates.names, choice.fit.coordinates.fixed)
-    x = coordinates.vector(values)
-    return LawFit(problem, coordinates, x, slopes(problem, coordinates, x))
+        return None
+    values = {**fit.values, **{name: value for name, value in statics.values.items() if name in fit.values}}
+    x = fit.coordinates.vector(values)
+    return replace(fit, x=x, slopes=slopes(fit.problem, fit.coordinates, x))

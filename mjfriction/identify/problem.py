@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from mjfriction.identify.gap import Gap
+from mjfriction.identify.row_noise import row_noise
 from mjfriction.identify.starts import Usual
 from mjfriction.laws.law import Law
 from mjfriction.record.log import Floats
@@ -17,9 +18,7 @@ from mjfriction.robot.rubbing import direction, forward_share, surroundings, ter
 from mjfriction.robot.schema import FrictionTerm
 
 Side = Literal["joint", "motor"]
-CLEAR = 0.1  # share of the noise that doubt about friction's direction may add to a row the noise is measured on
-FEWEST_SURE = 0.1  # of the rows, that must be without such doubt; else those are taken whose doubt is least
-LEAST_NOISE = 1e-3  # of the joint's RMS effort
+NOISE_ROUNDS = 3
 
 
 @dataclass(frozen=True)
@@ -61,14 +60,10 @@ class Problem:
 
     def believed(self, residual: Floats) -> Problem:
         """Return the problem with its rows believed by the noise of what a fit leaves of them, (rows,)."""
-        doubt = self.gap.doubt[:, self.joint]
-        effort = float(np.sqrt(np.mean(np.square(self.gap.measured[:, self.joint]))))
-        noise = max(float(self.gap.noise_floor[self.joint]), LEAST_NOISE * effort)
-        for _ in range(3):
-            sure = doubt < CLEAR * noise
-            rows = residual[sure if np.mean(sure) > FEWEST_SURE else self.gap.clear[:, self.joint]]
-            noise = max(noise, float(np.sqrt(np.mean(np.square(rows)))))
-        return replace(self, deviation=np.hypot(noise, doubt))
+        noise = float(np.sqrt(np.mean(np.square(residual))))
+        for _ in range(NOISE_ROUNDS):
+            noise = row_noise(self.gap, self.joint, residual, noise)
+        return replace(self, deviation=np.hypot(noise, self.gap.doubt[:, self.joint]))
 
     def usual(self) -> Usual:
         """Return the joint's level and damping by least squares, and its usual speed, stroke and load."""

@@ -9,10 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 import pyarrow as pa
 
-from mjfriction.body.gravity_pose import GravityClass, gravity_pose
+from mjfriction.body.gravity_pose import gravity_pose
 from mjfriction.body.model import Body
 from mjfriction.body.regressor import first_moment_torques, link_torques
 from mjfriction.errors import RobotError
+from mjfriction.identify.background import USUAL_OFFSET, USUAL_SCALE, USUAL_SHIFT
 from mjfriction.plant.motions import KNOTS, excitation, forward_backward, move
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.record.log import EFFORT, POSITION, Floats
@@ -29,16 +30,11 @@ LONGEST_PASS = 8.0  # s; slower passes go over a part of the stroke
 TOP_SHARE = 0.8  # of a joint's top speed, that passes use
 CUTOFF = 20.0  # Hz, of planned motions' derivatives
 REST = 125  # samples between two joints' passes
+PACES = (0.15, 1.0)  # of the top speeds, at which trial motions that tell robots apart run
+TRIALS, TRIAL_SECONDS, LONGEST_TO_AND_FRO = 4, 40.0, 20.0  # of each, s of all joints at once, s of one alone
+ENOUGH_SAMPLES = 1500
+USUAL_SPEEDS, USUAL_SECONDS = 12, 60.0
 DRAWS = 8  # excitations of which the best is taken
-
-
-@dataclass(frozen=True)
-class Passes:
-    """The plan of one joint: its class, and the speeds (rad/s or m/s) its passes go at."""
-
-    joint: str
-    gravity: GravityClass
-    speeds: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -56,7 +52,7 @@ def room(body: Body) -> tuple[Floats, Floats]:
     return 0.5 * (low + high), np.minimum(REACH * (high - low), WIDEST)
 
 
-def plan_passes(robot: Robot, joints: Sequence[str], *, count: int = 12, seed: int = 0) -> Plan:
+def plan_passes(robot: Robot, joints: Sequence[str], *, count: int = USUAL_SPEEDS, seed: int = 0) -> Plan:
     """Plan passes forward and backward of one joint after another, each where gravity loads it least.
 
     ``count`` speeds a joint, evenly in logarithm from a two-hundredth of its usual top speed up; slow ones over a part
@@ -96,7 +92,7 @@ def plan_passes(robot: Robot, joints: Sequence[str], *, count: int = 12, seed: i
     return Plan(_joined(robot.joints, parts, body), tuple(words))
 
 
-def plan_excitation(robot: Robot, seconds: float = 60.0, *, seed: int = 0) -> Plan:
+def plan_excitation(robot: Robot, seconds: float = USUAL_SECONDS, *, seed: int = 0) -> Plan:
     """Plan a motion of all joints at once, within limits, that tells links and friction apart.
 
     Of several sums of sines the one is taken whose regressor of links and friction, in usual sizes, has the largest
@@ -150,14 +146,14 @@ def candidate_motions(
     out = []
     if all_joints:
         out = [
-            excitation(names, middle, reach, np.maximum(top * pace, 1e-3), 40.0, seed=4 * seed + draw)
-            for pace in (0.15, 1.0)
-            for draw in range(4)
+            excitation(names, middle, reach, np.maximum(top * pace, 1e-3), TRIAL_SECONDS, seed=TRIALS * seed + draw)
+            for pace in PACES
+            for draw in range(TRIALS)
         ]
     # A pass to and fro takes four reaches over its speed; slower than this no one waits for.
-    slowest = 4.0 * reach[joint] / 20.0
+    slowest = 4.0 * reach[joint] / LONGEST_TO_AND_FRO
     fastest = max(min(top[joint], 4.0 * reach[joint]), 1.01 * slowest)
-    speeds = np.geomspace(slowest, fastest, 4).tolist()
+    speeds = np.geomspace(slowest, fastest, TRIALS).tolist()
     alone = forward_backward(names[joint], middle[joint] - reach[joint], 2.0 * reach[joint], speeds, 4.0 * fastest)
     still = np.tile(middle, (alone.time.size, 1))
     still[:, joint] = alone.position[:, 0]
@@ -180,17 +176,17 @@ def difference(robots: Sequence[Robot], motion: Motion) -> Floats:
 
 
 def _least_told(body: Body, motion: Motion) -> float:
-    # Columns in the size that stated values usually are off by: a tenth of a link, 2 cm, a tenth of the effort.
-    thin = slice(None, None, max(1, motion.time.size // 1500))
+    # Columns in the size that stated values usually are off by.
+    thin = slice(None, None, max(1, motion.time.size // ENOUGH_SAMPLES))
     course = (motion.position[thin], motion.velocity[thin], motion.acceleration[thin])
-    links = 0.1 * link_torques(body, *course)
-    centres = 0.02 * first_moment_torques(body, *course)
+    links = USUAL_SCALE * link_torques(body, *course)
+    centres = USUAL_SHIFT * first_moment_torques(body, *course)
     size = np.sqrt(np.mean(np.square(links.sum(axis=2)), axis=0))
     blocks = []
     for joint in range(len(body.joints)):
         velocity = motion.velocity[thin, joint]
         own = np.zeros((velocity.size, 2 * len(body.joints)))
-        own[:, 2 * joint : 2 * joint + 2] = 0.1 * size[joint] * np.column_stack([np.sign(velocity), velocity])
+        own[:, 2 * joint : 2 * joint + 2] = USUAL_OFFSET * size[joint] * np.column_stack([np.sign(velocity), velocity])
         rows = np.hstack([links[:, joint], centres[:, joint].reshape(velocity.size, -1), own])
         blocks.append(rows / max(float(size[joint]), 1e-12))
     values = np.linalg.svd(np.vstack(blocks), compute_uv=False)

@@ -12,8 +12,6 @@ from mjfriction.report.figures import bars, courses, figure_html
 from mjfriction.report.html import rendered
 from mjfriction.report.rerun_view import write_courses
 
-ALIKE = 1.02  # times the best robot's error at every joint, up to which no robot is nearer than another
-
 
 def comparison_table(comparison: Comparison) -> dict[str, object]:
     """Return a comparison as plain data, numbers to seven digits."""
@@ -40,23 +38,6 @@ def comparison_table(comparison: Comparison) -> dict[str, object]:
     }
 
 
-def summary(comparison: Comparison) -> str:
-    """Say in a sentence which robot is nearest to the log, and by how much."""
-    least = comparison.names.index(comparison.best)
-    joint = max(comparison.joints, key=lambda j: max(e.effort for e in j.errors) / max(j.errors[least].effort, 1e-300))
-    most = max(range(len(comparison.names)), key=lambda k: joint.errors[k].effort)
-    if joint.errors[most].effort < ALIKE * joint.errors[least].effort:
-        return (
-            f"They are equally near to the log, within {100 * (ALIKE - 1.0):.0f} % at every joint: nothing is left to "
-            "choose by."
-        )
-    return (
-        f"{comparison.best} is nearest to the log; they differ most at {joint.joint}: "
-        f"{joint.errors[least].effort:.3g} {joint.unit} there, {comparison.names[most]} "
-        f"{joint.errors[most].effort:.3g} {joint.unit}."
-    )
-
-
 def write_comparison(comparison: Comparison, folder: Path) -> None:
     """Write comparison.json, report.html and recording.rrd."""
     gap = comparison.gap
@@ -77,12 +58,12 @@ def write_comparison(comparison: Comparison, folder: Path) -> None:
         "comparison.html.j2",
         log_name=Path(gap.log.source).name,
         names=comparison.names,
-        summary=summary(comparison),
+        summary=comparison.summary,
         joints=comparison.joints,
         band=gap.chain.band,
         bars=Markup(figure_html(picture, "errors")),
         courses=pictures,
     )
     (folder / "report.html").write_text(page, encoding="utf-8")
-    text = f"# {' · '.join(comparison.names)}\n\n{summary(comparison)}"
-    write_courses(gap, left, named, text, summary(comparison), folder / "recording.rrd")
+    text = f"# {' · '.join(comparison.names)}\n\n{comparison.summary}"
+    write_courses(gap, left, named, text, comparison.summary, folder / "recording.rrd")

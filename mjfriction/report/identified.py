@@ -1,4 +1,4 @@
-"""report.json and report.html of an identification."""
+"""report.json: the machine's version of an identification."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A diagnosis or an identification in a terminal, in 80 columns."""
+"""Results in a terminal, in 80 columns."""
 
 from __future__ import annotations
 
@@ -89,8 +89,10 @@ def _print_finding(finding: FindingEntry, console: Console) -> None:
         console.print(f"  cannot be told on this motion from: {', '.join(finding.alternatives)}")
 
 
-def comparison_lines(comparison: Comparison) -> Table:
-    """Return the table of a comparison: one row a joint in torque, one in current where all robots can tell."""
+def print_comparison(comparison: Comparison, console: Console) -> None:
+    """Print who is nearest, and a table: one row a joint in torque, one in current where all robots can tell."""
+    console.print(f"{comparison.summary}\n")
+    console.print(f"RMS error while the joint moves, below {comparison.gap.chain.band:.3g} Hz", style="italic")
     table = Table(box=None, padding=(0, 2, 0, 0))
     table.add_column("joint", overflow="fold")
     for name in comparison.names:
@@ -103,4 +105,4 @@ def comparison_lines(comparison: Comparison) -> Table:
         currents = [error.current for error in joint.errors]
         if all(current is not None for current in currents):
             table.add_row("", *(f"{current:.3g}" for current in currents), "", "A")
-    return table
+    console.print(table)

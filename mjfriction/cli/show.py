@@ -1,0 +1,22 @@
+"""How a verb shows its result on a terminal: in 80 columns, and where the files are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+
+def show(printing: Callable[[Console], None], out: Path | None) -> None:
+    """Let a result print itself, then name the folder it was written to."""
+    from rich.console import Console
+
+    from mjfriction.report.text import WIDTH
+
+    console = Console(width=WIDTH, highlight=False, soft_wrap=False)
+    printing(console)
+    if out is not None:
+        console.print(f"\nResults in {out}: open {out / 'report.html'}, or mjfriction view {out}")
