@@ -13,7 +13,8 @@ import pyarrow.parquet
 from mjfriction.benchmark.effects.catalog import EFFECTS, Draw
 from mjfriction.benchmark.effects.effect import Effect, Place
 from mjfriction.laws.law import Floats
-from mjfriction.plant.machine import Control, simulate
+from mjfriction.plant.control import Control
+from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder
 from mjfriction.plant.trajectory import Trajectory

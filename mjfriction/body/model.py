@@ -194,7 +194,7 @@ def _append(model: pin.Model, payload: Load, path: Path) -> None:
         raise RobotError(
             f"{path}: payload parent '{payload.parent}' is no link of the model{suggestion(payload.parent, names)}"
         )
-    frame = model.frames[model.getFrameId(payload.parent)]
+    frame = model.frames[model.getFrameId(payload.parent, pin.FrameType.BODY)]
     point = pin.Inertia(payload.mass, np.array(payload.com), np.zeros((3, 3)))
     model.appendBodyToJoint(frame.parentJoint, point, frame.placement)
 

@@ -26,7 +26,7 @@ def tip_mass_torques(body: Body, position: Floats, velocity: Floats, acceleratio
     in c, its moment of inertia about the frame.
     """
     model = body.model
-    frame = model.frames[model.getFrameId(tip_link(body))]
+    frame = model.frames[model.getFrameId(tip_link(body), pin.FrameType.BODY)]
     # Seen from the joint, a mass at the frame has its first moment shifted by where the frame lies.
     shift = np.zeros((4, 4))
     shift[0, 0] = 1.0

@@ -2,13 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.signal import lfilter
 
-from mjfriction.record.log import CURRENT, EFFORT, POSITION, VELOCITY, Floats
+from mjfriction.plant.cylinder import Cylinder
+from mjfriction.record.log import (
+    CURRENT,
+    EFFORT,
+    HEAD_PRESSURE,
+    POSITION,
+    ROD_PRESSURE,
+    VELOCITY,
+    VOLTAGE,
+    Floats,
+)
 from mjfriction.robot.effort import effort_per_reported
 from mjfriction.robot.robot import Robot
+from mjfriction.robot.schema import Joint
+from mjfriction.sim.closed_loop import Played
 
 
 @dataclass(frozen=True)
@@ -24,11 +38,12 @@ class Recorder:
 
 
 def record(
-    robot: Robot, recorder: Recorder, time: Floats, position: Floats, velocity: Floats, torque: Floats, seed: int
+    robot: Robot, recorder: Recorder, time: Floats, played: Played, cylinders: Mapping[str, Cylinder], seed: int
 ) -> dict[str, Floats]:
-    """Return the columns of a log of a course: ``time`` (m,), the others (m, joints) on its finer grid.
+    """Return the columns of a log of what was played at instants ``time`` (n,), finer than the log's own.
 
-    Position reads position + offset, the drive scale·torque(t − delay) + offset; then noise, then resolution.
+    Position reads position + offset, the drive scale·torque(t − delay) + offset; then noise, then resolution.  A
+    cylinder's effort is what its pressures, as they are measured, push with.
     """
     rng = np.random.default_rng([seed, 11])
     step = 1.0 / recorder.rate
@@ -43,18 +58,53 @@ def record(
     columns = {"time": instants}
     for i, joint in enumerate(robot.table.joint):
         sensor, drive = joint.position_sensor, joint.effort_sensor
-        read = at(position[:, i], instants) + sensor.offset + sensor.noise * rng.standard_normal(instants.size)
-        columns[f"{POSITION}.{joint.name}"] = _quantized(read, sensor.resolution)
+        read = at(played.position[:, i], instants) + sensor.offset + sensor.noise * rng.standard_normal(instants.size)
+        read = _quantized(read, sensor.resolution)
+        columns[f"{POSITION}.{joint.name}"] = read
         if recorder.velocity:
             noise = sensor.velocity_noise * rng.standard_normal(instants.size)
-            columns[f"{VELOCITY}.{joint.name}"] = at(velocity[:, i], instants) + noise
+            columns[f"{VELOCITY}.{joint.name}"] = noise + (
+                _estimated(read, instants, sensor.velocity_bandwidth)
+                if sensor.velocity_bandwidth is not None
+                else at(played.velocity[:, i], instants)
+            )
+        if joint.hydraulics is not None:
+            columns |= _of_cylinder(joint, cylinders[joint.name], time, instants, rng)
+            continue
         # The torque of a step is held through it: a reading is of the step its instant lies in.
         held = np.searchsorted(time, instants - drive.delay + 1e-9 * step, side="right") - 1
-        reported = drive.scale * torque[np.clip(held, 0, time.size - 1), i] + drive.offset
+        reported = drive.scale * played.torque[np.clip(held, 0, time.size - 1), i] + drive.offset
         reported = _quantized(reported + drive.noise * rng.standard_normal(instants.size), drive.resolution)
         unit = effort_per_reported(joint, CURRENT if recorder.quantity == CURRENT else EFFORT, robot.name)
         columns[f"{recorder.quantity}.{joint.name}"] = reported / unit
     return columns
+
+
+def _of_cylinder(
+    joint: Joint, cylinder: Cylinder, time: Floats, instants: Floats, rng: np.random.Generator
+) -> dict[str, Floats]:
+    of, drive = cylinder.of, joint.effort_sensor
+    pressures = []
+    for values in (cylinder.p1, cylinder.p2):
+        read = np.interp(instants - drive.delay, time, values) + of.pressure_noise * rng.standard_normal(instants.size)
+        pressures.append(_quantized(read, of.pressure_resolution))
+    return {
+        f"{EFFORT}.{joint.name}": drive.scale * (of.head_area * pressures[0] - of.rod_area * pressures[1])
+        + drive.offset,
+        f"{HEAD_PRESSURE}.{joint.name}": pressures[0],
+        f"{ROD_PRESSURE}.{joint.name}": pressures[1],
+        f"flow_head.{joint.name}": np.interp(instants, time, cylinder.q1),
+        f"flow_rod.{joint.name}": np.interp(instants, time, cylinder.q2),
+        f"{VOLTAGE}.{joint.name}": np.interp(instants, time, cylinder.volts),
+        "supply_pressure": np.interp(instants, time, cylinder.supply),
+    }
+
+
+def _estimated(position: Floats, instants: Floats, bandwidth: float) -> Floats:
+    # What a drive does: differences of what it reads, smoothed by a low-pass of first order that it can run live.
+    difference = np.diff(position, prepend=position[0]) / np.median(np.diff(instants))
+    share = -np.expm1(-2.0 * np.pi * bandwidth * float(np.median(np.diff(instants))))
+    return np.asarray(lfilter([share], [1.0, share - 1.0], difference))
 
 
 def _quantized(values: Floats, resolution: float) -> Floats:

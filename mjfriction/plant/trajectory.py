@@ -10,17 +10,19 @@ import pyarrow as pa
 from scipy.interpolate import CubicSpline
 
 from mjfriction.errors import LogError
-from mjfriction.record.log import POSITION, Floats
+from mjfriction.record.log import HEAD_PRESSURE, POSITION, ROD_PRESSURE, TEMPERATURE, VOLTAGE, Floats
 from mjfriction.record.readers import read_table
 
-AHEAD = ("temperature.", "pressure_head.", "pressure_rod.")
+SUPPLY = "supply_pressure"
+AHEAD = (*(f"{name}." for name in (TEMPERATURE, HEAD_PRESSURE, ROD_PRESSURE, VOLTAGE)), SUPPLY)
 
 
 @dataclass(frozen=True)
 class Trajectory:
     """Positions of joints over time, (n, joints), smooth in between; ``ambient`` are columns that pass into the log.
 
-    Joints that it does not name stay at zero.
+    Joints that it does not name stay at zero, but those whose ``voltage.<joint>`` is among the columns: it goes to the
+    valve of a cylinder as it is.  ``supply_pressure`` is what valves are supplied with.
     """
 
     joints: tuple[str, ...]
@@ -30,6 +32,8 @@ class Trajectory:
 
     def at(self, time: Floats) -> tuple[Floats, Floats, Floats]:
         """Return position, velocity and acceleration (m, joints) at given times, by cubic splines."""
+        if not self.joints:
+            return (np.empty((time.size, 0)),) * 3
         spline = CubicSpline(self.time, self.position, axis=0, bc_type="clamped")
         return spline(time), spline(time, 1), spline(time, 2)
 
@@ -41,14 +45,17 @@ class Trajectory:
 
 
 def read_trajectory(path: Path) -> Trajectory:
-    """Read a trajectory table, CSV or Parquet: ``time`` and ``position.<joint>`` at least; a log is one too.
+    """Read a trajectory table, CSV or Parquet, of ``time`` and ``position.<joint>``; a log is one too.
+
+    For the valve of a cylinder ``voltage.<joint>`` may stand in its place.
 
     Raises :class:`LogError` for a table that has no such columns or whose time does not increase.
     """
     table = read_table(path)
     names = table.schema.names
     joints = tuple(name.removeprefix("position.") for name in names if name.startswith("position."))
-    if "time" not in names or not joints:
+    volts = any(name.startswith(f"{VOLTAGE}.") for name in names)
+    if "time" not in names or not (joints or volts):
         raise LogError(f"{path}: a trajectory has 'time' and 'position.<joint>' columns. Found: {', '.join(names)}")
 
     def column(name: str) -> Floats:
@@ -60,7 +67,7 @@ def read_trajectory(path: Path) -> Trajectory:
     time = column("time")
     if time.size < 4 or np.any(np.diff(time) <= 0.0) or not np.all(np.isfinite(time)):
         raise LogError(f"{path}: a trajectory needs at least 4 rows whose time increases")
-    position = np.column_stack([column(f"position.{joint}") for joint in joints])
+    position = np.column_stack([column(f"position.{joint}") for joint in joints] or [np.empty((time.size, 0))])
     if not np.all(np.isfinite(position)):
         raise LogError(f"{path}: positions of a trajectory must all be numbers; fill or drop the rows that are not")
     return Trajectory(joints, time, position, {name: column(name) for name in names if name.startswith(AHEAD)})

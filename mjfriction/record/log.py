@@ -16,9 +16,10 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 POSITION, VELOCITY, EFFORT, CURRENT = "position", "velocity", "effort", "current"
+TEMPERATURE, HEAD_PRESSURE, ROD_PRESSURE, VOLTAGE = "temperature", "pressure_head", "pressure_rod", "voltage"
 KNOWN = (
     *(POSITION, VELOCITY, EFFORT, CURRENT),
-    *("temperature", "position_ref", "velocity_ref", "pressure_head", "pressure_rod"),
+    *(TEMPERATURE, "position_ref", "velocity_ref", HEAD_PRESSURE, ROD_PRESSURE),
 )
 LIKE = 0.8  # of likeness to a known quantity, from which on a column's name is taken for misspelt
 

@@ -1,7 +1,7 @@
 """What a robot says its drives would report along a motion: the balance of the model, joint by joint.
 
 effort = rnea(q, q̇, q̈) + rotor_inertia·gear_ratio²·q̈ + friction(q̇, q, …) + cogging(q) + spring(q) + coupling
-reported = scale·effort(t − delay) + offset,      current = reported / (gear_ratio·torque_constant)
+reported = scale·effort(t − delay)/(1 + ripple(q)) + offset,      current = reported / (gear_ratio·torque_constant)
 
 q being where the links are: what the sensors read, less their offsets, less what the transmissions give.
 """
@@ -50,6 +50,12 @@ def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
     rigid = inverse_dynamics(body, linked.position, linked.velocity, linked.acceleration)
     # Rotors turn with the sensor, not with the link.
     rigid += body.armature * (motor.acceleration - linked.acceleration)
+    for i, joint in enumerate(robot.table.joint):
+        for drive in joint.common_drive:
+            other = robot.joints.index(drive.joint)
+            turned = drive.inertia * (motor.acceleration[:, i] + drive.ratio * motor.acceleration[:, other])
+            rigid[:, i] += turned
+            rigid[:, other] += drive.ratio * turned
     rubbing = _where_friction_acts(robot, motor, linked)
     friction = friction_along(robot, rubbing, rigid)
     total, reported = np.empty_like(rigid), np.empty_like(rigid)
@@ -62,7 +68,8 @@ def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
             other = robot.joints.index(coupling.joint)
             total[:, i] += coupling.coulomb * forward_share(rubbing, other)
             total[:, i] += coupling.viscous * rubbing.velocity[:, other] + coupling.effort * alone[:, other]
-        seen = _late(total[:, i], motion, joint.effort_sensor.delay)
+        pushed = total[:, i] / (1.0 + waves_along(joint.actuator.ripple, motor.position[:, i]))
+        seen = _late(pushed, motion, joint.effort_sensor.delay)
         reported[:, i] = joint.effort_sensor.scale * seen + joint.effort_sensor.offset
     return Effort(rigid, friction, total, reported)
 

@@ -26,18 +26,30 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
+class Wave(Table):
+    """A torque that repeats along the stroke: ``cosine`` · cos(k q) + ``sine`` · sin(k q), k the ``wavenumber``."""
+
+    wavenumber: Positive
+    cosine: Finite = 0.0
+    sine: Finite = 0.0
+
+
 class Actuator(Table):
     """The drive of a joint.
 
     ``gear_ratio``: motor radians per joint radian (per metre on a sliding joint), negative where the motor turns
     against the joint.  ``torque_constant``: N·m/A at the motor.  ``rotor_inertia``: kg·m² at the motor.
-    ``current_limit``: A, where the drive saturates.
+    ``current_limit``: A, where the drive saturates.  ``current_bandwidth``: Hz of the loop that makes the current,
+    which in a simulation lags what the controller asks for.  ``ripple``: by what share of itself the torque of a given
+    current varies along the stroke.
     """
 
     gear_ratio: Finite = 1.0
     torque_constant: Positive | None = None
     rotor_inertia: NonNegative = 0.0
     current_limit: Positive | None = None
+    current_bandwidth: Positive | None = None
+    ripple: tuple[Wave, ...] = ()
 
     @field_validator("gear_ratio")
     @classmethod
@@ -45,6 +57,39 @@ class Actuator(Table):
         if value == 0.0:
             raise ValueError("a gear ratio of 0 moves nothing; give motor radians per joint radian")
         return value
+
+    @field_validator("ripple")
+    @classmethod
+    def _pushes(cls, value: tuple[Wave, ...]) -> tuple[Wave, ...]:
+        if sum(abs(wave.cosine) + abs(wave.sine) for wave in value) >= 1.0:
+            raise ValueError("a ripple of 1 or more would turn the drive's torque over; give shares of the torque")
+        return value
+
+
+class Hydraulics(Table):
+    """A cylinder that moves a sliding joint: double acting, its rod on one side, its valve proportional.
+
+    effort = ``head_area``·p₁ − ``rod_area``·p₂ (m²; Pa above the tank).  ``head_volume``, ``rod_volume``: oil in each
+    chamber and its hose with the joint at zero, m³; ``bulk_modulus``: of the oil, Pa; ``hose_compliance``: m³/Pa of
+    each hose; ``leakage``: past the piston, m³/(s·Pa).  Valve: ``rated_flow`` (m³/s) at ``voltage_limit`` (V) and
+    ``rated_drop`` (Pa) over one edge, ``valve_bandwidth`` (Hz) of its spool.  ``supply_pressure``: Pa.
+    ``pressure_resolution`` and ``pressure_noise`` (Pa) shape what a simulation reports.
+    """
+
+    head_area: Positive
+    rod_area: Positive
+    head_volume: Positive
+    rod_volume: Positive
+    bulk_modulus: Positive = 1.4e9
+    hose_compliance: NonNegative = 0.0
+    leakage: NonNegative = 0.0
+    rated_flow: Positive
+    rated_drop: Positive = 3.5e6
+    voltage_limit: Positive = 10.0
+    valve_bandwidth: Positive = 60.0
+    supply_pressure: Positive
+    pressure_resolution: NonNegative = 0.0
+    pressure_noise: NonNegative = 0.0
 
 
 class EffortSensor(Table):
@@ -58,14 +103,6 @@ class EffortSensor(Table):
     delay: Finite = 0.0
     resolution: NonNegative = 0.0
     noise: NonNegative = 0.0
-
-
-class Wave(Table):
-    """A torque that repeats along the stroke: ``cosine`` · cos(k q) + ``sine`` · sin(k q), k the ``wavenumber``."""
-
-    wavenumber: Positive
-    cosine: Finite = 0.0
-    sine: Finite = 0.0
 
 
 class LevelTable(Table):
@@ -165,15 +202,16 @@ class Coupling(Table):
 
 
 class CommonDrive(Table):
-    """Friction of a drive that turns with q̇ + ``ratio`` · q̇ₖ = u, k being the other ``joint``, as in coupled wrists.
+    """A drive that turns with q̇ + ``ratio`` · q̇ₖ = u, k being the other ``joint``, as in coupled wrists.
 
-    F(u) = ``coulomb`` · sgn u + ``viscous`` · u acts on this joint, ``ratio`` · F(u) on the other.
+    F = ``coulomb`` · sgn u + ``viscous`` · u + ``inertia`` · u̇ acts on this joint, ``ratio`` · F on the other.
     """
 
     joint: str
     ratio: Finite
     coulomb: Finite = 0.0
     viscous: Finite = 0.0
+    inertia: NonNegative = 0.0
 
 
 class Transmission(Table):
@@ -193,13 +231,16 @@ class Transmission(Table):
 class PositionSensor(Table):
     """What the position sensor reads: position + ``offset``.
 
-    ``resolution``, ``noise`` and ``velocity_noise`` (standard deviations) shape what a simulation reports.
+    ``resolution``, ``noise`` and ``velocity_noise`` (standard deviations) shape what a simulation reports.  With
+    ``velocity_bandwidth`` (Hz) the velocity it reports is the drive's estimate: the difference of the positions read,
+    through a low-pass of first order.
     """
 
     offset: Finite = 0.0
     resolution: NonNegative = 0.0
     noise: NonNegative = 0.0
     velocity_noise: NonNegative = 0.0
+    velocity_bandwidth: Positive | None = None
 
 
 class Joint(Table):
@@ -212,6 +253,7 @@ class Joint(Table):
 
     name: str
     actuator: Actuator = Actuator()
+    hydraulics: Hydraulics | None = None
     friction: Annotated[tuple[FrictionTerm, ...], BeforeValidator(_as_list)] | None = None
     friction_waves: tuple[Wave, ...] = ()
     cogging: tuple[Wave, ...] = ()

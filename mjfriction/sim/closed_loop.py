@@ -1,9 +1,10 @@
-"""A model under joint control, step by step: feedforward, PD and torque limits, with the drives' own torques beside."""
+"""A model moved by its drives, step by step, with what stands against them beside."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -12,6 +13,7 @@ from mjfriction.errors import SimulationError
 from mjfriction.laws.law import Floats
 from mjfriction.sim.attach import Laws, attach, rewrite
 from mjfriction.sim.callback import friction_active
+from mjfriction.sim.reading import read_friction
 
 GIVE = "{}_give"  # the joint behind a transmission's own: how far the link is ahead of its motor
 STOP_TIME = 2.0  # time steps: the stiffest stop that MuJoCo's solver takes
@@ -20,32 +22,31 @@ GIVE_DAMPING = 0.1  # of critical, of the link on its compliant transmission
 
 
 @dataclass(frozen=True)
-class Gains:
-    """Feedback of position (N·m/rad) and velocity (N·m·s/rad), and the drives' limits (N·m), each (joints,)."""
-
-    stiffness: Floats
-    damping: Floats
-    limit: Floats
-
-
-@dataclass(frozen=True)
-class Course:
-    """What the joints are to do at every step: position, velocity and the torque known beforehand, each (n, joints)."""
-
-    position: Floats
-    velocity: Floats
-    feedforward: Floats
-
-
-@dataclass(frozen=True)
 class Played:
-    """What they did: motor-side position and velocity, drive torque, and position of the links, each (n, joints)."""
+    """What the joints did, at the beginning of every step: motor-side position and velocity, drive torque, friction
+    through the step, and position of the links, each (n, joints); ``states`` are the friction laws' own by joint,
+    (n, states), and ``places`` all joints' places (n, nq), where they were asked for.
+    """
 
     position: Floats
     velocity: Floats
     torque: Floats
+    friction: Floats
     link_position: Floats
+    states: dict[str, Floats]
+    places: Floats | None
 
+
+class Around(NamedTuple):
+    """What friction laws read besides the motion, (joints,) each: kelvin above 25 °C, Pa in the chambers."""
+
+    warmth: Floats
+    pressure_head: Floats
+    pressure_rod: Floats
+
+
+Drive = Callable[[int, Floats, Floats], Floats]
+"""(step, position, velocity) → what the drives push with through that step, (joints,), N·m or N."""
 
 Passive = Callable[[Floats, Floats, Floats], Floats]
 """(position, velocity, drive torque) → torque that stands against the drives at the joints, (joints,)."""
@@ -55,16 +56,21 @@ def play(
     spec: mujoco.MjSpec,
     joints: tuple[str, ...],
     laws: Laws,
-    course: Course,
-    gains: Gains,
+    start: Floats,
+    drive: Drive,
+    count: int,
     step: float,
     *,
     passive: Passive | None = None,
+    around: Callable[[int], Around] | None = None,
     laws_at: Callable[[int], Laws | None] | None = None,
+    whole: bool = False,
 ) -> Played:
-    """Run a model along a course and return what happened at the beginning of every step.
+    """Run a model for a number of steps and return what happened at the beginning of every one.
 
-    The torque of a step is held through it.  ``laws_at`` may give other laws (of the same kinds) for a step on.
+    ``start`` are position and velocity (2, joints).  The torque of a step is held through it.  ``around`` is asked,
+    after the drive, for what surrounds the joints; ``laws_at`` may give other laws (of the same kinds) for a step on;
+    with ``whole`` the friction laws' states and all places are kept.
 
     Raises :class:`SimulationError` when the run leaves what can be computed: the joint and the time.
     """
@@ -77,31 +83,51 @@ def play(
     behind = {i: GIVE.format(name) for i, name in enumerate(joints)}
     known = {model.joint(i).name for i in range(model.njnt)}
     gives = {i: int(model.jnt_qposadr[model.joint(name).id]) for i, name in behind.items() if name in known}
-    data.qpos[places] = course.position[0]
-    data.qvel[dofs] = course.velocity[0]
+    reader = read_friction(model) if laws else None
+    rubbing = np.array([joints.index(name) for name in reader.joints]) if reader else np.array([], dtype=int)
+    data.qpos[places], data.qvel[dofs] = start
     mujoco.mj_forward(model, data)
     settling = round(SETTLING / step) if gives else 0
-    count = course.position.shape[0]
-    out = Played(*(np.empty((count, len(joints))) for _ in range(4)))
+    position, velocity, torque, friction, linked = (np.zeros((count, len(joints))) for _ in range(5))
+    out = Played(
+        position,
+        velocity,
+        torque,
+        friction,
+        linked,
+        states={name: np.empty((count, reader.state(name).stop - reader.state(name).start)) for name in reader.joints}
+        if reader and whole
+        else {},
+        places=np.empty((count, model.nq)) if whole else None,
+    )
     applied = np.zeros(model.nv)
     with friction_active():
         for step_number in range(-settling, count):
             k = max(step_number, 0)  # what gives first takes up its load, at the course's beginning
             position, velocity = data.qpos[places], data.qvel[dofs]
-            torque = course.feedforward[k] + gains.stiffness * (course.position[k] - position)
-            torque += gains.damping * (course.velocity[k] - velocity)
-            torque = np.clip(torque, -gains.limit, gains.limit)
+            torque = drive(k, position, velocity)
             out.position[k], out.velocity[k], out.torque[k] = position, velocity, torque
             out.link_position[k] = position
             for i, place in gives.items():
                 out.link_position[k, i] += data.qpos[place]
+            if out.places is not None:
+                out.places[k] = data.qpos
             applied[dofs] = torque if passive is None else torque - passive(position, velocity, torque)
             data.qfrc_applied[:] = applied
+            if reader is not None and around is not None:
+                now = around(k)
+                data.userdata[reader.warmth] = now.warmth[rubbing]
+                data.userdata[reader.pressure_head] = now.pressure_head[rubbing]
+                data.userdata[reader.pressure_rod] = now.pressure_rod[rubbing]
             if laws_at is not None:
                 changed = laws_at(k)
                 if changed is not None:
                     rewrite(model, changed)
             mujoco.mj_step(model, data)
+            if reader is not None:
+                out.friction[k, rubbing] = data.userdata[reader.torque]
+                for name, kept in out.states.items():
+                    kept[k] = data.userdata[reader.state(name)]
     bad = ~np.isfinite(out.position)
     faults = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
     if np.any(bad) or any(data.warning[int(fault)].number for fault in faults):
@@ -139,11 +165,14 @@ def drop_actuators(spec: mujoco.MjSpec) -> None:
         spec.delete(actuator)
 
 
-def couple_friction(spec: mujoco.MjSpec, joint: str, other: str, ratio: float, coulomb: float, viscous: float) -> None:
-    """Let a drive that turns with joint + ratio·other rub, in place."""
+def couple_drive(
+    spec: mujoco.MjSpec, joint: str, other: str, ratio: float, *, coulomb: float, viscous: float, inertia: float
+) -> None:
+    """Let a drive that turns with joint + ratio·other rub and weigh, in place."""
     tendon = spec.add_tendon(name=f"{joint}_{other}_drive")
     tendon.wrap_joint(joint, 1.0)
     tendon.wrap_joint(other, ratio)
     tendon.frictionloss = coulomb
     tendon.damping[0] = viscous
+    tendon.armature = inertia
     tendon.solref_friction = [STOP_TIME * spec.option.timestep, 1.0]

@@ -8,7 +8,8 @@ import pytest
 
 from mjfriction.body.inverse import inertia_at, inverse_dynamics
 from mjfriction.errors import RobotError
-from mjfriction.plant.machine import Control, run_machine, simulate
+from mjfriction.plant.control import Control
+from mjfriction.plant.machine import run_machine, simulate
 from mjfriction.plant.motions import excitation, sine
 from mjfriction.plant.sensors import Recorder
 from mjfriction.plant.trajectory import Trajectory

@@ -1,0 +1,49 @@
+"""What stands against the drives whichever way they turn: cogging, ripple, springs, couplings."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mjfriction.laws.law import Floats
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.rubbing import waves_along
+from mjfriction.robot.schema import Spring
+
+TURNING = 1e-3  # rad/s or m/s over which the friction that another joint's motion makes turns over
+
+
+def has_passive(robot: Robot) -> bool:
+    """Return whether anything of a robot stands against its drives besides links and friction."""
+    return any(
+        joint.cogging or joint.actuator.ripple or joint.spring != Spring() or joint.coupling
+        for joint in robot.table.joint
+    )
+
+
+class Passive:
+    """What stands against a robot's drives: a function of position, velocity and drive torque, (joints,) each."""
+
+    def __init__(self, robot: Robot) -> None:
+        table = robot.table.joint
+        self.cogging = [(i, joint.cogging) for i, joint in enumerate(table) if joint.cogging]
+        self.ripple = [(i, joint.actuator.ripple) for i, joint in enumerate(table) if joint.actuator.ripple]
+        self.stiffness = np.array([joint.spring.stiffness for joint in table])
+        self.preload = np.array([joint.spring.preload for joint in table])
+        shape = (len(table), len(table))
+        self.coulomb, self.viscous, self.effort = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+        for i, joint in enumerate(table):
+            for coupling in joint.coupling:
+                k = robot.joints.index(coupling.joint)
+                self.coulomb[i, k] += coupling.coulomb
+                self.viscous[i, k] += coupling.viscous
+                self.effort[i, k] += coupling.effort
+
+    def __call__(self, position: Floats, velocity: Floats, torque: Floats) -> Floats:
+        """Return what stands against the drives at the joints, (joints,)."""
+        out = self.stiffness * position + self.preload
+        for i, waves in self.cogging:
+            out[i] += waves_along(waves, position[i : i + 1])[0]
+        for i, waves in self.ripple:
+            out[i] -= torque[i] * waves_along(waves, position[i : i + 1])[0]
+        direction = np.tanh(velocity / TURNING)
+        return np.asarray(out + self.coulomb @ direction + self.viscous @ velocity + self.effort @ torque)

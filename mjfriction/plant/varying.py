@@ -1,0 +1,102 @@
+"""Friction that varies along a run: levels that change with time, and what surrounds the laws that read it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mjfriction.laws.ambient import ROOM_TEMPERATURE
+from mjfriction.laws.friction import Friction
+from mjfriction.laws.law import Floats
+from mjfriction.laws.pressure import PRESSURE
+from mjfriction.plant.trajectory import Trajectory
+from mjfriction.record.log import HEAD_PRESSURE, ROD_PRESSURE, TEMPERATURE
+from mjfriction.robot.friction import raised_levels, with_term
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.rubbing import warmed
+from mjfriction.robot.schema import Joint
+from mjfriction.robot.simulation import robot_laws
+from mjfriction.sim.closed_loop import Around
+
+REFRESH = 0.1  # s between updates
+
+
+def varies(joint: Joint) -> bool:
+    """Return whether a joint's friction varies with what is not its motion."""
+    return (
+        joint.warm_up is not None
+        or bool(joint.events)
+        or any(joint.thermal.model_dump(exclude={"reference_temperature"}).values())
+    )
+
+
+class Varying:
+    """Friction laws whose levels change with temperature, running time and events, a few times a second."""
+
+    def __init__(self, robot: Robot, trajectory: Trajectory, time: Floats, step: float) -> None:
+        self.robot, self.time = robot, time
+        moments = [event.time for joint in robot.table.joint for event in joint.events]
+        every = max(1, round(REFRESH / step))
+        self.steps = {*range(0, time.size, every), *np.searchsorted(time, moments).tolist()}
+        self.ambient = {name: np.interp(time, trajectory.time, values) for name, values in trajectory.ambient.items()}
+
+    def __call__(self, k: int) -> dict[str, list[Friction]] | None:
+        """Return the laws from step ``k`` on, None where they stay what they were."""
+        if k not in self.steps:
+            return None
+        robot = self.robot
+        for joint in self.robot.table.joint:
+            if varies(joint):
+                robot = raised_levels(robot, joint.name, *self._change(joint, k))
+        return robot_laws(robot)
+
+    def _change(self, joint: Joint, k: int) -> tuple[float, float]:
+        now = self.time[k]
+        change = np.zeros(2)
+        if joint.warm_up is not None:
+            share = float(warmed(np.array([now]), joint.warm_up.time_constant)[0])
+            change += share * np.array([joint.warm_up.coulomb, joint.warm_up.viscous])
+        for event in joint.events:
+            if now >= event.time:
+                change += [event.coulomb, event.viscous]
+        thermal = joint.thermal
+        name = f"{TEMPERATURE}.{joint.name}"
+        temperature = self.ambient[name][k] if name in self.ambient else ROOM_TEMPERATURE
+        warmer = temperature - thermal.reference_temperature
+        change += warmer * np.array([thermal.coulomb_per_kelvin, thermal.viscous_per_kelvin])
+        return float(change[0]), float(change[1])
+
+
+class Surrounding:
+    """What surrounds the joints along a trajectory, for the laws that read it; cylinders put their own pressures in."""
+
+    def __init__(self, robot: Robot, trajectory: Trajectory, time: Floats) -> None:
+        def along(quantity: str, otherwise: float) -> Floats:
+            out = np.full((time.size, len(robot.joints)), otherwise)
+            for i, name in enumerate(robot.joints):
+                values = trajectory.ambient.get(f"{quantity}.{name}")
+                if values is not None:
+                    out[:, i] = np.interp(time, trajectory.time, values)
+            return out
+
+        self.warmth = along(TEMPERATURE, ROOM_TEMPERATURE) - ROOM_TEMPERATURE
+        self.pressure_head = along(HEAD_PRESSURE, 0.0)
+        self.pressure_rod = along(ROD_PRESSURE, 0.0)
+
+    def __call__(self, k: int) -> Around:
+        """Return what surrounds the joints at step ``k``."""
+        return Around(self.warmth[k], self.pressure_head[k], self.pressure_rod[k])
+
+
+def with_pressed_seals(robot: Robot) -> Robot:
+    """Return the robot with friction that chambers press on written as the law that reads their pressures.
+
+    head·p₁ + rod·p₂ is law (2) with x₃ = ±head by direction and x₄ = head + rod.
+    """
+    for joint in robot.table.joint:
+        head, rod = joint.pressure_friction.head, joint.pressure_friction.rod
+        if head or rod:
+            values = {"level_extending": 0.0, "level_retracting": 0.0}
+            for way, sign in (("extending", 1.0), ("retracting", -1.0)):
+                values |= {f"pressure_difference_{way}": sign * head, f"rod_pressure_{way}": head + rod}
+            robot = with_term(robot, joint.name, PRESSURE.name, values)
+    return robot
