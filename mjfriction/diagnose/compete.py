@@ -21,6 +21,7 @@ from mjfriction.record.log import Floats
 # data speaks for their values yet.
 KIN_CHANCE = 0.05  # at which a cause's other half is taken along: that of its 95 % interval leaving out zero
 LEAST_KIN = 0.02  # of its partner's effort that a cause's other half must reach
+LEAST_KIN_EFFECT = 0.002  # and of the joint's effort
 MOST_CAUSES = 12
 SHORT_LIST = 8
 AROUND_STEPS = 9
@@ -138,7 +139,7 @@ def contenders(model: Model, field: Field) -> list[Trial]:
 
 def _tried(model: Model, choice: Chosen) -> Trial | None:
     best = _best_shape(model, choice)
-    if not choice.cause.own_shape(best.site):
+    if not choice.cause.own_shape(model.gap, best.site):
         return None
     # The shape that fits best may be one that nature does not allow; the grid's may be.
     return try_out(model, best) or try_out(model, choice)
@@ -220,6 +221,8 @@ def _with_kin(model: Model, field: Field) -> Model:
             other = Chosen(entrant.cause, entrant.sites[0])
             trial = try_out(model, other, repeating=True)
             own = try_out(model.without(choice), choice)
-            if trial and own and trial.chance < KIN_CHANCE and trial.effect > LEAST_KIN * own.effect:
+            if not trial or not own or trial.chance > KIN_CHANCE:
+                continue
+            if trial.effect > max(LEAST_KIN * own.effect, LEAST_KIN_EFFECT):
                 model = build_model(model.gap, model.nuisance, (*model.chosen, other))
     return model

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.stats import f as fisher
 
 from mjfriction.diagnose.model import Chosen, Model, cause_block
+from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats
 
 FALSE_ALARM = 0.01  # stated chance that a log without any cause yields one, from noise alone
@@ -91,10 +92,16 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
     own = slice(-precision.size, None)
     walds = [strengths @ np.linalg.pinv(covariance[own, own]) @ strengths for covariance in covariances]
     wald = float(min(walds)) / precision.size
-    effort = columns[choice.site.joint] @ strengths
-    effect = float(np.linalg.norm(effort) / np.linalg.norm(gap.measured[:, choice.site.joint]))
     relief = _strain(model, model.strengths) - _strain(model, fitted)
-    return Trial(choice, before - after, before, relief, effect, wald, precision.size, int(groups[-1]))
+    own_effect = effect(gap, choice, strengths)
+    return Trial(choice, before - after, before, relief, own_effect, wald, precision.size, int(groups[-1]))
+
+
+def effect(gap: Gap, choice: Chosen, strengths: Floats) -> float:
+    """Return the RMS effort that strengths of a cause make at its joint, relative to the joint's."""
+    columns, _ = cause_block(gap, choice)
+    effort = columns[choice.site.joint] @ strengths
+    return float(np.linalg.norm(effort) / np.linalg.norm(gap.measured[:, choice.site.joint]))
 
 
 def _strain(model: Model, strengths: Floats) -> float:

@@ -13,6 +13,7 @@ from mjfriction.diagnose.causes.moved_link import Backlash, Elasticity, EncoderO
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
+from mjfriction.diagnose.causes.saturating_viscous import SaturatingViscous
 from mjfriction.diagnose.causes.spring import Spring
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
@@ -26,6 +27,7 @@ STATED_LEVELS = CoulombViscous()
 STRUCTURAL: tuple[Cause, ...] = (
     Stribeck(),
     ViscousNonlinear(),
+    SaturatingViscous(),
     Asymmetry(),
     Load(),
     Presliding(),

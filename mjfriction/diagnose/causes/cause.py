@@ -101,7 +101,7 @@ class Cause(ABC):
         """Return the range each shape parameter is searched in."""
         return []
 
-    def own_shape(self, site: Site) -> bool:
+    def own_shape(self, gap: Gap, site: Site) -> bool:
         """Return whether a shape that was searched is one of the cause: a search that ends at the edge of its range may
         have found something else.  By default every shape is.
         """

@@ -43,7 +43,7 @@ class Stribeck(Cause):
         speed = np.abs(gap.motion.velocity[:, site.joint])
         return [(SLOWEST * gap.doubt_speed[site.joint], FASTEST * float(np.quantile(speed, 0.99))), EXPONENT_RANGE]
 
-    def own_shape(self, site: Site) -> bool:
+    def own_shape(self, gap: Gap, site: Site) -> bool:
         """A level that stays and then falls like a step is no Stribeck curve; published exponents end at 2."""
         return site.shape[1] < 0.97 * EXPONENT_RANGE[1]
 

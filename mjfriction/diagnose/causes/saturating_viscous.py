@@ -1,0 +1,72 @@
+"""friction.viscous_nonlinear: damping that levels off with speed, as greases thin."""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
+from mjfriction.identify.gap import Gap
+from mjfriction.laws.saturating_viscous import SATURATING_VISCOUS
+from mjfriction.record.log import Floats
+from mjfriction.robot.friction import with_term
+from mjfriction.robot.robot import Robot
+
+HALF_VELOCITIES = (0.2, 1.5)  # of the top speed; slower is a level, faster the same bend as a quadratic term
+OFF_EDGE = 1.1
+DOUBTED = 4.0  # times the speed below which friction's direction is in doubt, that damping must halve above
+
+
+@final
+class SaturatingViscous(Cause):
+    """F_v·v/(1 + |v|/v_h) with F_v ≥ 0."""
+
+    name = "friction.viscous_nonlinear"
+    shape_parameters = (SATURATING_VISCOUS.parameter("half_velocity"),)
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """Every moving joint, with half velocities spaced evenly in logarithm over what its motion can show."""
+        out = []
+        for site in super().sites(gap):
+            slow, fast = self.shape_bounds(gap, site)[0]
+            if fast > 1.5 * slow:
+                out += [site.shaped((float(v),)) for v in np.geomspace(slow, fast, 5)]
+        return out
+
+    def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
+        """The speeds between which damping that levels off is told from a level and from a quadratic bend."""
+        top = float(np.quantile(np.abs(gap.motion.velocity[:, site.joint]), 0.99))
+        slow, fast = (share * top for share in HALF_VELOCITIES)
+        return [(max(slow, DOUBTED * float(gap.doubt_speed[site.joint])), fast)]
+
+    def own_shape(self, gap: Gap, site: Site) -> bool:
+        """What levels off at the slowest speeds is no damping but a level that rises from rest."""
+        return bool(site.shape[0] > OFF_EDGE * self.shape_bounds(gap, site)[0][0])
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """The damping's share, (n, 1)."""
+        velocity = gap.motion.velocity[:, site.joint]
+        return column(velocity / (1.0 + np.abs(velocity) / site.shape[0]))
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """The damping near rest."""
+        return (Quantity(SATURATING_VISCOUS.parameter("viscous")),)
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """Damping that thins still stands against the motion."""
+        return bool(strengths[0] > 0.0)
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """Add a law that holds only the damping that levels off."""
+        parameters = {"coulomb": 0.0, "viscous": float(strengths[0]), "half_velocity": site.shape[0]}
+        return with_term(robot, robot.joints[site.joint], SATURATING_VISCOUS.name, parameters)
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Say at which speed the damping has halved and where it levels off."""
+        sliding = gap.body.sliding[site.joint]
+        return (
+            f"friction grows more slowly than speed: part of the damping has halved at {site.shape[0]:.3g} "
+            f"{'m/s' if sliding else 'rad/s'}, and levels off at {strengths[0] * site.shape[0]:.3g} "
+            f"{'N' if sliding else 'N·m'}"
+        )
