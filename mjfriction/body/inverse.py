@@ -50,8 +50,14 @@ def inertia_along(body: Body, position: Floats) -> Floats:
     return np.asarray((out - np.array(model.armature))[:, list(body.columns)])
 
 
+def mass_matrix_at(body: Body, position: Floats) -> Floats:
+    """Return the mass matrix at one pose, shape (joints, joints): kg·m², or kg on sliding joints."""
+    model, data = body.model, body.model.createData()
+    upper = np.triu(pin.crba(model, data, configuration(body, position[None, :])[0]))
+    own = np.ix_(body.columns, body.columns)
+    return np.asarray((upper + np.triu(upper, 1).T)[own])
+
+
 def inertia_at(body: Body, position: Floats) -> Floats:
     """Return the diagonal of the mass matrix at one pose, shape (joints,): kg·m², or kg on sliding joints."""
-    model, data = body.model, body.model.createData()
-    mass_matrix = pin.crba(model, data, configuration(body, position[None, :])[0])
-    return np.diag(mass_matrix)[list(body.columns)].copy()
+    return np.diag(mass_matrix_at(body, position)).copy()

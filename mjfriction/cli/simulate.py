@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import enum
 from pathlib import Path
 from typing import Annotated
 
@@ -23,6 +24,20 @@ Model = Annotated[
         "--controller", metavar="R", help="The robot file that the controller computes with.", show_default=False
     ),
 ]
+Recording = Annotated[
+    Path | None,
+    typer.Option(
+        "--recording", metavar="R.rrd", help="Also record the machine in motion, for Rerun.", show_default=False
+    ),
+]
+
+
+class Feedforward(enum.Enum):
+    """What of its model the controller feeds forward."""
+
+    DYNAMICS = "dynamics"
+    GRAVITY = "gravity"
+    NONE = "none"
 
 
 def simulate(
@@ -34,6 +49,11 @@ def simulate(
     jitter: Annotated[float, typer.Option(help="Spread of the instants, share of a step.", min=0.0, max=0.45)] = 0.0,
     current: Annotated[bool, typer.Option("--current", help="Log motor currents in place of efforts.")] = False,
     velocity: Annotated[bool, typer.Option("--velocity", help="Log measured velocities too.")] = False,
+    bandwidth: Annotated[float, typer.Option(help="Of the joints' control, Hz.", min=0.1, max=200.0)] = 4.0,
+    feedforward: Annotated[
+        Feedforward, typer.Option(help="What of its model the controller adds.")
+    ] = Feedforward.DYNAMICS,
+    recording: Recording = None,
     seed: Annotated[int, typer.Option(help="Sets the sensors' noise.")] = 0,
 ) -> None:
     """Run a robot along a trajectory in closed loop and write a log: everything its file states acts in MuJoCo.
@@ -42,22 +62,37 @@ def simulate(
     """
     import pyarrow
 
-    from mjfriction.plant.machine import simulate as run
+    from mjfriction.plant.control import Control
+    from mjfriction.plant.machine import log_columns, run_machine
     from mjfriction.plant.sensors import Recorder
     from mjfriction.plant.trajectory import read_trajectory
     from mjfriction.record.log import CURRENT, EFFORT
+    from mjfriction.report.folder import whole_file
     from mjfriction.report.table_file import check_table_name, write_table
     from mjfriction.robot.files import read_robot
 
     check_table_name(out, "a log")
     with working("simulating"):
-        columns = run(
-            read_robot(robot),
-            read_trajectory(trajectory),
-            recorder=Recorder(rate, jitter, velocity, CURRENT if current else EFFORT),
-            controller_robot=read_robot(controller) if controller else None,
-            seed=seed,
+        machine, course = read_robot(robot), read_trajectory(trajectory)
+        recorder = Recorder(rate, jitter, velocity, CURRENT if current else EFFORT)
+        run = run_machine(
+            machine,
+            course,
+            rate,
+            Control(bandwidth=bandwidth, model=feedforward.value),
+            read_robot(controller) if controller else None,
+            whole=recording is not None,
         )
-    table = pyarrow.table(columns)
+        table = pyarrow.table(log_columns(machine, course, recorder, run, seed))
+    if recording is not None:
+        from mjfriction.report.run_view import write_run
+
+        with working("drawing"), whole_file(recording) as draft:
+            write_run(machine, run, draft, seed)
     write_table(table, out)
-    typer.echo(f"{out}: {table.num_rows} rows, {float(columns['time'][-1]):.4g} s of {len(columns)} columns")
+    for note in run.notes:
+        typer.echo(note, err=True)
+    seconds = float(run.time[-1] - run.time[0])
+    typer.echo(f"{out}: {table.num_rows} rows, {seconds:.4g} s of {table.num_columns} columns")
+    if recording is not None:
+        typer.echo(f"{recording}: open it with mjfriction view {recording}")

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A folder of results.", show_default=False)]
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A folder of results, or a recording.", show_default=False)]
 
 
 def view(folder: Folder) -> None:
@@ -20,7 +20,7 @@ def view(folder: Folder) -> None:
 
     from mjfriction.errors import InputError
 
-    recording = folder / "recording.rrd"
+    recording = folder / "recording.rrd" if folder.suffix != ".rrd" else folder
     if not recording.is_file():
         raise InputError(f"{recording}: there is no such recording; run mjfriction diagnose ... --out {folder} first")
     raise typer.Exit(subprocess.call([sys.executable, "-m", "rerun", str(recording)]))

@@ -7,18 +7,20 @@ from typing import Literal
 
 import numpy as np
 
-from mjfriction.body.inverse import inertia_at, inverse_dynamics
+from mjfriction.body.inverse import inverse_dynamics, mass_matrix_at
 from mjfriction.laws.law import Floats
 from mjfriction.robot.friction import stated_levels
 from mjfriction.robot.robot import Robot
 
 FEEDFORWARD_SPEED = 0.02  # rad/s or m/s over which the feedforward of dry friction turns over
+STEADY = 0.5  # of a joint's speed, that its damping may take within a step
 POSES = 50  # of a course, of which the heaviest sets a joint's gains
 
 
 @dataclass(frozen=True)
 class Control:
-    """Joint PD and feedforward: ``bandwidth`` (Hz) and ``damping`` ratio of every joint on its own inertia.
+    """Joint PD and feedforward: ``bandwidth`` (Hz) and ``damping`` ratio of every joint on its own inertia, less where
+    the joint would ring at the step of the simulation.
 
     ``model`` is what is fed forward of the controller's robot: its ``"dynamics"``, its ``"gravity"`` alone, or
     ``"none"``; ``friction`` adds its stated Coulomb and viscous friction.
@@ -48,7 +50,7 @@ class ServoDrives:
     def __init__(self, robot: Robot, model: Robot, control: Control, course: Course, step: float) -> None:
         self.course = course
         self.feedforward = _feedforward(model, control, course)
-        self.stiffness, self.damping = _gains(robot, control, course.position)
+        self.stiffness, self.damping = _gains(robot, control, course.position, step)
         self.limit = np.array([effort_limit(robot, i) for i in range(len(robot.joints))])
         bandwidths = [joint.actuator.current_bandwidth for joint in robot.table.joint]
         self.share = np.array([-np.expm1(-2.0 * np.pi * hertz * step) if hertz else 1.0 for hertz in bandwidths])
@@ -88,9 +90,13 @@ def _feedforward(robot: Robot, control: Control, course: Course) -> Floats:
     return torque
 
 
-def _gains(robot: Robot, control: Control, q: Floats) -> tuple[Floats, Floats]:
+def _gains(robot: Robot, control: Control, q: Floats, step: float) -> tuple[Floats, Floats]:
     body = robot.body()
-    poses = q[:: max(1, q.shape[0] // POSES)]
-    inertia = np.max([inertia_at(body, pose) for pose in poses], axis=0)
-    angular = 2.0 * np.pi * control.bandwidth
-    return inertia * angular**2, 2.0 * control.damping * inertia * angular
+    masses = [mass_matrix_at(body, pose) for pose in q[:: max(1, q.shape[0] // POSES)]]
+    inertia = np.max([np.diag(mass) for mass in masses], axis=0)
+    # What a joint weighs while the others give way: much less, on an arm with light rotors.
+    least = np.min([1.0 / np.diag(np.linalg.inv(mass)) for mass in masses], axis=0)
+    damping = 2.0 * control.damping * inertia * 2.0 * np.pi * control.bandwidth
+    share = np.minimum(1.0, STEADY * least / np.maximum(step * damping, 1e-300))
+    angular = 2.0 * np.pi * control.bandwidth * share
+    return inertia * angular**2, share * damping

@@ -11,12 +11,16 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.errors import SimulationError
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.outcome import Identification
 from mjfriction.record.log import Floats
 from mjfriction.report.compared import Compared
 from mjfriction.report.result import Report
+from mjfriction.report.scene_view import scene_along, scene_view, send_scene
+from mjfriction.sim.scene import Scene
 
+CLOCK = "log_time_s"
 NAMESPACE = uuid.UUID("6f1f2f0e-6f0c-4d4e-9d6b-6d6a66726963")
 
 
@@ -47,30 +51,41 @@ def write_courses(
     """
     identity = uuid.uuid5(NAMESPACE, f"{gap.robot.name} {gap.log.source} {summary}")
     stream = rr.RecordingStream("mjfriction", recording_id=identity, send_properties=False)
-    stream.save(path, default_blueprint=_blueprint(order))
+    drawn = _scene(gap)
+    stream.save(path, default_blueprint=_blueprint(order, drawn[1] if drawn else None))
+    if drawn is not None:
+        send_scene(stream, *drawn, CLOCK)
     stream.log("findings", rr.TextDocument(text, media_type="text/markdown"), static=True)
     for joint in gap.examined:
         name = gap.robot.joints[joint]
         unit = float(gap.per_reported[joint])
         measured = gap.measured[:, joint] / unit
-        _send(stream, f"{name}/effort/measured", gap.chain.time, measured)
+        send(stream, f"{name}/effort/measured", gap.chain.time, measured)
         for model, residual in left.items():
-            _send(stream, f"{name}/effort/{model}", gap.chain.time, measured - residual[:, joint] / unit)
-            _send(stream, f"{name}/error/{model}", gap.chain.time, residual[:, joint] / unit)
-        _send(stream, f"{name}/velocity", gap.chain.time, gap.chain.rows(gap.motion.velocity[:, joint]))
+            send(stream, f"{name}/effort/{model}", gap.chain.time, measured - residual[:, joint] / unit)
+            send(stream, f"{name}/error/{model}", gap.chain.time, residual[:, joint] / unit)
+        send(stream, f"{name}/velocity", gap.chain.time, gap.chain.rows(gap.motion.velocity[:, joint]))
     stream.flush()
     stream.disconnect()
 
 
-def _send(stream: rr.RecordingStream, entity: str, time: Floats, values: Floats) -> None:
+def send(stream: rr.RecordingStream, entity: str, time: Floats, values: Floats) -> None:
+    """Put a course of numbers, (n,) each, into a recording."""
     stream.send_columns(
         entity,
-        indexes=[rr.TimeColumn("log_time_s", duration=time)],
+        indexes=[rr.TimeColumn(CLOCK, duration=time)],
         columns=rr.Scalars.columns(scalars=np.asarray(values)),
     )
 
 
-def _blueprint(order: Sequence[str]) -> rrb.Blueprint:
+def _scene(gap: Gap) -> tuple[Floats, Scene] | None:
+    try:
+        return scene_along(gap.robot, gap.motion.time, gap.motion.position)
+    except SimulationError:
+        return None  # a model that MuJoCo cannot read is diagnosed all the same; only its picture is missing
+
+
+def _blueprint(order: Sequence[str], scene: Scene | None) -> rrb.Blueprint:
     tabs = [
         rrb.Vertical(
             rrb.TimeSeriesView(origin=f"{name}/effort", name="effort"),
@@ -81,7 +96,8 @@ def _blueprint(order: Sequence[str]) -> rrb.Blueprint:
         for name in order
     ]
     text = rrb.TextDocumentView(origin="findings", name="findings")
-    return rrb.Blueprint(rrb.Horizontal(text, rrb.Tabs(*tabs), column_shares=[1, 3]), collapse_panels=True)
+    left = rrb.Vertical(text, scene_view(scene)) if scene is not None else text
+    return rrb.Blueprint(rrb.Horizontal(left, rrb.Tabs(*tabs), column_shares=[1, 3]), collapse_panels=True)
 
 
 def _findings_text(report: Report) -> str:

@@ -13,7 +13,8 @@ from mjfriction.errors import SimulationError
 from mjfriction.laws.law import Floats
 from mjfriction.sim.attach import Laws, attach, rewrite
 from mjfriction.sim.callback import friction_active
-from mjfriction.sim.reading import read_friction
+from mjfriction.sim.messages import messages_dropped
+from mjfriction.sim.reading import BROKEN, read_friction
 
 GIVE = "{}_give"  # the joint behind a transmission's own: how far the link is ahead of its motor
 STOP_TIME = 2.0  # time steps: the stiffest stop that MuJoCo's solver takes
@@ -101,7 +102,7 @@ def play(
         places=np.empty((count, model.nq)) if whole else None,
     )
     applied = np.zeros(model.nv)
-    with friction_active():
+    with friction_active(), messages_dropped():
         for step_number in range(-settling, count):
             k = max(step_number, 0)  # what gives first takes up its load, at the course's beginning
             position, velocity = data.qpos[places], data.qvel[dofs]
@@ -123,20 +124,26 @@ def play(
                 changed = laws_at(k)
                 if changed is not None:
                     rewrite(model, changed)
+            before = data.time
             mujoco.mj_step(model, data)
+            if data.time <= before:  # MuJoCo began again from its initial state
+                raise SimulationError(_broken(model, data, k * step))
             if reader is not None:
                 out.friction[k, rubbing] = data.userdata[reader.torque]
                 for name, kept in out.states.items():
                     kept[k] = data.userdata[reader.state(name)]
-    bad = ~np.isfinite(out.position)
-    faults = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
-    if np.any(bad) or any(data.warning[int(fault)].number for fault in faults):
-        row, joint = np.argwhere(bad)[0] if np.any(bad) else (0, 0)
-        raise SimulationError(
-            f"the run went out of bounds at joint '{joints[joint]}' near {row * step:.3g} s: lower the gains, shorten "
-            "the step or slow the trajectory down"
-        )
     return out
+
+
+def _broken(model: mujoco.MjModel, data: mujoco.MjData, time: float) -> str:
+    for kind, (_, addresses) in BROKEN.items():
+        if data.warning[kind].number:
+            joint = int(np.searchsorted(getattr(model, addresses), data.warning[kind].lastinfo, side="right")) - 1
+            break
+    return (
+        f"the run went out of bounds at joint '{model.joint(joint).name}' near {time:.3g} s: lower the controller's "
+        "bandwidth, raise the rate or slow the trajectory down"
+    )
 
 
 def split_transmission(spec: mujoco.MjSpec, joint: str, *, compliance: float, backlash: float, inertia: float) -> None:
