@@ -18,13 +18,20 @@ class Protocol(enum.Enum):
     FORWARD_BACKWARD = "forward_backward"
     EXCITATION = "excitation"
     SEPARATE = "separate"
+    SINE = "sine"
+    SAWTOOTH = "sawtooth"
+    LOOPS = "loops"
+    PICK_AND_PLACE = "pick_and_place"
+    VOLTAGES = "voltages"
 
 
+ONE_BY_ONE = (Protocol.FORWARD_BACKWARD, Protocol.SINE, Protocol.SAWTOOTH, Protocol.LOOPS, Protocol.VOLTAGES)
 OF_PROTOCOL = {
-    "--joint": Protocol.FORWARD_BACKWARD,
-    "--speeds": Protocol.FORWARD_BACKWARD,
-    "--seconds": Protocol.EXCITATION,
-    "--against": Protocol.SEPARATE,
+    "--joint": ONE_BY_ONE,
+    "--speeds": (Protocol.FORWARD_BACKWARD,),
+    "--seconds": (Protocol.EXCITATION,),
+    "--amplitude": (Protocol.SAWTOOTH, Protocol.LOOPS),
+    "--against": (Protocol.SEPARATE,),
 }
 
 Kind = Annotated[Protocol, typer.Option("--protocol", help="What the motion is to show.", show_default=False)]
@@ -33,7 +40,7 @@ Out = Annotated[
 ]
 Joints = Annotated[
     list[str] | None,
-    typer.Option("--joint", metavar="J", help="A joint to move (forward_backward); repeat for more. All by default."),
+    typer.Option("--joint", metavar="J", help="A joint to move alone; repeat for more. All by default."),
 ]
 Other = Annotated[str | None, typer.Option("--against", metavar="R", help="The other model of the robot (separate).")]
 
@@ -45,6 +52,7 @@ def plan(
     joint: Joints = None,
     speeds: Annotated[int | None, typer.Option(help="How many speeds a joint (forward_backward): 12.", min=3)] = None,
     seconds: Annotated[float | None, typer.Option(help="How long (excitation): 60 s.", min=10.0)] = None,
+    amplitude: Annotated[float | None, typer.Option(help="Largest turn, rad or m (sawtooth, loops).", min=1e-9)] = None,
     against: Other = None,
     seed: Annotated[int, typer.Option(help="Sets what is drawn.")] = 0,
 ) -> None:
@@ -52,6 +60,7 @@ def plan(
 
     forward_backward: each joint to and fro at many speeds, where gravity loads it least, for its friction map.
     excitation: all joints at once, to tell links from friction. separate: where two models of one robot differ most.
+    sine, sawtooth, loops: one joint slowly, for friction near rest. pick_and_place: as at work. voltages: a valve's.
 
     Example: mjfriction plan --robot ur5 --protocol forward_backward --joint elbow_joint --out passes.csv
     """
@@ -63,20 +72,37 @@ def plan(
         plan_passes,
         plan_separation,
     )
+    from mjfriction.identify.usual_motions import (
+        plan_loops,
+        plan_pick_and_place,
+        plan_sawtooth,
+        plan_sine,
+        plan_voltages,
+    )
     from mjfriction.report.table_file import check_table_name, write_table
     from mjfriction.robot.files import read_robot
 
     check_table_name(out, "a trajectory")
-    given = {"--joint": joint, "--speeds": speeds, "--seconds": seconds, "--against": against}
+    given = {"--joint": joint, "--speeds": speeds, "--seconds": seconds, "--amplitude": amplitude, "--against": against}
     for name, value in given.items():
-        if value is not None and OF_PROTOCOL[name] is not protocol:
-            raise RobotError(
-                f"{name} is of the protocol '{OF_PROTOCOL[name].value}'; leave it out, or ask for that one"
-            )
+        if value is not None and protocol not in OF_PROTOCOL[name]:
+            listed = " or ".join(f"'{one.value}'" for one in OF_PROTOCOL[name])
+            raise RobotError(f"{name} is of the protocol {listed}; leave it out, or ask for that one")
     with working("planning"):
         model = read_robot(robot)
+        joints = joint or model.joints
         if protocol is Protocol.FORWARD_BACKWARD:
-            found = plan_passes(model, joint or model.joints, count=speeds or USUAL_SPEEDS, seed=seed)
+            found = plan_passes(model, joints, count=speeds or USUAL_SPEEDS, seed=seed)
+        elif protocol is Protocol.SINE:
+            found = plan_sine(model, joints)
+        elif protocol is Protocol.SAWTOOTH:
+            found = plan_sawtooth(model, joints, amplitude)
+        elif protocol is Protocol.LOOPS:
+            found = plan_loops(model, joints, amplitude)
+        elif protocol is Protocol.PICK_AND_PLACE:
+            found = plan_pick_and_place(model, seed=seed)
+        elif protocol is Protocol.VOLTAGES:
+            found = plan_voltages(model, joints)
         elif protocol is Protocol.EXCITATION:
             found = plan_excitation(model, seconds or USUAL_SECONDS, seed=seed)
         elif against is None:

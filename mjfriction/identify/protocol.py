@@ -89,7 +89,7 @@ def plan_passes(robot: Robot, joints: Sequence[str], *, count: int = USUAL_SPEED
             parts.append(pose)
         listed = f"{speeds[0]:.3g} to {speeds[-1]:.3g} {'m/s' if body.sliding[index] else 'rad/s'}"
         words.append(f"{name}: {count} speeds from {listed}; {freed.kind.value}")
-    return Plan(_joined(robot.joints, parts, body), tuple(words))
+    return Plan(joined(robot.joints, parts, body), tuple(words))
 
 
 def plan_excitation(robot: Robot, seconds: float = USUAL_SECONDS, *, seed: int = 0) -> Plan:
@@ -194,8 +194,8 @@ def _least_told(body: Body, motion: Motion) -> float:
     return float(values[values.size // 2])
 
 
-def _joined(joints: tuple[str, ...], parts: list[Floats], body: Body) -> Trajectory:
-    # Between two parts all joints go together from where one ends to where the next begins, and rest there.
+def joined(joints: tuple[str, ...], parts: list[Floats], body: Body) -> Trajectory:
+    """Join parts (n, joints) at 250 Hz: between two, all joints go from where one ends to where the next begins."""
     top = 0.3 * np.minimum(body.top_speed, UNSTATED_SPEED)
     out = [parts[0]]
     for before, after in itertools.pairwise(parts):

@@ -1,4 +1,4 @@
-"""Motions that show a machine: excitation, constant speeds to and fro, slow sines, sawtooth, pick and place."""
+"""Motions that show a machine: excitation, constant speeds, sines, sawtooth, loops, voltages, pick and place."""
 
 from __future__ import annotations
 
@@ -9,10 +9,15 @@ import numpy as np
 
 from mjfriction.errors import LogError
 from mjfriction.laws.law import Floats
+from mjfriction.plant.cylinder import speed_per_volt
 from mjfriction.plant.trajectory import Trajectory
+from mjfriction.record.log import VOLTAGE
+from mjfriction.robot.schema import Hydraulics
 
 FADE = 2.0  # s over which an excitation swells from rest and dies down
 KNOTS = 250.0  # Hz of the tables
+STROKE_USED = 0.7  # of a cylinder's stroke, at the speed of no load; friction and unequal ways leave the rest
+VALVE_REST = 0.5  # s between two voltages
 
 
 def excitation(
@@ -90,6 +95,38 @@ def sawtooth(joint: str, centre: float, amplitudes: Sequence[float], speed: floa
     corners = np.concatenate([[0.0], *([a, -a] for a in amplitudes), [0.0]])
     time = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(corners)) / speed)])
     return _even((joint,), time, centre + corners[:, None])
+
+
+def inner_loops(joint: str, centre: float, amplitude: float, period: float, *, periods: int = 2) -> Trajectory:
+    """Return a motion between ± an amplitude that turns back once on either way: two inner hysteresis loops a period.
+
+    Up to 0.6 of the amplitude, back to −0.1, up to the whole; then the same downward.  Every stretch is smooth and
+    takes its share of the period by its length.  Before the first period the joint goes down to −amplitude.
+    """
+    turns = amplitude * np.array([0.0, -1.0, *([0.6, -0.1, 1.0, -0.6, 0.1, -1.0] * periods)])
+    around = float(np.sum(np.abs(np.diff(turns[1:8]))))
+    parts = [np.full(1, centre)]
+    for a, b in itertools.pairwise(turns):
+        share = np.linspace(0.0, 1.0, _samples(period * abs(b - a) / around) + 1)[1:]
+        parts.append(centre + a + (b - a) * _smooth(share))
+    return _at_knots((joint,), np.concatenate(parts)[:, None])
+
+
+def valve_steps(joint: str, of: Hydraulics, stroke: float, volts: Sequence[float]) -> Trajectory:
+    """Return constant voltages at the valve of a cylinder, out and back at each, held over most of a stroke (m).
+
+    The piston begins at zero, in the middle: it first retracts to where the strokes begin.
+    """
+    out, back = speed_per_volt(of)
+    way = STROKE_USED * stroke
+    gentle = max(volts)
+    steps = [(-gentle, 0.5 * way / (back * gentle))]
+    for voltage in volts:
+        steps += [(voltage, way / (out * voltage)), (-voltage, way / (back * voltage))]
+    rest = np.zeros(_samples(VALVE_REST))
+    course = np.concatenate([rest] + [np.append(np.full(_samples(time), volt), rest) for volt, time in steps])
+    time = np.arange(course.size) / KNOTS
+    return Trajectory((), time, np.empty((course.size, 0)), {f"{VOLTAGE}.{joint}": course})
 
 
 def pick_and_place(

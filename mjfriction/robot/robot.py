@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import sysconfig
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
+
+import numpy as np
 
 from mjfriction.body.model import Body, Load, load_body
 from mjfriction.errors import RobotError, suggestion
@@ -52,7 +54,7 @@ class Robot:
     def body(self) -> Body:
         """Read the rigid bodies: the model file with this robot's gravity, payload and rotor inertias."""
         payload = self.table.payload
-        return load_body(
+        body = load_body(
             self.model_path,
             self.joints,
             gravity=self.table.gravity,
@@ -61,6 +63,9 @@ class Robot:
             link_shift=self.table.link_shift,
             rotor_inertia=[joint.actuator.rotor_inertia * joint.actuator.gear_ratio**2 for joint in self.table.joint],
         )
+        stated = [joint.top_speed for joint in self.table.joint]
+        top = [own or float(model) for own, model in zip(stated, body.top_speed, strict=True)]
+        return replace(body, top_speed=np.array(top))
 
     def with_stated_friction(self, body: Body) -> Robot:
         """Return the robot with the model file's damping and dry friction written out where a joint states no law."""

@@ -248,10 +248,12 @@ class Joint(Table):
 
     Several friction laws add up; without any, the model file's own damping and dry friction hold.  ``friction_waves``,
     ``thermal``, ``warm_up``, ``events`` and ``pressure_friction`` add to them against the motion; ``cogging`` and
-    ``spring`` do not turn with its direction.
+    ``spring`` do not turn with its direction.  ``top_speed`` (rad/s, m/s) bounds planned motions, in the place of the
+    model file's own.
     """
 
     name: str
+    top_speed: Positive | None = None
     actuator: Actuator = Actuator()
     hydraulics: Hydraulics | None = None
     friction: Annotated[tuple[FrictionTerm, ...], BeforeValidator(_as_list)] | None = None

@@ -1,0 +1,99 @@
+"""The other motions of the laboratory, sized to a robot: slow sines, sawtooth, loops, pick and place, voltages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from mjfriction.errors import RobotError
+from mjfriction.identify.protocol import UNSTATED_SPEED, Plan, joined, room
+from mjfriction.plant.motions import inner_loops, pick_and_place, sawtooth, sine, valve_steps
+from mjfriction.plant.trajectory import Trajectory
+from mjfriction.robot.robot import Robot
+
+SLOW = 0.05  # of the top speed, that a slow sine reaches
+SLOW_FREQUENCY, SLOW_PERIODS = 0.1, 3.0  # Hz
+SMALL = 1e-3  # of a joint's reach: turns of a few hundredths of a degree, or some hundredths of a millimetre
+LADDER = (1.0, 0.6, 0.3)  # of the largest turn, those of a sawtooth
+SAW_SECONDS = 4.0  # to go from the middle to the largest turn
+LOOP_SECONDS = 10.0  # a period of loops
+POSES = 4  # of pick and place
+RAMP = 2.0  # 1/s: top speeds are reached in half a second
+VOLTAGES = 8
+
+
+def plan_sine(robot: Robot, joints: Sequence[str]) -> Plan:
+    """Plan slow sines of one joint after another, as in tests of friction near rest."""
+    top = np.minimum(robot.body().top_speed, UNSTATED_SPEED)
+
+    def one(name: str, centre: float, reach: float) -> Trajectory:
+        speed = SLOW * float(top[robot.joints.index(name)])
+        amplitude = min(reach, speed / (2.0 * np.pi * SLOW_FREQUENCY))
+        return sine(name, centre, amplitude, SLOW_FREQUENCY, SLOW_PERIODS)
+
+    return _one_by_one(robot, joints, one, "slow sines")
+
+
+def plan_sawtooth(robot: Robot, joints: Sequence[str], amplitude: float | None = None) -> Plan:
+    """Plan slow turns of falling size (the largest ``amplitude``, rad or m), which draw hysteresis loops."""
+
+    def one(name: str, centre: float, reach: float) -> Trajectory:
+        largest = amplitude or SMALL * reach
+        return sawtooth(name, centre, [share * largest for share in LADDER], largest / SAW_SECONDS)
+
+    return _one_by_one(robot, joints, one, "turns of falling size")
+
+
+def plan_loops(robot: Robot, joints: Sequence[str], amplitude: float | None = None) -> Plan:
+    """Plan motion between ± ``amplitude`` (rad or m) with two inner loops a period."""
+
+    def one(name: str, centre: float, reach: float) -> Trajectory:
+        return inner_loops(name, centre, amplitude or SMALL * reach, LOOP_SECONDS)
+
+    return _one_by_one(robot, joints, one, "two inner loops a period")
+
+
+def plan_pick_and_place(robot: Robot, *, seed: int = 0) -> Plan:
+    """Plan moves of all joints from pose to pose, drawn within limits, resting at each."""
+    body = robot.body()
+    middle, reach = room(body)
+    top = np.minimum(body.top_speed, UNSTATED_SPEED)
+    poses = middle + reach * np.random.default_rng([seed, 31]).uniform(-1.0, 1.0, (POSES, middle.size))
+    made = pick_and_place(robot.joints, poses, top, RAMP * top)
+    return Plan(made, (f"all joints from pose to pose, {POSES} poses three times round",))
+
+
+def plan_voltages(robot: Robot, joints: Sequence[str]) -> Plan:
+    """Plan constant voltages at the valve of a cylinder, out and back, from a thirtieth of the highest up.
+
+    Raises :class:`RobotError` for a joint that no cylinder moves.
+    """
+    if len(joints) != 1:
+        raise RobotError(f"constant voltages are for one cylinder at a time; name its joint of {', '.join(joints)}")
+    (name,) = joints
+    of = robot.joint(name).hydraulics
+    if of is None:
+        raise RobotError(f"joint '{name}' of robot '{robot.name}' states no hydraulics; it has no valve")
+    body = robot.body()
+    index = robot.joints.index(name)
+    stroke = float(body.upper[index] - body.lower[index])
+    volts = np.geomspace(of.voltage_limit / 30.0, of.voltage_limit, VOLTAGES)
+    made = valve_steps(name, of, min(stroke, 2.0), volts.tolist())
+    return Plan(made, (f"{name}: {VOLTAGES} voltages from {volts[0]:.3g} to {volts[-1]:.3g} V, out and back",))
+
+
+def _one_by_one(
+    robot: Robot, joints: Sequence[str], make: Callable[[str, float, float], Trajectory], what: str
+) -> Plan:
+    body = robot.body()
+    middle, reach = room(body)
+    parts = []
+    for name in joints:
+        robot.joint(name)
+        index = robot.joints.index(name)
+        made = make(name, float(middle[index]), float(reach[index]))
+        pose = np.tile(middle, (made.time.size, 1))
+        pose[:, index] = made.position[:, 0]
+        parts.append(pose)
+    return Plan(joined(robot.joints, parts, body), (f"{what} of {', '.join(joints)}",))
