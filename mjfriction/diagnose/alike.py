@@ -51,7 +51,7 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
         entrant
         for entrant in field
         if (entrant.joint == joint or entrant.cause.whole_arm)
-        and entrant.key != target.key
+        and entrant.key != target.key[:2]
         and target.cause.name not in entrant.cause.contains
     )
     repeated = redundancy(model.residual()[:, joint] * model.system.rows.weight[:, joint])

@@ -32,11 +32,12 @@ SCREENED_ROWS = 1000  # enough to rank shapes by
 
 @dataclass(frozen=True)
 class Entrant:
-    """A cause on a joint, with every shape of its starting grid."""
+    """A cause on a joint, with every shape of its starting grid; ``times`` is how many of it the joint may have."""
 
     cause: Cause
     joint: int
     sites: tuple[Site, ...]
+    times: int
 
     @property
     def key(self) -> tuple[str, int]:
@@ -53,7 +54,8 @@ def make_field(gap: Gap, causes: tuple[Cause, ...]) -> Field:
     for cause in causes:
         sites = cause.sites(gap)
         for joint in dict.fromkeys(site.joint for site in sites):
-            entrants.append(Entrant(cause, joint, tuple(site for site in sites if site.joint == joint)))
+            own = tuple(site for site in sites if site.joint == joint)
+            entrants.append(Entrant(cause, joint, own, cause.times))
     return tuple(entrants)
 
 
@@ -76,7 +78,17 @@ def compete(gap: Gap, nuisance: Nuisance, field: Field) -> Model:
         refused = {choice.key for choice in model.chosen if not _proved(model, choice)}
         if not refused:
             return straightened(_with_kin(model, field))
-        asked = tuple(entrant for entrant in asked if entrant.key not in refused)
+        asked = _narrowed(asked, refused)
+
+
+def _narrowed(field: Field, refused: set[tuple[str, int, int]]) -> Field:
+    # What is refused, and all that come after it of its kind, are asked for no more.
+    out = []
+    for entrant in field:
+        orders = [order for name, joint, order in refused if (name, joint) == entrant.key]
+        if min(orders, default=entrant.times) > 0:
+            out.append(replace(entrant, times=min([*orders, entrant.times])))
+    return tuple(out)
 
 
 def _forward(gap: Gap, nuisance: Nuisance, field: Field, count: int) -> Model:
@@ -120,21 +132,25 @@ def _proved(model: Model, choice: Chosen) -> bool:
 
 def contenders(model: Model, field: Field) -> list[Trial]:
     """Try every candidate not in the model yet, each at its best shape; return the short list, tried in full."""
-    present = {choice.key for choice in model.chosen}
     every = max(1, model.gap.blocks.row.size // SCREENED_ROWS)
     best = []
     for entrant in field:
-        if entrant.key in present:
+        order = _present(model, entrant)
+        if order >= entrant.times:
             continue
         strengths, gains = model.system.screen(_screening(model.gap, entrant, every), every)
         for i in np.argsort(-gains):
             if entrant.cause.admissible(model.gap, entrant.sites[i], strengths[i]):
                 gain = float(gains[i]) - _price(model.gap, strengths.shape[1] + len(entrant.sites[i].shape))
-                best.append((gain, Chosen(entrant.cause, entrant.sites[i])))
+                best.append((gain, Chosen(entrant.cause, replace(entrant.sites[i], order=order))))
                 break
     ranked = sorted(best, key=lambda entry: -entry[0])[:SHORT_LIST]
     trials = [_tried(model, choice) for gain, choice in ranked if gain > 0.0]
     return [trial for trial in trials if trial is not None]
+
+
+def _present(model: Model, entrant: Entrant) -> int:
+    return sum((choice.cause.name, choice.site.joint) == entrant.key for choice in model.chosen)
 
 
 def _tried(model: Model, choice: Chosen) -> Trial | None:
@@ -215,8 +231,9 @@ def _with_kin(model: Model, field: Field) -> Model:
     # answers, so that it stands at the plain level; and it is measured against its partner, not against the effort.
     for choice in model.chosen:
         for entrant in field:
-            present = entrant.key in {found.key for found in model.chosen}
-            if entrant.cause.name not in choice.cause.kin or entrant.joint != choice.site.joint or present:
+            if entrant.cause.name not in choice.cause.kin or entrant.joint != choice.site.joint:
+                continue
+            if _present(model, entrant):
                 continue
             other = Chosen(entrant.cause, entrant.sites[0])
             trial = try_out(model, other, repeating=True)

@@ -38,9 +38,9 @@ class Chosen:
     tangent: Tangent | None = None
 
     @property
-    def key(self) -> tuple[str, int]:
-        """The cause's name and its joint."""
-        return self.cause.name, self.site.joint
+    def key(self) -> tuple[str, int, int]:
+        """The cause's name, its joint, and which of its kind it is there."""
+        return self.cause.name, self.site.joint, self.site.order
 
 
 @dataclass(frozen=True)

@@ -26,13 +26,14 @@ class Site:
     """A cause at a place: on one joint (its index), with values for its shape parameters.
 
     ``other`` is the joint that it comes from, where it comes from one; ``around`` the strength that a curved cause's
-    columns are drawn around, 0 for the stated robot.
+    columns are drawn around, 0 for the stated robot; ``order`` counts those of its kind on the joint, from 0.
     """
 
     joint: int
     shape: Shape = ()
     other: int | None = None
     around: float = 0.0
+    order: int = 0
 
     def shaped(self, shape: Shape) -> Site:
         """Return the same place with another shape."""
@@ -56,6 +57,7 @@ class Cause(ABC):
     covariate: ClassVar[str] = "velocity"
     whole_arm: ClassVar[bool] = False  # whether every joint feels it; its site is then where it shows most
     curved: ClassVar[bool] = False  # whether the effort bends with the strengths: then fitted on the real balance
+    times: ClassVar[int] = 1  # how many of its kind a joint may have
     before_sensor: ClassVar[bool] = True  # whether the change passes the effort sensor's scale, as all torques do
     contains: ClassVar[tuple[str, ...]] = ()  # causes that are this one with a strength at zero: no rivals of theirs
     kin: ClassVar[

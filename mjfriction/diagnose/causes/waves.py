@@ -91,6 +91,7 @@ class Cogging(_Waves):
     """C·cos(k q) + S·sin(k q), whichever way the joint moves."""
 
     name = "drive.cogging"
+    times = 3  # a motor's cogging has harmonics
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Add a wave to the joint's cogging."""
@@ -112,6 +113,7 @@ class PositionFriction(_Waves):
     """(C·cos(k q) + S·sin(k q))·sgn v."""
 
     name = "friction.position"
+    times = 2
     turns = True
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
