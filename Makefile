@@ -18,6 +18,7 @@ check: $(READY)
 docs: $(READY)
 	$(BIN)/python -m scripts.make_docs
 	$(BIN)/python -m scripts.law_pages
+	MUJOCO_GL=egl $(BIN)/python -m scripts.robot_pages
 
 bench: $(READY)
 	$(BIN)/python -m scripts.bench

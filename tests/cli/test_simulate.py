@@ -55,3 +55,43 @@ def test_bad_input_is_one_line_and_leaves_nothing(swing: Path, tmp_path: Path) -
         assert message in done.stderr
         assert done.stderr.count("\n") == 1
     assert not list(tmp_path.glob("x.*"))
+
+
+def test_voltages_run_a_cylinder_and_what_it_logs_runs_it_again(tmp_path: Path) -> None:
+    course, log = tmp_path / "volts.csv", tmp_path / "log.parquet"
+    words = ("--robot", "hydraulic_cylinder")
+    assert mjfriction("plan", *words, "--protocol", "voltages", "--out", course).returncode == 0
+    short = tmp_path / "short.csv"
+    short.write_text("\n".join(course.read_text().splitlines()[:1001]) + "\n")
+    done = mjfriction("simulate", *words, "--trajectory", short, "--out", log, "--rate", 250)
+    assert done.returncode == 0, done.stderr
+    columns = set(read_log(log).columns)
+    named = ("position", "effort", "pressure_head", "pressure_rod", "flow_head", "flow_rod", "voltage")
+    assert {f"{name}.piston" for name in named} | {"supply_pressure"} <= columns
+    # A log has positions: the piston follows them, and its voltages are only recorded.
+    again = mjfriction("simulate", *words, "--trajectory", log, "--out", tmp_path / "again.parquet", "--rate", 250)
+    assert again.returncode == 0, again.stderr
+
+
+def test_a_recording_of_the_run_beside_its_log(swing: Path, tmp_path: Path) -> None:
+    log, recording = tmp_path / "log.parquet", tmp_path / "run.rrd"
+    words = ("--robot", "ur5", "--trajectory", swing, "--out", log, "--rate", 250, "--recording", recording)
+    done = mjfriction("simulate", *words)
+    assert done.returncode == 0, done.stderr
+    assert f"mjfriction view {recording}" in done.stdout
+    assert recording.stat().st_size > 10_000
+    assert log.is_file()
+
+
+def test_a_run_that_breaks_down_says_where_and_when_and_leaves_nothing(swing: Path, tmp_path: Path) -> None:
+    robot = tmp_path / "heavy.toml"
+    robot.write_text(
+        'name = "heavy"\nmodel = "package://example-robot-data/ur_description/urdf/ur5_robot.urdf"\n'
+        '[[joint]]\nname = "elbow_joint"\nspring = { stiffness = -1e9 }\n',
+        encoding="utf-8",
+    )
+    done = mjfriction("simulate", "--robot", robot, "--trajectory", swing, "--out", tmp_path / "log.csv")
+    assert done.returncode == 2
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert "out of bounds at joint 'elbow_joint' near" in done.stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["heavy.toml", "swing.parquet"]

@@ -56,6 +56,12 @@ CASES = [
         {"stribeck_excess": 3.0, "stribeck_velocity": 0.15, "stribeck_exponent": 2.0},
     ),
     Case("friction.viscous_nonlinear", 3, lambda i: -0.6 * i.v * np.abs(i.v), {"quadratic": -0.6}),
+    Case(
+        "friction.viscous_nonlinear",
+        3,
+        lambda i: 1.5 * i.v / (1.0 + np.abs(i.v) / 0.5),
+        {"viscous": 1.5, "half_velocity": 0.5},
+    ),
     Case("friction.asymmetry", 1, lambda i: 4.0 * np.abs(i.v), {"viscous_asymmetry": 4.0}),
     Case("drive.offset", 4, lambda i: np.full(i.v.shape, -0.5), {"offset": -0.5}),
     Case("drive.rotor_inertia", 5, lambda i: 0.3 * i.a, {"rotor_inertia": 0.3}),

@@ -10,9 +10,30 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mjfriction.errors import LogError
-from mjfriction.plant.motions import excitation, forward_backward, pick_and_place, sawtooth, sine, trapezoid
+from mjfriction.errors import LogError, RobotError
+from mjfriction.identify.protocol import UNSTATED_SPEED, plan_excitation
+from mjfriction.identify.usual_motions import (
+    plan_loops,
+    plan_pick_and_place,
+    plan_sawtooth,
+    plan_sine,
+    plan_voltages,
+)
+from mjfriction.plant.cylinder import speed_per_volt
+from mjfriction.plant.motions import (
+    KNOTS,
+    excitation,
+    forward_backward,
+    inner_loops,
+    pick_and_place,
+    sawtooth,
+    sine,
+    trapezoid,
+    valve_steps,
+)
 from mjfriction.plant.trajectory import read_trajectory
+from mjfriction.robot.files import read_robot
+from mjfriction.robot.robot import bundled_robots
 
 
 @settings(max_examples=15)
@@ -85,3 +106,50 @@ def test_a_trajectory_is_read_back_as_it_was_written(tmp_path: Path) -> None:
     (tmp_path / "none.csv").write_text("time,a\n0,0\n1,0\n")
     with pytest.raises(LogError, match="a trajectory has 'time' and 'position"):
         read_trajectory(tmp_path / "none.csv")
+
+
+def test_loops_turn_back_once_on_either_way() -> None:
+    made = inner_loops("a", 0.1, 50e-6, 10.0, periods=2)
+    course = (made.position[:, 0] - 0.1) / 50e-6
+    turns = course[1:-1][np.diff(np.sign(np.diff(course))) != 0]
+    expected = [-1.0, *([0.6, -0.1, 1.0, -0.6, 0.1, -1.0] * 2)]
+    np.testing.assert_allclose(turns, expected[: turns.size], atol=1e-3)
+    assert turns.size == len(expected) - 1  # the last is where it ends
+    _, velocity, _ = made.at(made.time)
+    assert np.max(np.abs(velocity[[0, -1]])) < 1e-9
+    assert made.time[-1] == pytest.approx(20.0 + 10.0 / 7.0, abs=0.1)
+
+
+def test_voltages_are_held_out_and_back_and_keep_within_the_stroke() -> None:
+    cylinder = read_robot("hydraulic_cylinder")
+    of = cylinder.table.joint[0].hydraulics
+    assert of is not None
+    made = valve_steps("piston", of, 0.4, [1.0, 3.0])
+    volts = made.ambient["voltage.piston"]
+    assert set(np.unique(volts)) == {-3.0, -1.0, 0.0, 1.0, 3.0}
+    out, back = speed_per_volt(of)
+    for voltage, speed in ((1.0, out), (-1.0, -back)):
+        held = np.count_nonzero(volts == voltage) / KNOTS
+        assert held * speed * voltage == pytest.approx(0.7 * 0.4, rel=0.01)
+
+
+@pytest.mark.parametrize("name", sorted(bundled_robots()))
+def test_every_motion_of_the_laboratory_keeps_a_robots_limits(name: str) -> None:
+    robot = read_robot(name)
+    body = robot.body()
+    plans = [plan_sine(robot, robot.joints), plan_sawtooth(robot, robot.joints), plan_loops(robot, robot.joints)]
+    plans += [plan_pick_and_place(robot), plan_excitation(robot, 20.0)]
+    for plan in plans:
+        made = plan.trajectory
+        assert np.all(made.position >= np.maximum(body.lower, -np.inf) - 1e-9)
+        assert np.all(made.position <= np.minimum(body.upper, np.inf) + 1e-9)
+        velocity = np.abs(np.gradient(made.position, made.time, axis=0))
+        assert np.all(velocity <= 1.02 * np.minimum(body.top_speed, UNSTATED_SPEED))
+
+
+def test_a_motor_has_no_valve() -> None:
+    robot = read_robot("ur5")
+    with pytest.raises(RobotError, match="one cylinder at a time"):
+        plan_voltages(robot, robot.joints)
+    with pytest.raises(RobotError, match="states no hydraulics; it has no valve"):
+        plan_voltages(robot, ["elbow_joint"])

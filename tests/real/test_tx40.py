@@ -57,6 +57,9 @@ def test_the_coupling_of_the_wrist_is_found_with_its_published_size(tx40: Diagno
     assert wrist.rms_heldout_after < 0.3 * wrist.rms_heldout_before
 
 
-def test_no_friction_beyond_coulomb_and_viscous_is_claimed(tx40: Diagnosis) -> None:
-    curves = {"friction.stribeck", "friction.presliding", "friction.viscous_nonlinear", "friction.asymmetry"}
+def test_no_curve_of_friction_is_claimed_but_damping_that_thins(tx40: Diagnosis) -> None:
+    curves = {"friction.stribeck", "friction.presliding", "friction.asymmetry"}
     assert not curves & {finding.cause for finding in tx40.findings}
+    # The published damping is linear; what is claimed beyond it has to pay on motion not fitted.
+    bent = [finding for finding in tx40.findings if finding.cause == "friction.viscous_nonlinear"]
+    assert all(finding.gain.low > 0.1 for finding in bent)

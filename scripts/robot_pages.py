@@ -1,10 +1,11 @@
-"""Draw every bundled robot: docs/images/robots.png.
+"""Write the page of the bundled robots, docs/robots.md, and draw them: docs/images/robots.png.
 
-Run headless: MUJOCO_GL=egl python -m scripts.robot_pictures
+Run headless: MUJOCO_GL=egl python -m scripts.robot_pages
 """
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
 import matplotlib as mpl
@@ -20,7 +21,23 @@ from mjfriction.sim.scene import spec_with_shapes
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 
-PICTURE = Path(__file__).resolve().parent.parent / "docs/images/robots.png"
+ROOT = Path(__file__).resolve().parent.parent
+PAGE, PICTURE = ROOT / "docs/robots.md", ROOT / "docs/images/robots.png"
+PAGE_TEXT = """# The robots that come along
+
+Written by `python -m scripts.robot_pages`. Every command takes them by name, as in `--robot machine_table`.
+
+![the robots](images/robots.png)
+
+| robot | joints | moving mass | friction stated |
+|---|---|---:|---|
+{table}
+
+`mjfriction plan --robot R --protocol P --out T` writes motions for any of them: `forward_backward`, `excitation`,
+`sine`, `sawtooth`, `loops` (two inner hysteresis loops a period), `pick_and_place`, and for the cylinder `voltages`.
+`mjfriction simulate --robot R --trajectory T --out LOG --recording R.rrd` runs them and shows them.
+
+{sections}"""
 POSES = {
     "comau_ns12": [0.3, 0.2, 0.1, 0.0, 0.6, 0.0],
     "comau_nj60": [0.3, 0.3, 0.0, 0.0, 0.5, 0.0],
@@ -66,8 +83,30 @@ def render(name: str, height: int = 420, width: int = 420) -> Floats:
         return np.asarray(renderer.render())
 
 
+def row(name: str) -> str:
+    """Return a robot's line of the table."""
+    robot = read_robot(name)
+    body = robot.body()
+    laws = sorted({term.law for joint in robot.with_stated_friction(body).table.joint for term in joint.friction or ()})
+    kinds = {True: "sliding", False: "turning"}
+    joints = f"{len(robot.joints)} {kinds[body.sliding[0]]}"
+    mass = float(robot_spec(robot).compile().body_mass.sum())
+    return f"| `{name}` | {joints} | {mass:.4g} kg | {', '.join(f'`{law}`' for law in laws)} |"
+
+
+def section(name: str, path: Path) -> str:
+    """Return what the head of a robot's file says of its numbers."""
+    lines = itertools.takewhile(lambda line: line.startswith("#"), path.read_text(encoding="utf-8").splitlines())
+    return f"## {name}\n\n" + "\n".join(line.removeprefix("#").strip() for line in lines) + "\n"
+
+
 def main() -> None:
     names = list(bundled_robots())
+    page = PAGE_TEXT.format(
+        table="\n".join(row(name) for name in names),
+        sections="\n".join(section(name, path) for name, path in bundled_robots().items()),
+    )
+    PAGE.write_text(page, encoding="utf-8")
     figure, axes = plt.subplots(3, 3, figsize=(9.0, 9.4), layout="constrained")
     for axis, name in zip(axes.flat, names, strict=False):
         axis.imshow(render(name))

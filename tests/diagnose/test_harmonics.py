@@ -1,0 +1,31 @@
+"""A machine-tool table's cogging is recovered, harmonic by harmonic, from its own log."""
+
+from __future__ import annotations
+
+import numpy as np
+import pyarrow as pa
+
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.identify.protocol import plan_excitation
+from mjfriction.plant.control import Control
+from mjfriction.plant.machine import simulate
+from mjfriction.plant.sensors import Recorder
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.files import read_robot
+
+
+def test_the_tables_cogging_is_recovered() -> None:
+    table = read_robot("machine_table")
+    stated = table.with_joint(table.table.joint[0].model_copy(update={"cogging": ()}))
+    motion = plan_excitation(table, 60.0).trajectory
+    columns = simulate(table, motion, recorder=Recorder(1000.0), control=Control(bandwidth=15.0), seed=1)
+    found = diagnose_log(log_from_table(pa.table(columns), "log"), stated).findings
+    assert {finding.cause for finding in found} == {"drive.cogging"}
+    fitted = [{p.name: p for p in finding.parameters} for finding in found]
+    # The third wave, half a newton every 2.1 mm, is too fine for the speeds of this motion.
+    for wave in table.table.joint[0].cogging[:2]:
+        values = min(fitted, key=lambda own: abs(own["wavenumber"].value - wave.wavenumber))
+        size = np.hypot(wave.cosine, wave.sine)
+        assert abs(values["wavenumber"].value - wave.wavenumber) < 0.2
+        assert abs(values["cosine"].value - wave.cosine) < 0.02 * size
+        assert abs(values["sine"].value - wave.sine) < 0.02 * size

@@ -1,0 +1,51 @@
+"""A run's recording holds the machine, its drives, its friction and its states, and stays small."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from mjfriction.plant.control import Control
+from mjfriction.plant.machine import run_machine
+from mjfriction.plant.motions import excitation, sine
+from mjfriction.report.run_view import write_run
+from mjfriction.robot.files import read_robot
+
+
+def entities(path: Path) -> set[str]:
+    words = [sys.executable, "-m", "rerun", "rrd", "stats", str(path)]
+    told = subprocess.run(words, capture_output=True, text=True, check=True).stdout
+    return {line.rsplit(":", 1)[0] for line in told.splitlines() if line.startswith("/")}
+
+
+def test_an_arms_recording(tmp_path: Path) -> None:
+    robot = read_robot("comau_ns12")
+    motion = excitation(robot.joints, np.zeros(6), np.full(6, 0.3), np.full(6, 0.5), 6.0)
+    run = run_machine(robot, motion, 500.0, Control(bandwidth=12.0), whole=True)
+    path = tmp_path / "run.rrd"
+    write_run(robot, run, path)
+    found = entities(path)
+    for name in ("/robot/forearm", "/robot/forearm/0", "/joint_2/drive", "/joint_2/friction", "/joint_2/state/1"):
+        assert name in found
+    assert path.stat().st_size < 3e6
+
+
+def test_a_cylinders_recording_has_its_pressures(tmp_path: Path) -> None:
+    robot = read_robot("hydraulic_cylinder")
+    run = run_machine(robot, sine("piston", 0.0, 0.05, 0.5, 1.0), 500.0, whole=True)
+    path = tmp_path / "run.rrd"
+    write_run(robot, run, path)
+    assert {"/piston/pressure/head", "/piston/pressure/rod", "/piston/voltage", "/robot/piston"} <= entities(path)
+
+
+def test_states_of_friction_are_kept_only_when_asked_for() -> None:
+    robot = read_robot("machine_table")
+    motion = sine("axis", 0.0, 1e-4, 0.5, 1.0)
+    assert run_machine(robot, motion, 500.0).played.states == {}
+    kept = run_machine(robot, motion, 500.0, whole=True).played.states["axis"]
+    # Twelve elements' forces add up to the friction but for the damping; their modes are 0 or ±1.
+    assert kept.shape[1] == 24
+    assert set(np.unique(kept[:, 12:])) <= {-1.0, 0.0, 1.0}
