@@ -17,7 +17,14 @@ from mjfriction.identify.rows import Chain, make_chain
 from mjfriction.record.log import Floats, Log, check_joints
 from mjfriction.record.motion import Motion, estimate_motion, raw_noise
 from mjfriction.robot.bandwidth import choose_cutoff
-from mjfriction.robot.effort import Effort, effort_per_reported, link_motion, predict_effort, without_offsets
+from mjfriction.robot.effort import (
+    Effort,
+    as_reported,
+    effort_per_reported,
+    link_motion,
+    predict_effort,
+    without_offsets,
+)
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import forward_share
 
@@ -78,6 +85,13 @@ class Gap:
         """Columns that are costly and asked for again and again, by the name of their cause."""
         return {}
 
+    def reported(self, joint: int, torque: Floats) -> Floats:
+        """Return what a joint's sensor would report of torques there, (n, ...), at the rows: (rows, ...)."""
+        moved = self.motion.position[:, joint] - self.robot.table.joint[joint].position_sensor.offset
+        seen = as_reported(self.robot.table.joint[joint], torque, self.motion, moved)
+        rows = self.chain.rows(seen.reshape(seen.shape[0], -1))
+        return np.asarray(rows.reshape(-1, *torque.shape[1:]))
+
     def rms(self, values: Floats, joint: int) -> float:
         """Return the RMS of a joint's rows (rows,) over those that are clear."""
         return float(np.sqrt(np.mean(np.square(values[self.clear[:, joint]]))))
@@ -97,13 +111,10 @@ class Gap:
         """
         course = (self.linked.position, self.linked.velocity, self.linked.acceleration)
         parts = (link_torques(self.body, *course)[..., None], first_moment_torques(self.body, *course))
-        scale = [joint.effort_sensor.scale for joint in self.robot.table.joint]
-        out = {}
-        for joint in self.examined:
-            samples = np.concatenate([part[:, joint] for part in parts], axis=2)
-            flat = self.chain.rows(scale[joint] * samples.reshape(samples.shape[0], -1))
-            out[joint] = flat.reshape(-1, *samples.shape[1:])
-        return out
+        return {
+            joint: self.reported(joint, np.concatenate([part[:, joint] for part in parts], axis=2))
+            for joint in self.examined
+        }
 
     @functools.cached_property
     def linked(self) -> Motion:
@@ -156,7 +167,7 @@ def _held_against(log: Log, robot: Robot, body: Body, motion: Motion, effort: Ef
     doubt_speed = np.maximum(
         3.0 * motion.velocity_noise, DOUBT_SPEED * np.sqrt(np.mean(np.square(motion.velocity), axis=0))
     )
-    touched = _touched(motion, chain, doubt_speed)
+    touched = _touched(robot, motion, chain, doubt_speed)
     doubt = touched * _friction_level(motion, effort, residual, doubt_speed)
     spoilt = _unusable(log, motion, chain)
     doubt = np.where(spoilt, HOPELESS * np.nanmax(np.abs(measured)), doubt)
@@ -193,16 +204,18 @@ def _unusable(log: Log, motion: Motion, chain: Chain) -> NDArray[np.bool_]:
     return out
 
 
-def _touched(motion: Motion, chain: Chain, doubt_speed: Floats) -> Floats:
-    # How much of each row's window lies near a reversal or at rest.
+def _touched(robot: Robot, motion: Motion, chain: Chain, doubt_speed: Floats) -> Floats:
+    # How much of each row's window lies near a reversal or at rest, as late as the drive reports it.
     reach = int(np.ceil(DOUBT_PERIODS * motion.rate / motion.cutoff))
     out = []
-    for velocity, slow in zip(motion.velocity.T, doubt_speed, strict=True):
+    for joint, velocity, slow in zip(robot.table.joint, motion.velocity.T, doubt_speed, strict=True):
         near = np.abs(velocity) < slow
         turns = np.flatnonzero(np.diff(np.sign(velocity)) != 0)
         for shift in range(-reach, reach + 1):
             near[np.clip(turns + shift, 0, near.size - 1)] = True
-        out.append(chain.touched(near))
+        late = round(joint.effort_sensor.delay * motion.rate)
+        sample = np.clip(np.arange(near.size) - late, 0, near.size - 1)
+        out.append(chain.touched(near[sample]))
     return np.column_stack(out)
 
 

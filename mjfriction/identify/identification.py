@@ -116,7 +116,7 @@ def _doubted(gap: Gap, joint: int) -> Floats:
 
 def _coulomb_viscous_columns(gap: Gap, joints: Sequence[int]) -> dict[int, Floats]:
     return {
-        joint: gap.chain.rows(np.column_stack([forward_share(gap.motion, joint), gap.motion.velocity[:, joint]]))
+        joint: gap.reported(joint, np.column_stack([forward_share(gap.motion, joint), gap.motion.velocity[:, joint]]))
         for joint in joints
     }
 

@@ -42,7 +42,7 @@ class Problem:
         """Return the effort of a friction law through the measurement chain, (rows,)."""
         gap, joint = self.gap, self.gap.robot.table.joint[self.joint]
         torque = term_torque(term, joint.actuator.gear_ratio, gap.motion, self.joint, self._around, self._turned)
-        return joint.effort_sensor.scale * gap.chain.rows(torque)
+        return gap.reported(self.joint, torque)
 
     @functools.cached_property
     def _around(self) -> Floats:
@@ -70,7 +70,7 @@ class Problem:
         gap, joint = self.gap, self.joint
         ratio = abs(gap.robot.table.joint[joint].actuator.gear_ratio) if self.side == "motor" else 1.0
         velocity = gap.motion.velocity[:, joint]
-        columns = gap.chain.rows(np.column_stack([forward_share(gap.motion, joint), velocity]))
+        columns = gap.reported(joint, np.column_stack([forward_share(gap.motion, joint), velocity]))
         weight = 1.0 / self.deviation[:, None]
         level, damping = np.linalg.lstsq(columns * weight, self.target / self.deviation, rcond=None)[0]
         size = float(np.sqrt(np.mean(np.square(self.target))))

@@ -104,7 +104,7 @@ def plan_excitation(robot: Robot, seconds: float = USUAL_SECONDS, *, seed: int =
     best: tuple[float, Trajectory] | None = None
     for draw in range(DRAWS):
         trajectory = excitation(robot.joints, middle, reach, top, seconds, seed=seed * DRAWS + draw)
-        told = _least_told(body, motion_along(robot, trajectory))
+        told = least_told(body, motion_along(robot, trajectory))
         if best is None or told > best[0]:
             best = told, trajectory
     assert best is not None, "there is always a draw"
@@ -175,8 +175,8 @@ def difference(robots: Sequence[Robot], motion: Motion) -> Floats:
     return np.asarray(np.sqrt(np.mean(np.square(one - other), axis=0)))
 
 
-def _least_told(body: Body, motion: Motion) -> float:
-    # Columns in the size that stated values usually are off by.
+def least_told(body: Body, motion: Motion) -> float:
+    """Return the smallest singular value of a motion's regressor, links and friction in sizes they usually are off."""
     thin = slice(None, None, max(1, motion.time.size // ENOUGH_SAMPLES))
     course = (motion.position[thin], motion.velocity[thin], motion.acceleration[thin])
     links = USUAL_SCALE * link_torques(body, *course)

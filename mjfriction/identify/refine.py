@@ -93,20 +93,23 @@ def cut_stretches(gap: Gap, robot: Robot, seconds: float) -> Stretches:
     pieces = list(itertools.pairwise([0, *bounds.tolist(), motion.time.size]))
     longest = max(past - first for first, past in pieces)
     length = int(min(seconds * motion.rate, longest - 1))
-    starts = [s for first, past in pieces for s in range(first, past - length, length)]
+    cuts = [(s, past) for first, past in pieces for s in range(first, past - length, length)]
+    starts = [s for s, _ in cuts]
     compared = np.arange(0, length * fine, max(1, round(COMPARED_EVERY / step)))[1:]
     clock = np.arange(length * fine) / fine
-    rows = np.arange(length + 1)
     # An effort is held over its step, so that the middle's is taken; a drive that reports late is read ahead.
     delay = np.array([joint.effort_sensor.delay for joint in robot.table.joint])
     middle, late = clock + 0.5 / fine, delay * motion.rate
 
     def on_steps(values: Floats, at: Floats, ahead: Floats) -> Floats:
         shifted = list(zip(range(ahead.size), ahead, strict=True))
+        # What a late drive reports of a stretch's end comes after it, as far as the piece goes.
         return np.stack(
             [
-                np.column_stack([np.interp(at + shift, rows, values[s : s + length + 1, k]) for k, shift in shifted])
-                for s in starts
+                np.column_stack(
+                    [np.interp(s + at + shift, np.arange(s, past), values[s:past, k]) for k, shift in shifted]
+                )
+                for s, past in cuts
             ]
         )
 

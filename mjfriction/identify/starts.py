@@ -36,15 +36,18 @@ class Usual:
     load: float
 
 
+def can_be_identified(law: Law) -> bool:
+    """Return whether a law's parameters can be started from what a joint shows."""
+    return not law.elements and all(parameter.name in _KNOWN for parameter in law.parameters)
+
+
 def starts(law: Law, usual: Usual, fading: Sequence[float] = FADING_SPEEDS) -> list[dict[str, float]]:
     """Return sets of values to begin the fit of a law from; ``fading`` are the shares of the usual speed to try.
 
     Raises :class:`LawError` for a law that this fit does not know.
     """
-    if law.elements or any(parameter.name not in _KNOWN for parameter in law.parameters):
-        known = ", ".join(
-            law.name for law in LAWS.values() if not law.elements and all(p.name in _KNOWN for p in law.parameters)
-        )
+    if not can_be_identified(law):
+        known = ", ".join(law.name for law in LAWS.values() if can_be_identified(law))
         raise LawError(f"law '{law.name}' cannot be identified from a log of this kind; allowed are {known}")
     names = [parameter.name for parameter in law.parameters]
     speeds = fading if {"stribeck_velocity", "stribeck_steepness", "half_velocity"} & set(names) else fading[:1]

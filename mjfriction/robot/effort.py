@@ -68,10 +68,18 @@ def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
             other = robot.joints.index(coupling.joint)
             total[:, i] += coupling.coulomb * forward_share(rubbing, other)
             total[:, i] += coupling.viscous * rubbing.velocity[:, other] + coupling.effort * alone[:, other]
-        pushed = total[:, i] / (1.0 + waves_along(joint.actuator.ripple, motor.position[:, i]))
-        seen = _late(pushed, motion, joint.effort_sensor.delay)
-        reported[:, i] = joint.effort_sensor.scale * seen + joint.effort_sensor.offset
+        reported[:, i] = as_reported(joint, total[:, i], motion, motor.position[:, i]) + joint.effort_sensor.offset
     return Effort(rigid, friction, total, reported)
+
+
+def as_reported(joint: Joint, torque: Floats, motion: Motion, position: Floats) -> Floats:
+    """Return what a drive's sensor makes of torques at its joint, (n, ...), all but its offset.
+
+    They are worth more or less current by the drive's ripple at its own ``position`` (n,), come late, and are scaled.
+    """
+    worth = 1.0 / (1.0 + waves_along(joint.actuator.ripple, position))
+    seen = _late(torque * worth.reshape(-1, *[1] * (torque.ndim - 1)), motion, joint.effort_sensor.delay)
+    return np.asarray(joint.effort_sensor.scale * seen)
 
 
 def without_offsets(robot: Robot, motion: Motion) -> Motion:
@@ -117,11 +125,13 @@ def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
 def _late(effort: Floats, motion: Motion, delay: float) -> Floats:
     if delay == 0.0:
         return effort
-    out = np.empty_like(effort)
+    columns = effort.reshape(effort.shape[0], -1)
+    out = np.empty_like(columns)
     for piece in np.unique(motion.piece):
         own = motion.piece == piece
-        out[own] = np.interp(motion.time[own] - delay, motion.time[own], effort[own])
-    return out
+        for k in range(columns.shape[1]):
+            out[own, k] = np.interp(motion.time[own] - delay, motion.time[own], columns[own, k])
+    return out.reshape(effort.shape)
 
 
 def reported_unit(quantity: str | None, sliding: bool) -> str:

@@ -133,3 +133,24 @@ def test_a_log_without_motion_is_refused(tmp_path: Path) -> None:
     }
     with pytest.raises(LogError):
         identify_log(log_from_table(pa.table(columns), "still"), robot_of(machine("plain"), tmp_path))
+
+
+def test_a_drive_that_reports_one_value_is_left_out(tmp_path: Path) -> None:
+    columns = dict(record(machine("plain"), 11, 20.0))
+    columns["effort.wrist_3_joint"] = np.full_like(columns["effort.wrist_3_joint"], 0.7)
+    found = identify_log(log_from_table(pa.table(columns), "dead"), robot_of(machine("plain"), tmp_path))
+    assert "wrist_3_joint" not in [law.joint for law in found.laws]
+    assert len(found.laws) == 5
+
+
+def test_the_summary_says_which_way_the_error_went(tmp_path: Path) -> None:
+    truth = robot_of(machine("plain"), tmp_path, off=0.0)
+    near = identify_log(log_of("plain"), truth, law="coulomb_viscous").summary
+    assert " goes from " in near or " falls from " in near
+    assert "rises" not in near
+    # Without damping no law can be as near as the truth that was stated.
+    worse = identify_log(log_of("plain"), truth, law="coulomb").summary
+    assert "It rises at " in worse
+    assert "the stated friction was nearer than this law can be" in worse
+    far = identify_log(log_of("stribeck"), robot_of(machine("plain"), tmp_path, off=0.3), law="coulomb_viscous")
+    assert " falls from " in far.summary

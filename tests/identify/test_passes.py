@@ -17,11 +17,21 @@ from mjfriction.identify.identification import identify_log
 from mjfriction.identify.map_fit import arctan_procedure, fit_map
 from mjfriction.identify.outcome import Identification
 from mjfriction.identify.phases import constant_speed_phases
-from mjfriction.identify.protocol import motion_along, plan_excitation, plan_passes, plan_separation
+from mjfriction.identify.protocol import (
+    DRAWS,
+    UNSTATED_SPEED,
+    least_told,
+    motion_along,
+    plan_excitation,
+    plan_passes,
+    plan_separation,
+    room,
+)
 from mjfriction.laws.ambient import ambient
 from mjfriction.laws.arctan import ARCTAN
 from mjfriction.laws.stribeck import STRIBECK
 from mjfriction.plant.machine import simulate
+from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
@@ -88,9 +98,9 @@ def test_phases_of_constant_speed_are_where_they_were_planned() -> None:
     assert {phase.joint for phase in phases} == {2, 3}
 
 
-def points_of(values: dict[str, float], speed: np.ndarray, noise: float = 0.0) -> FrictionMap:
+def points_of(values: dict[str, float], speed: np.ndarray, noise: float = 0.0, seed: int = 5) -> FrictionMap:
     friction = ARCTAN.along(speed, ambient(speed.size), ARCTAN.pack(values))
-    friction = friction + noise * np.random.default_rng(5).normal(size=speed.size)
+    friction = friction + noise * np.random.default_rng(seed).normal(size=speed.size)
     spread = np.full(speed.size, max(noise, 1e-6))
     return FrictionMap(0, speed, friction, spread, np.zeros(speed.size), np.ones(speed.size))
 
@@ -129,9 +139,14 @@ def test_the_papers_own_procedure_comes_near_where_slow_speeds_were_recorded() -
 def test_half_widths_of_a_map_hold_the_truth() -> None:
     names = ("static", "stribeck_fall", "viscous", "viscous_bend", "stribeck_steepness")
     truth = dict(zip(names, (1.0419, -0.4026, 0.0120, -1.3e-5, 3.5088), strict=True))
-    found = fit_map(points_of(truth, np.geomspace(0.05, 400.0, 40), noise=0.01), ARCTAN, "joint", 1.0)
-    inside = [abs(found.values[name] - truth[name]) < 1.5 * found.half[name] for name in names]
-    assert all(inside)
+    speeds = np.geomspace(0.05, 400.0, 40)
+    fits = [fit_map(points_of(truth, speeds, noise=0.01, seed=seed), ARCTAN, "joint", 1.0) for seed in range(20)]
+    inside = [abs(found.values[name] - truth[name]) < found.half[name] for found in fits for name in names]
+    assert np.mean(inside) >= 0.9
+    for name in names:
+        spread = float(np.std([found.values[name] for found in fits]))
+        # Twice as wide as the truth scatters would hold it too, and be of no use.
+        assert np.median([found.half[name] for found in fits]) < 2.0 * 2.0 * spread, name
 
 
 def test_too_few_speeds_and_curves_that_do_not_fall_are_refused() -> None:
@@ -161,9 +176,16 @@ def test_a_pose_free_of_gravity_is_free_of_it(joint: int, kind: GravityClass) ->
 def test_excitation_stays_within_limits_and_tells_more_than_the_first_draw() -> None:
     robot = read_robot("z1")
     body = robot.body()
-    position = plan_excitation(robot, 20.0).trajectory.position
+    plan = plan_excitation(robot, 20.0)
+    position = plan.trajectory.position
     assert np.all(position >= body.lower - 1e-9)
     assert np.all(position <= body.upper + 1e-9)
+    middle, reach = room(body)
+    top = np.minimum(body.top_speed, UNSTATED_SPEED)
+    draws = [excitation(robot.joints, middle, reach, top, 20.0, seed=seed) for seed in range(DRAWS)]
+    told = [least_told(body, motion_along(robot, draw)) for draw in draws]
+    assert least_told(body, motion_along(robot, plan.trajectory)) == pytest.approx(max(told))
+    assert max(told) > 1.2 * min(told)
 
 
 def test_separation_names_where_two_models_differ_most() -> None:
@@ -217,3 +239,12 @@ def test_a_robot_of_one_joint_and_one_without_gravity_can_be_planned_for() -> No
     arm = read_robot("ur5")
     floating = Robot(arm.table.model_copy(update={"gravity": (0.0, 0.0, 0.0)}), arm.folder)
     assert gravity_pose(floating.body(), 1).kind is GravityClass.NEVER
+
+
+def test_a_slow_axis_is_planned_for_at_its_own_speeds() -> None:
+    table = read_robot("machine_table")
+    plan = plan_passes(table, ["axis"], count=5)
+    speed = np.abs(np.gradient(plan.trajectory.position[:, 0], plan.trajectory.time))
+    assert np.max(speed) == pytest.approx(0.8 * 0.5, rel=0.02)  # of the 0.5 m/s that the robot file states
+    assert np.max(np.abs(plan.trajectory.position)) <= 0.25
+    assert "m/s" in plan.words[0]

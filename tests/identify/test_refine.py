@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,8 @@ import pytest
 
 from mjfriction.errors import RobotError
 from mjfriction.identify.identification import identify_log
+from mjfriction.identify.starts import can_be_identified
+from mjfriction.laws.catalog import LAWS
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder
@@ -87,3 +90,44 @@ def test_what_the_model_does_not_hold_is_refused(tmp_path: Path) -> None:
     stated = robot_with(tmp_path, 1.0, 1.0, "cogging = [ { wavenumber = 8.0, cosine = 0.1, sine = 0.0 } ]\n")
     with pytest.raises(RobotError, match="cogging is not in the MuJoCo model"):
         identify_log(log, stated, law="coulomb_viscous", simulated=1.0)
+
+
+def test_a_late_effort_is_played_when_it_acted(tmp_path: Path) -> None:
+    late = "effort_sensor = { delay = 0.02 }\n"
+    real = robot_with(tmp_path, COULOMB, VISCOUS, late)
+    motion = excitation(("hinge",), np.zeros(1), np.ones(1), np.full(1, 3.0), 12.0, seed=4)
+    log = log_from_table(pa.table(simulate(real, motion, recorder=Recorder(250.0), seed=1)), "late")
+    known = identify_log(log, robot_with(tmp_path, COULOMB, VISCOUS, late), law="coulomb_viscous", simulated=1.0)
+    unknown = identify_log(log, robot_with(tmp_path, COULOMB, VISCOUS), law="coulomb_viscous", simulated=1.0)
+    assert known.simulated is not None
+    assert unknown.simulated is not None
+    assert known.simulated.before[0] < 0.2 * unknown.simulated.before[0]
+    for fitted, truth in zip(known.laws[0].parameters, (COULOMB, VISCOUS), strict=True):
+        assert fitted.value == pytest.approx(truth, rel=0.01)
+
+
+def test_a_piece_too_short_for_a_stretch_is_left_out(tmp_path: Path) -> None:
+    whole = recorded(tmp_path)
+    # A segment of a third of a second at the end: too short to be simulated for a second, long enough to be fitted.
+    segment = np.where(whole.time > 29.6, 1, 0)
+    split = dataclasses.replace(whole, segment=segment)
+    stated = robot_with(tmp_path, 1.0, 1.0)
+    found = [identify_log(log, stated, law="coulomb_viscous", simulated=1.0) for log in (whole, split)]
+    for identification in found:
+        assert identification.simulated is not None
+        values = {fitted.name: fitted.value for fitted in identification.laws[0].parameters}
+        assert values["coulomb"] == pytest.approx(COULOMB, rel=0.02)
+
+
+IDENTIFIABLE = [name for name, law in LAWS.items() if can_be_identified(law)]
+
+
+@pytest.mark.parametrize("law", IDENTIFIABLE)
+def test_every_law_that_is_offered_can_be_fitted(law: str, tmp_path: Path) -> None:
+    found = identify_log(recorded(tmp_path), robot_with(tmp_path, 1.0, 1.0), law=law)
+    (fitted,) = found.laws
+    assert fitted.fit.law.name == law
+    assert all(np.isfinite([p.value, p.low, p.high]).all() or p.note for p in fitted.parameters)
+    (error,) = found.joints
+    # Plain friction is in each of them, so that none may do worse than the stated one, which is half of what it was.
+    assert error.rms_heldout_after < 0.8 * error.rms_before

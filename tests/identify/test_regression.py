@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -67,6 +69,23 @@ def test_screening_and_extending_agree_with_a_fit_of_everything() -> None:
     extended = system.extended(candidate, np.zeros(2))
     np.testing.assert_allclose(extended.gram, full.gram)
     np.testing.assert_allclose(extended.moment, full.moment)
+
+
+def test_what_the_model_nearly_holds_is_screened_on_the_models_own_rows() -> None:
+    # A payload's mass is nearly a sum of links that the model refits: on every third row its strength must come out as
+    # in a fit of every third row, not of a difference between two sets of rows.
+    rows, columns, precisions = problem()
+    nearly = columns[0][0][:, [1]] + 1e-2 * np.random.default_rng(5).normal(size=(ROWS, 1))
+    target = rows.target.copy()
+    target[:, 0] += nearly[:, 0]
+    rows = dataclasses.replace(rows, target=target)
+    (strength,), (gain,) = System(rows, columns, precisions).screen({0: nearly[::3, None, :]}, every=3)
+    thin = Rows(rows.target[::3], rows.weight[::3], rows.block[::3])
+    thinned = [{joint: values[::3] for joint, values in block.items()} for block in columns]
+    alone = System(thin, [*thinned, {0: nearly[::3]}], [*precisions, np.zeros(1)]).normal
+    expected = alone.strengths(np.ones(BLOCKS, dtype=bool))[-1]
+    np.testing.assert_allclose(strength, expected, rtol=1e-3)
+    assert gain > 0.0
 
 
 def test_a_column_the_model_holds_already_gains_nothing() -> None:

@@ -131,8 +131,7 @@ class Cause(ABC):
 
     def columns(self, gap: Gap, site: Site) -> Columns:
         """Return the cause's regressor columns, through the measurement chain."""
-        scale = gap.robot.table.joint[site.joint].effort_sensor.scale
-        return {site.joint: gap.chain.rows(scale * self.samples(gap, site))}
+        return {site.joint: gap.reported(site.joint, self.samples(gap, site))}
 
 
 def column(values: Floats) -> Floats:

@@ -115,9 +115,8 @@ class _CommonFriction(_Coupling):
 
     def columns(self, gap: Gap, site: Site) -> Columns:
         """The drive's friction at both joints."""
-        scale = [joint.effort_sensor.scale for joint in gap.robot.table.joint]
-        rows, other = gap.chain.rows(self._rub(gap, site)), self.source(gap, site)
-        return {site.joint: scale[site.joint] * self.ratio * rows, other: scale[other] * rows}
+        rub, other = self._rub(gap, site), self.source(gap, site)
+        return {site.joint: gap.reported(site.joint, self.ratio * rub), other: gap.reported(other, rub)}
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """Level and damping of the drive."""

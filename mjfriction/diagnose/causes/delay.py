@@ -52,7 +52,7 @@ class _Delay(Cause):
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The stated effort's change per second of delay, (n, 1)."""
-        return column(gap.robot.table.joint[site.joint].effort_sensor.scale * _late(gap, site.joint, site.around))
+        return column(_late(gap, site.joint, site.around))
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The delay, stated plus change."""
@@ -79,10 +79,6 @@ class JointDelay(_Delay):
     def sites(self, gap: Gap) -> list[Site]:
         """Every examined joint, around every delay of the grid."""
         return [replace(site, around=delay) for site in super().sites(gap) for delay in GRID]
-
-    def columns(self, gap: Gap, site: Site) -> Columns:
-        """The joint's own column."""
-        return {site.joint: gap.chain.rows(self.samples(gap, site))}
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move the delay of the joint's effort sensor."""
@@ -113,7 +109,7 @@ class LogDelay(_Delay):
         key = f"{self.name} {site.around}"
         if key not in gap.kept:
             places = {j: replace(site, joint=j) for j in gap.examined}
-            gap.kept[key] = {j: gap.chain.rows(self.samples(gap, place)) for j, place in places.items()}
+            gap.kept[key] = {j: gap.reported(j, self.samples(gap, place)) for j, place in places.items()}
         return gap.kept[key]
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:

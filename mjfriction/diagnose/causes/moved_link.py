@@ -52,9 +52,8 @@ class _MovedLink(Cause):
         """The torques at all joints that the shifted link changes, through the chain."""
         key = f"{type(self).__name__} {site.joint} {site.around}"
         if key not in gap.kept:
-            scale = [joint.effort_sensor.scale for joint in gap.robot.table.joint]
-            rows = gap.chain.rows(self._torques(gap, site))
-            gap.kept[key] = {i: scale[i] * rows[:, [i]] for i in gap.examined}
+            torques = self._torques(gap, site)
+            gap.kept[key] = {i: gap.reported(i, torques[:, [i]]) for i in gap.examined}
         return gap.kept[key]
 
     def sites(self, gap: Gap) -> list[Site]:

@@ -6,8 +6,9 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Site
 from mjfriction.identify.gap import Gap
+from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
@@ -23,10 +24,9 @@ class Offset(Cause):
     before_sensor = False
     covariate = "time"
 
-    def samples(self, gap: Gap, site: Site) -> Floats:
-        """One, in units of the true effort so that the sensor's scale cancels, (n, 1)."""
-        scale = gap.robot.table.joint[site.joint].effort_sensor.scale
-        return column(np.full(gap.motion.time.size, 1.0 / scale))
+    def columns(self, gap: Gap, site: Site) -> Columns:
+        """One, behind all that the sensor does to efforts."""
+        return {site.joint: np.ones((gap.chain.time.size, 1))}
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The offset, stated plus change."""

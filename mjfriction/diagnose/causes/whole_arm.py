@@ -37,8 +37,7 @@ class _WholeArm(Cause):
         """The effort at every examined joint, through the chain."""
         if self.name not in gap.kept:
             torques = self.torques(gap)
-            scale = [joint.effort_sensor.scale for joint in gap.robot.table.joint]
-            gap.kept[self.name] = {joint: gap.chain.rows(scale[joint] * torques[:, joint]) for joint in gap.examined}
+            gap.kept[self.name] = {joint: gap.reported(joint, torques[:, joint]) for joint in gap.examined}
         return gap.kept[self.name]
 
     def felt_most(self, gap: Gap) -> list[Site]:

@@ -1,0 +1,51 @@
+"""What the documents say of limits and counts is what the code holds."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from mjfriction.diagnose.causes.catalog import STRUCTURAL
+from mjfriction.diagnose.compete import NEAR_BEST
+from mjfriction.laws.catalog import LAWS
+from mjfriction.robot.robot import bundled_robots
+
+ROOT = Path(__file__).parents[1]
+NUMBERS = {9: "Nine"}
+
+
+def text(name: str) -> str:
+    return (ROOT / name).read_text(encoding="utf-8")
+
+
+def test_the_readme_counts_laws_and_robots() -> None:
+    readme = text("README.md")
+    assert f"any of {len(LAWS)} friction laws" in readme
+    assert f"{NUMBERS[len(bundled_robots())]} come along" in readme
+
+
+def test_every_bundled_robot_has_its_place_on_the_page() -> None:
+    page = text("docs/robots.md")
+    for name in bundled_robots():
+        assert f"## {name}" in page
+
+
+def test_every_cause_that_competes_is_in_the_readmes_table() -> None:
+    rows = [line.split("|")[1] for line in text("README.md").splitlines() if line.startswith("| `")]
+    listed = {name for row in rows for name in re.findall(r"`([a-z_.]+)`", row)}
+    for cause in STRUCTURAL:
+        assert cause.name in listed
+
+
+def test_how_it_decides_tells_the_share_that_it_uses() -> None:
+    assert f"comes within {'a tenth' if NEAR_BEST == 0.9 else NEAR_BEST} of" in " ".join(
+        text("docs/how_it_decides.md").split()
+    )
+
+
+def test_every_page_that_is_named_is_there() -> None:
+    for page in [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").glob("*.md")]:
+        for named in re.findall(r"`(docs/[\w./]+)`", page.read_text(encoding="utf-8")):
+            assert (ROOT / named).exists(), f"{page.name} names {named}"
+        for picture in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", page.read_text(encoding="utf-8")):
+            assert (page.parent / picture).is_file(), f"{page.name} shows {picture}"
