@@ -8,7 +8,8 @@ from typing import Annotated
 
 import typer
 
-from mjfriction.cli.options import Json, LogPath
+from mjfriction.cli.logs import read_logs
+from mjfriction.cli.options import Json, LogPath, MapSource
 from mjfriction.cli.progress import working
 from mjfriction.cli.show import show
 
@@ -21,7 +22,7 @@ Out = Annotated[
 ]
 
 
-def compare(log: LogPath, robot: Robots, out: Out = None, json: Json = False) -> None:
+def compare(log: LogPath, robot: Robots, out: Out = None, map_: MapSource = None, json: Json = False) -> None:
     """Show the RMS error of each robot per joint, in torque and in current, side by side.
 
     With --out, writes comparison.json, report.html and recording.rrd too.
@@ -29,7 +30,6 @@ def compare(log: LogPath, robot: Robots, out: Out = None, json: Json = False) ->
     Example: mjfriction compare run2.parquet --robot arm/robot.toml --robot result/robot.toml
     """
     from mjfriction.identify.comparison import compare_robots
-    from mjfriction.record.readers import read_log
     from mjfriction.report.comparison import comparison_table, write_comparison
     from mjfriction.report.folder import whole_folder
     from mjfriction.report.text import print_comparison
@@ -37,7 +37,7 @@ def compare(log: LogPath, robot: Robots, out: Out = None, json: Json = False) ->
 
     with working("comparing"):
         robots = [(name, read_robot(source)) for name, source in zip(_names(robot), robot, strict=True)]
-        comparison = compare_robots(read_log(log), robots)
+        comparison = compare_robots(read_logs([log], robots[0][1].joints, map_), robots)
     if out is not None:
         with whole_folder(out) as folder, working("writing the report"):
             write_comparison(comparison, folder)

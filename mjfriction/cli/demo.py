@@ -30,7 +30,7 @@ def demo(out: Out = Path("demo_out"), json: Json = False) -> None:
         typer.echo(
             "A simulated UR5 was recorded for 30 s. Its elbow hides something that its robot file does not state.\n"
         )
-    report_diagnosis([bundled / "log.parquet"], robot, out, seed=0, json=json)
+    report_diagnosis([bundled / "log.parquet"], robot, out, mapping=None, seed=0, json=json)
     if json:
         return
     stated, extended = (

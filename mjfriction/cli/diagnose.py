@@ -8,7 +8,8 @@ from typing import Annotated
 
 import typer
 
-from mjfriction.cli.options import Json, LogPaths, RobotSource
+from mjfriction.cli.logs import read_logs
+from mjfriction.cli.options import Json, LogPaths, MapSource, RobotSource
 from mjfriction.cli.progress import working
 from mjfriction.cli.show import show
 
@@ -16,21 +17,21 @@ Out = Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the 
 Seed = Annotated[int, typer.Option(help="Sets the resampling behind the intervals of the gains.")]
 
 
-def diagnose(logs: LogPaths, robot: RobotSource, out: Out, seed: Seed = 0, json: Json = False) -> None:
+def diagnose(
+    logs: LogPaths, robot: RobotSource, out: Out, map_: MapSource = None, seed: Seed = 0, json: Json = False
+) -> None:
     """Say what the robot's model gets wrong, name the cause, and write the extended robot with the proof.
 
     Writes report.json, report.html, recording.rrd and robot.toml into DIR.
 
     Example: mjfriction diagnose run1.parquet --robot arm/robot.toml --out result
     """
-    report_diagnosis(logs, robot, out, seed=seed, json=json)
+    report_diagnosis(logs, robot, out, mapping=map_, seed=seed, json=json)
 
 
-def report_diagnosis(logs: list[Path], robot: str, out: Path, *, seed: int, json: bool) -> None:
+def report_diagnosis(logs: list[Path], robot: str, out: Path, *, mapping: str | None, seed: int, json: bool) -> None:
     """Diagnose, write the four files, and print the report."""
     from mjfriction.diagnose.diagnosis import diagnose_log
-    from mjfriction.record.merge import merge_logs
-    from mjfriction.record.readers import read_log
     from mjfriction.report.folder import whole_folder
     from mjfriction.report.result import make_report, report_json
     from mjfriction.report.text import print_report
@@ -39,8 +40,8 @@ def report_diagnosis(logs: list[Path], robot: str, out: Path, *, seed: int, json
 
     with whole_folder(out) as folder:
         with working("diagnosing"):
-            log = merge_logs([read_log(path) for path in logs])
-            diagnosis = diagnose_log(log, read_robot(robot), seed=seed)
+            stated = read_robot(robot)
+            diagnosis = diagnose_log(read_logs(logs, stated.joints, mapping), stated, seed=seed)
             report = make_report(diagnosis)
         with working("writing the report"):
             write_results(diagnosis, report, folder)

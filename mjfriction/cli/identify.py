@@ -9,7 +9,8 @@ from typing import Annotated
 
 import typer
 
-from mjfriction.cli.options import Json, LogPaths, RobotSource
+from mjfriction.cli.logs import read_logs
+from mjfriction.cli.options import Json, LogPaths, MapSource, RobotSource
 from mjfriction.cli.progress import working
 from mjfriction.cli.show import show
 
@@ -39,6 +40,7 @@ def identify(
         float | None,
         typer.Option(metavar="S", help="Refine on simulated motion, S seconds at a time; inf for the whole log."),
     ] = None,
+    map_: MapSource = None,
     json: Json = False,
 ) -> None:
     """Fit friction laws to a log, with intervals: from free motion, or from passes forward and backward.
@@ -48,8 +50,6 @@ def identify(
     Example: mjfriction identify run1.parquet --robot arm/robot.toml --law lugre --out identified
     """
     from mjfriction.identify.identification import identify_log
-    from mjfriction.record.merge import merge_logs
-    from mjfriction.record.readers import read_log
     from mjfriction.report.folder import whole_folder
     from mjfriction.report.identified import make_identified_report
     from mjfriction.report.result import report_json
@@ -59,10 +59,9 @@ def identify(
 
     with whole_folder(out) as folder:
         with working("identifying"):
-            log = merge_logs([read_log(path) for path in logs])
-            identification = identify_log(
-                log, read_robot(robot), law=law, side=side.value, links=links, simulated=simulated
-            )
+            stated = read_robot(robot)
+            log = read_logs(logs, stated.joints, map_)
+            identification = identify_log(log, stated, law=law, side=side.value, links=links, simulated=simulated)
             report = make_identified_report(identification)
         with working("writing the report"):
             write_identified(identification, report, folder)

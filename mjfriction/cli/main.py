@@ -13,6 +13,7 @@ from mjfriction.cli.demo import demo
 from mjfriction.cli.diagnose import diagnose
 from mjfriction.cli.export import export
 from mjfriction.cli.identify import identify
+from mjfriction.cli.inspect import inspect
 from mjfriction.cli.laws import laws
 from mjfriction.cli.plan import plan
 from mjfriction.cli.predict import predict
@@ -30,7 +31,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=True,
 )
-for verb in (compare, demo, diagnose, export, identify, laws, plan, predict, simulate, view):
+for verb in (compare, demo, diagnose, export, identify, inspect, laws, plan, predict, simulate, view):
     app.command()(verb)
 
 

@@ -7,13 +7,14 @@ from typing import Annotated
 
 import typer
 
-from mjfriction.cli.options import Json, LogPath, RobotSource
+from mjfriction.cli.logs import read_logs
+from mjfriction.cli.options import Json, LogPath, MapSource, RobotSource
 from mjfriction.cli.progress import working
 
 Out = Annotated[Path, typer.Option("--out", metavar="P.parquet", help="Table to write.", show_default=False)]
 
 
-def predict(log: LogPath, robot: RobotSource, out: Out, json: Json = False) -> None:
+def predict(log: LogPath, robot: RobotSource, out: Out, map_: MapSource = None, json: Json = False) -> None:
     """Predict what the drives would have reported along a log's motion.
 
     Writes time and the log's own effort or current columns as the robot says they would read, row by row.
@@ -25,7 +26,6 @@ def predict(log: LogPath, robot: RobotSource, out: Out, json: Json = False) -> N
     import pyarrow.parquet
 
     from mjfriction.errors import OutputError
-    from mjfriction.record.readers import read_log
     from mjfriction.report.folder import whole_file
     from mjfriction.robot.files import read_robot
     from mjfriction.robot.predict import predict_log
@@ -33,8 +33,9 @@ def predict(log: LogPath, robot: RobotSource, out: Out, json: Json = False) -> N
     if out.suffix.lower() != ".parquet":
         raise OutputError(f"{out}: the prediction is written as Parquet; give a name that ends in .parquet")
     with working("predicting"):
-        measured = read_log(log)
-        predicted = predict_log(measured, read_robot(robot))
+        stated = read_robot(robot)
+        measured = read_logs([log], stated.joints, map_)
+        predicted = predict_log(measured, stated)
         with whole_file(out) as draft:
             pyarrow.parquet.write_table(pa.table(predicted), draft)
     errors = {}

@@ -2,33 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import importlib
 from pathlib import Path
 
 import pyarrow as pa
 
 from mjfriction.errors import LogError
 from mjfriction.record.log import Log
-from mjfriction.record.readers.csv import read_csv_table
-from mjfriction.record.readers.parquet import read_parquet_table
+from mjfriction.record.mapping import Mapping
 from mjfriction.record.readers.table import log_from_table
 
-READERS: dict[str, Callable[[Path], pa.Table]] = {".csv": read_csv_table, ".parquet": read_parquet_table}
+READERS = {
+    ".csv": "csv",
+    ".parquet": "parquet",
+    ".npz": "npz",
+    ".mat": "matlab",
+    ".h5": "hdf5",
+    ".hdf5": "hdf5",
+    ".mcap": "mcap",
+}
+"""The module that reads each kind of file by its ``read_table``; loaded when it is asked for."""
 
 
-def read_log(path: Path | str) -> Log:
-    """Read a log from a CSV or Parquet file.
+def read_log(path: Path | str, mapping: Mapping | None = None) -> Log:
+    """Read a log from a CSV, Parquet, NumPy, MATLAB, HDF5 or MCAP file, or from the folder of a ROS 2 bag.
 
-    Raises :class:`~mjfriction.errors.LogError`, one line saying the file, the row or column, and what to do, when the
-    file is missing, cannot be parsed, or is not a log (see :func:`~mjfriction.record.readers.table.log_from_table`).
+    ``mapping`` says which of the file's columns is which of a log's, where it does not call them so.  Raises
+    :class:`~mjfriction.errors.LogError`, one line saying the file, the row or column, and what to do, when the file is
+    missing, cannot be parsed, or is not a log (see :func:`~mjfriction.record.readers.table.log_from_table`).
     """
-    return log_from_table(read_table(Path(path)), str(path))
+    table = read_table(Path(path))
+    return log_from_table(mapping.applied(table, str(path)) if mapping is not None else table, str(path))
 
 
 def read_table(path: Path) -> pa.Table:
-    """Read a table from a CSV or Parquet file, whatever is in it; :class:`LogError` when it cannot be parsed."""
-    if path.suffix.lower() not in READERS:
+    """Read a table from a file of any kind there is a reader for; :class:`LogError` when it cannot be parsed."""
+    if path.is_dir():
+        kind = "mcap"
+    elif path.suffix.lower() not in READERS:
         raise LogError(f"{path}: cannot read a '{path.suffix}' file as a log; allowed are {', '.join(READERS)}")
-    if not path.is_file():
+    elif not path.is_file():
         raise LogError(f"{path}: there is no such file")
-    return READERS[path.suffix.lower()](path)
+    else:
+        kind = READERS[path.suffix.lower()]
+    table = importlib.import_module(f"{__name__}.{kind}").read_table(path)
+    assert isinstance(table, pa.Table)
+    return table

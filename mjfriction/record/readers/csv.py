@@ -10,7 +10,7 @@ import pyarrow.csv
 from mjfriction.errors import LogError
 
 
-def read_csv_table(path: Path) -> pa.Table:
+def read_table(path: Path) -> pa.Table:
     """Read a CSV file with one header line; :class:`LogError` when it cannot be parsed."""
     try:
         return pyarrow.csv.read_csv(path)

@@ -1,0 +1,66 @@
+"""``mjfriction inspect``: what is in a log, and what it could show."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mjfriction.cli.logs import guess_of, read_logs
+from mjfriction.cli.options import Json, LogPath, MapSource
+from mjfriction.cli.progress import working
+
+Robot = Annotated[
+    str | None,
+    typer.Option(
+        "--robot",
+        metavar="R",
+        help="A robot.toml or a bundled robot: then also what could be found.",
+        show_default=False,
+    ),
+]
+Write = Annotated[
+    Path | None,
+    typer.Option("--write-map", metavar="M.toml", help="Write the guessed columns, to be looked at and kept."),
+]
+
+
+def inspect(
+    log: LogPath, robot: Robot = None, map_: MapSource = None, write_map: Write = None, json: Json = False
+) -> None:
+    """Say what a log holds and whether it can be diagnosed: joints, rate, gaps, ranges, what it could show.
+
+    Columns with foreign names are guessed and shown; --map guess takes the guess, --map M.toml a file of your own.
+
+    Example: mjfriction inspect run1.csv --robot ur5 --write-map columns.toml
+    """
+    from rich.console import Console
+
+    from mjfriction.errors import LogError
+    from mjfriction.record.mapping import Mapping
+    from mjfriction.report.folder import whole_file
+    from mjfriction.report.inspected import inspected_table, print_inspected, print_mapping
+    from mjfriction.report.text import WIDTH
+    from mjfriction.robot.files import read_robot
+
+    model = read_robot(robot) if robot is not None else None
+    joints = model.joints if model is not None else [f"joint_{i + 1}" for i in range(32)]
+    console = Console(width=WIDTH, highlight=False, soft_wrap=False)
+    guess: Mapping | None = guess_of(log, joints) if map_ is None else None
+    if write_map is not None:
+        if guess is None:
+            raise LogError(f"{log}: no columns to guess: they have a log's names already, or none that is known")
+        with whole_file(write_map) as draft:
+            draft.write_text(guess.text(), encoding="utf-8")
+    if guess is not None and not json:
+        print_mapping(guess, log, write_map, console)
+    with working("looking"):
+        found = read_logs([log], joints, "guess" if guess is not None else map_)
+        told = inspected_table(found, model)
+    if json:
+        import json as writer
+
+        typer.echo(writer.dumps(told, indent=2, ensure_ascii=False))
+        return
+    print_inspected(told, console)

@@ -1,0 +1,62 @@
+"""Logs as the command line names them: files of any format, and a mapping of their columns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mjfriction.record.log import Log
+    from mjfriction.record.mapping import Mapping
+
+GUESS = "guess"
+
+
+def read_logs(paths: Sequence[Path], joints: Sequence[str], mapping: str | None) -> Log:
+    """Read logs of one robot and join them; ``mapping`` is a mapping file, or ``guess`` to take what the names say.
+
+    Raises :class:`~mjfriction.errors.LogError`; where a log lacks columns that can be guessed, it says so.
+    """
+    from mjfriction.errors import LogError
+    from mjfriction.record.merge import merge_logs
+    from mjfriction.record.readers import read_log
+
+    try:
+        return merge_logs([read_log(path, _mapping(path, joints, mapping)) for path in paths])
+    except LogError as error:
+        guessed = guess_of(paths[0], joints) if mapping is None else None
+        if guessed is None:
+            raise
+        shown = ", ".join(f"{own} from '{source.column}'" for own, source in list(guessed.sources.items())[:4])
+        more = ", …" if len(guessed.sources) > 4 else ""
+        raise LogError(
+            f"{error} Its columns look like {shown}{more}: look at all with mjfriction inspect {paths[0]} --robot R, "
+            "and take them with --map guess"
+        ) from None
+
+
+def guess_of(path: Path, joints: Sequence[str]) -> Mapping | None:
+    """Return what the names of a file's columns say, None where that is no log or the file needs no guess."""
+    from mjfriction.errors import LogError
+    from mjfriction.record.log import POSITION
+    from mjfriction.record.mapping import TIME, guess_mapping
+    from mjfriction.record.readers import read_table
+
+    try:
+        names = [name.strip() for name in read_table(path).schema.names]
+    except LogError:
+        return None
+    if TIME in names and any(name.startswith(f"{POSITION}.") for name in names):
+        return None
+    guess = guess_mapping(names, joints)
+    complete = TIME in guess.sources and any(name.startswith(f"{POSITION}.") for name in guess.sources)
+    return guess if complete else None
+
+
+def _mapping(path: Path, joints: Sequence[str], mapping: str | None) -> Mapping | None:
+    from mjfriction.record.mapping import read_mapping
+
+    if mapping is None:
+        return None
+    return guess_of(path, joints) if mapping == GUESS else read_mapping(Path(mapping))

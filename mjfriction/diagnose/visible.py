@@ -1,0 +1,63 @@
+"""What a log could show: how large every cause would have to be for this motion to reveal it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+
+from mjfriction.diagnose.alike import redundancy
+from mjfriction.diagnose.causes.catalog import STRUCTURAL
+from mjfriction.diagnose.compete import make_field, size
+from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
+from mjfriction.diagnose.nuisance import make_nuisance
+from mjfriction.diagnose.trial import FALSE_ALARM
+from mjfriction.identify.gap import Gap
+
+
+@dataclass(frozen=True)
+class Visible:
+    """A cause at a joint (None for one of the whole arm), and the least RMS effort (``size``, N·m or N) that it has to
+    make there to be found; ``share`` is that over the joint's RMS effort.
+    """
+
+    cause: str
+    joint: str | None
+    size: float
+    share: float
+
+
+def visible_causes(gap: Gap) -> tuple[Visible, ...]:
+    """Return the least effect of every cause that the motion of a log excites, of each joint the least first.
+
+    A cause's strengths θ are found beyond chance when θᵀC⁻¹θ exceeds the χ² quantile of the competition's level, C
+    being what the regression leaves of them once everything that is always refitted is; of their effects the mean over
+    directions is taken, and of a cause's shapes the middle one.  The noise is what the robot as it is stated leaves.
+    """
+    field = make_field(gap, STRUCTURAL)
+    model = build_model(gap, make_nuisance(gap), ())
+    chance = FALSE_ALARM / max(size(field), 1)
+    # Coloured noise says less: as many rows as say the same thing count as one.
+    left = model.residual() * model.system.rows.weight
+    alike = {joint: redundancy(left[:, joint]) for joint in gap.examined}
+    least: dict[tuple[str, str | None], Visible] = {}
+    for entrant in field:
+        choice = Chosen(entrant.cause, entrant.sites[len(entrant.sites) // 2])
+        found = _least(model, choice, chance, alike[entrant.joint])
+        key = (found.cause, found.joint)
+        if np.isfinite(found.size) and (key not in least or found.size < least[key].size):
+            least[key] = found
+    return tuple(sorted(least.values(), key=lambda one: (one.joint or "", one.share)))
+
+
+def _least(model: Model, choice: Chosen, chance: float, alike: float) -> Visible:
+    gap, joint = model.gap, choice.site.joint
+    columns, precision = cause_block(gap, choice)
+    count = precision.size
+    covariance = alike * model.with_candidate(choice).white_covariance()[-count:, -count:]
+    power = columns[joint].T @ columns[joint] / columns[joint].shape[0]
+    effect = float(np.sqrt(chi2.isf(chance, count) * np.trace(power @ covariance) / count))
+    effort = float(np.sqrt(np.mean(np.square(gap.measured[:, joint]))))
+    name = None if choice.cause.whole_arm else gap.robot.joints[joint]
+    return Visible(choice.cause.name, name, effect, effect / max(effort, 1e-300))

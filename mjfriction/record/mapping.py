@@ -1,0 +1,175 @@
+"""Which of a file's columns is which of a log's: read from a mapping file, or guessed from the names."""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import pyarrow as pa
+import pyarrow.compute
+import tomli_w
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+
+from mjfriction.errors import LogError, suggestion
+from mjfriction.record.log import CURRENT, EFFORT, KNOWN, POSITION, TEMPERATURE, VELOCITY
+
+TIME, SEGMENT = "time", "segment"
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+
+TIMES = {"time", "t", "timestamp", "stamp", "clock", "seconds", "secs", "elapsed"}
+SEGMENTS = {"segment", "run", "episode", "trial"}
+QUANTITIES = {
+    POSITION: {"position", "pos", "q", "angle", "theta", "joint_position"},
+    VELOCITY: {"velocity", "vel", "qd", "dq", "speed", "omega", "qdot"},
+    EFFORT: {"effort", "torque", "tau", "force", "moment", "trq", "eff"},
+    CURRENT: {"current", "cur", "amp", "amps", "ampere", "iq"},
+    TEMPERATURE: {"temperature", "temp"},
+}
+SET = {"ref", "reference", "target", "desired", "des", "cmd", "command", "commanded", "setpoint", "error", "goal"}
+SCALES = {
+    "deg": math.pi / 180.0,
+    "degree": math.pi / 180.0,
+    "degrees": math.pi / 180.0,
+    "rpm": math.pi / 30.0,
+    "ms": 1e-3,
+    "msec": 1e-3,
+    "us": 1e-6,
+    "ns": 1e-9,
+    "nsec": 1e-9,
+    "ma": 1e-3,
+    "mm": 1e-3,
+}
+UNITS = {*SCALES, "rad", "s", "sec", "m", "nm", "n", "a", "c", "degc", "rads", "rps"}
+
+
+class Source(BaseModel):
+    """Where a column of a log comes from: a ``column`` of the file, times ``scale``, plus ``offset``, in SI units."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    column: str
+    scale: Finite = 1.0
+    offset: Finite = 0.0
+
+
+@dataclass(frozen=True)
+class Mapping:
+    """A log's columns by their names, and where each comes from."""
+
+    sources: dict[str, Source]
+
+    def applied(self, table: pa.Table, where: str) -> pa.Table:
+        """Return a table with the log's columns in the place of the file's; all others are left out.
+
+        Raises :class:`LogError` for a column that the table has not, or that holds no numbers.
+        """
+        names = [name.strip() for name in table.schema.names]
+        table = table.rename_columns(names)
+        columns = {}
+        for own, source in self.sources.items():
+            if source.column not in names:
+                raise LogError(f"{where}: no column '{source.column}' for '{own}'{suggestion(source.column, names)}")
+            values = table[source.column]
+            if source.scale != 1.0 or source.offset != 0.0:
+                try:
+                    numbers = pyarrow.compute.cast(values, pa.float64())
+                except pa.ArrowInvalid:
+                    raise LogError(f"{where}: column '{source.column}' holds what is not a number") from None
+                values = pyarrow.compute.add(pyarrow.compute.multiply(numbers, source.scale), source.offset)
+            columns[own] = values
+        return pa.table(columns)
+
+    def text(self) -> str:
+        """Return the mapping as the text of a mapping file."""
+        plain = {
+            own: source.column if source == Source(column=source.column) else source.model_dump(exclude_defaults=True)
+            for own, source in self.sources.items()
+        }
+        return tomli_w.dumps(plain)
+
+
+_TABLE = TypeAdapter(dict[str, Source | str])
+
+
+def read_mapping(path: Path) -> Mapping:
+    """Read a mapping file: TOML of ``"position.elbow" = "q3"``, or ``= { column = "q3", scale = 0.01745 }``.
+
+    Raises :class:`LogError` for a file that cannot be read, and for names that no column of a log has.
+    """
+    try:
+        table = _TABLE.validate_python(tomllib.loads(path.read_text(encoding="utf-8")))
+    except FileNotFoundError:
+        raise LogError(f"{path}: there is no such mapping file") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise LogError(f"{path}: not valid TOML: {error}") from None
+    except ValidationError as error:
+        place = ".".join(str(part) for part in error.errors()[0]["loc"][:1])
+        raise LogError(
+            f"{path}: '{place}': a column's name is allowed, or a table of column, scale and offset; names with a dot "
+            f'stand in quotes: "position.elbow" = "q3"'
+        ) from None
+    for own in table:
+        if own not in (TIME, SEGMENT, "supply_pressure") and own.partition(".")[0] not in KNOWN:
+            raise LogError(f"{path}: '{own}' is no column of a log; allowed are time, segment and {', '.join(KNOWN)}")
+    return Mapping({own: Source(column=one) if isinstance(one, str) else one for own, one in table.items()})
+
+
+def guess_mapping(names: Sequence[str], joints: Sequence[str]) -> Mapping:
+    """Guess from a table's column names which is which: quantities by their usual words, joints by name or number.
+
+    What is asked of a drive (reference, command) is not taken for what it did.  A guess is shown to whoever it is for;
+    :attr:`sources` is what was found, and may lack a joint or the time.
+    """
+    found: dict[str, Source] = {}
+    numbered: list[tuple[str, int, str, float]] = []
+    for name in names:
+        words = _words(name)
+        scale = next((SCALES[word] for word in words if word in SCALES), 1.0)
+        plain = [word for word in words if word not in UNITS or len(words) == 1]
+        if set(words) & SET:
+            continue
+        if set(plain) & TIMES and len(plain) == 1:
+            found.setdefault(TIME, Source(column=name, scale=scale))
+        elif set(plain) & SEGMENTS and len(plain) == 1:
+            found.setdefault(SEGMENT, Source(column=name))
+        else:
+            quantity = _quantity(plain)
+            if quantity is None:
+                continue
+            joint = _named(name, joints)
+            if joint is not None:
+                found.setdefault(f"{quantity}.{joint}", Source(column=name, scale=scale))
+            else:
+                number = next((int(word) for word in reversed(plain) if word.isdigit()), None)
+                if number is not None:
+                    numbered.append((quantity, number, name, scale))
+    first = min((number for _, number, _, _ in numbered), default=0)
+    for quantity, number, name, scale in numbered:
+        if 0 <= number - first < len(joints):
+            found.setdefault(f"{quantity}.{joints[number - first]}", Source(column=name, scale=scale))
+    return Mapping(found)
+
+
+def _words(name: str) -> list[str]:
+    # jointPos3_deg and q[3] (deg) are joint, pos, 3, deg and q, 3, deg.
+    parted = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
+    parted = re.sub(r"(?<=[A-Za-z])(?=\d)|(?<=\d)(?=[A-Za-z])", " ", parted)
+    return [word for word in re.split(r"[^a-z0-9]+", parted.lower()) if word]
+
+
+def _quantity(words: list[str]) -> str | None:
+    for quantity, usual in QUANTITIES.items():
+        if any(word in usual for word in words):
+            return quantity
+    return None
+
+
+def _named(name: str, joints: Sequence[str]) -> str | None:
+    own = re.sub(r"[^a-z0-9]", "", name.lower())
+    inside = [joint for joint in joints if re.sub(r"[^a-z0-9]", "", joint.lower()) in own]
+    return max(inside, key=len, default=None)

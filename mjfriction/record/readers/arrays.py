@@ -1,0 +1,52 @@
+"""From named arrays, as NumPy, MATLAB and HDF5 files hold them, to a table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pyarrow as pa
+
+from mjfriction.errors import LogError
+from mjfriction.record.log import KNOWN
+
+JOINT_NAMES = ("joint_names", "joints", "names")
+
+
+def table_of(arrays: Mapping[str, np.ndarray], names: Sequence[str] | None, source: str) -> pa.Table:
+    """Return the table of arrays: a vector is a column, ``position`` and its like of shape (n, joints) one a joint.
+
+    ``names`` are the joints' names, in the order of the columns; ``joint_1``, ``joint_2``, … where there are none.
+    Arrays of another length than ``time``'s (or, without it, the longest's) are left out.  Raises :class:`LogError`
+    where there is no vector at all, or a matrix has not a column for every name.
+    """
+    vectors = {name: np.asarray(values).squeeze() for name, values in arrays.items()}
+    vectors = {
+        name: values for name, values in vectors.items() if values.ndim and np.issubdtype(values.dtype, np.number)
+    }
+    if not vectors:
+        raise LogError(f"{source}: there is no array of numbers in the file")
+    rows = len(vectors["time"]) if "time" in vectors else max(max(values.shape) for values in vectors.values())
+    columns: dict[str, np.ndarray] = {}
+    for name, values in vectors.items():
+        if values.ndim == 1 and values.size == rows:
+            columns[name] = values
+        elif values.ndim == 2 and name in KNOWN:
+            columns |= _of_matrix(name, values, rows, names, source)
+    return pa.table(columns)
+
+
+def _of_matrix(
+    name: str, values: np.ndarray, rows: int, names: Sequence[str] | None, source: str
+) -> dict[str, np.ndarray]:
+    if values.shape[0] != rows:
+        values = values.T
+    if values.shape[0] != rows:
+        return {}
+    joints = list(names) if names is not None else [f"joint_{i + 1}" for i in range(values.shape[1])]
+    if len(joints) != values.shape[1]:
+        raise LogError(
+            f"{source}: '{name}' has {values.shape[1]} columns for {len(joints)} joints ({', '.join(joints)}); "
+            "one a joint is allowed"
+        )
+    return {f"{name}.{joint}": np.ascontiguousarray(values[:, i]) for i, joint in enumerate(joints)}

@@ -1,0 +1,79 @@
+"""``mjfriction inspect``: what is in a log; and columns by foreign names, in every verb that reads one."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.csv
+import pytest
+
+from tests.cli.test_cli import mjfriction
+from tests.hidden.machine import UR5_JOINTS, Machine, record, robot_toml
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("inspect")
+    columns = record(Machine(), 3, 15.0)
+    pyarrow.csv.write_csv(pa.table(columns), folder / "log.csv")
+    foreign = {"t_ms": 1e3 * columns["time"]}
+    for i, joint in enumerate(UR5_JOINTS):
+        foreign[f"actual_q_{i}"] = columns[f"position.{joint}"]
+        foreign[f"actual_tau_{i}"] = columns[f"effort.{joint}"]
+        foreign[f"target_q_{i}"] = 0.0 * columns["time"]
+    pyarrow.csv.write_csv(pa.table(foreign), folder / "foreign.csv")
+    (folder / "robot.toml").write_text(robot_toml(Machine()), encoding="utf-8")
+    return folder
+
+
+def test_a_log_alone(case: Path) -> None:
+    done = mjfriction("inspect", case / "log.csv")
+    assert done.returncode == 0, done.stderr
+    assert "3750 rows, 15 s at 250 Hz" in done.stdout
+    for joint in UR5_JOINTS:
+        assert joint in done.stdout
+    assert "With --robot R this also says what the log could show" in done.stdout
+    assert max(map(len, done.stdout.splitlines()[1:])) <= 80
+
+
+def test_a_log_and_its_robot(case: Path) -> None:
+    done = mjfriction("inspect", case / "log.csv", "--robot", case / "robot.toml")
+    assert done.returncode == 0, done.stderr
+    assert "friction.stribeck" in done.stdout
+    assert "hydraulic.pressure" in done.stdout.split("for want of a column:")[1]
+    machine = mjfriction("inspect", case / "log.csv", "--robot", case / "robot.toml", "--json")
+    told = json.loads(machine.stdout)
+    assert [joint["joint"] for joint in told["joints"]] == list(UR5_JOINTS)
+    assert all(one["least"] > 0.0 for one in told["could_show"])
+
+
+def test_foreign_names_are_shown_confirmed_and_used(case: Path, tmp_path: Path) -> None:
+    log, robot, kept = case / "foreign.csv", case / "robot.toml", tmp_path / "columns.toml"
+    refused = mjfriction("predict", log, "--robot", robot, "--out", tmp_path / "p.parquet")
+    assert refused.returncode == 2
+    assert "column 'time' is missing" in refused.stderr
+    assert "time from 't_ms'" in refused.stderr
+    assert "--map guess" in refused.stderr
+    assert len(refused.stderr.strip().splitlines()) == 1
+    shown = mjfriction("inspect", log, "--robot", robot, "--write-map", kept)
+    assert shown.returncode == 0, shown.stderr
+    assert "position.elbow_joint  from 'actual_q_2'" in shown.stdout
+    assert "time  from 't_ms' times 0.001" in shown.stdout
+    results = []
+    for name, mapping in (("guess", "guess"), ("file", kept), ("plain", None)):
+        out = tmp_path / f"{name}.parquet"
+        words = () if mapping is None else ("--map", mapping)
+        source = log if mapping is not None else case / "log.csv"
+        done = mjfriction("predict", source, "--robot", robot, "--out", out, *words)
+        assert done.returncode == 0, done.stderr
+        results.append(done.stdout)
+    assert results[0] == results[1] == results[2]
+
+
+def test_there_is_nothing_to_guess(case: Path, tmp_path: Path) -> None:
+    done = mjfriction("inspect", case / "log.csv", "--write-map", tmp_path / "columns.toml")
+    assert done.returncode == 2
+    assert "no columns to guess" in done.stderr
+    assert list(tmp_path.iterdir()) == []
