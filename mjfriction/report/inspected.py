@@ -104,9 +104,8 @@ def print_inspected(told: dict[str, Any], console: Console) -> None:
     """Print what a log holds, and what it could show."""
     segments = f", {told['segments']} segments" if told["segments"] > 1 else ""
     jitter = f", steps uneven by {100 * told['jitter']:.2g} %" if told["jitter"] > 1e-3 else ""
-    console.print(
-        f"{told['log']}: {told['rows']} rows, {told['seconds']:.4g} s at {told['rate']:.4g} Hz{jitter}{segments}"
-    )
+    console.print(told["log"], soft_wrap=True)
+    console.print(f"{told['rows']} rows, {told['seconds']:.4g} s at {told['rate']:.4g} Hz{jitter}{segments}")
     for begin, end in told["gaps"]:
         console.print(f"  a gap from {begin:.4g} to {end:.4g} s")
     for problem in told["data_problems"]:

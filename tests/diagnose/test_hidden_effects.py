@@ -56,12 +56,6 @@ CASES = [
         {"stribeck_excess": 3.0, "stribeck_velocity": 0.15, "stribeck_exponent": 2.0},
     ),
     Case("friction.viscous_nonlinear", 3, lambda i: -0.6 * i.v * np.abs(i.v), {"quadratic": -0.6}),
-    Case(
-        "friction.viscous_nonlinear",
-        3,
-        lambda i: 1.5 * i.v / (1.0 + np.abs(i.v) / 0.5),
-        {"viscous": 1.5, "half_velocity": 0.5},
-    ),
     Case("friction.asymmetry", 1, lambda i: 4.0 * np.abs(i.v), {"viscous_asymmetry": 4.0}),
     Case("drive.offset", 4, lambda i: np.full(i.v.shape, -0.5), {"offset": -0.5}),
     Case("drive.rotor_inertia", 5, lambda i: 0.3 * i.a, {"rotor_inertia": 0.3}),
@@ -215,6 +209,15 @@ def test_two_effects_are_both_found_when_stated_friction_is_a_few_percent_off(tm
     }
 
 
+def test_damping_that_levels_off_is_one_bend_and_nothing_else(tmp_path: Path) -> None:
+    diagnosis = run(tmp_path, Machine(hidden={3: lambda i: 3.0 * i.v / (1.0 + np.abs(i.v) / 0.5)}), seed=21)
+    assert names(diagnosis) == [("friction.viscous_nonlinear", "wrist_1_joint")]
+    fitted = {parameter.name: parameter for parameter in diagnosis.findings[0].parameters}
+    assert fitted["viscous"].value == pytest.approx(3.0, rel=0.25)
+    assert fitted["half_velocity"].value == pytest.approx(0.5, rel=0.25)
+    assert fitted["half_velocity"].low < 0.5 < fitted["half_velocity"].high
+
+
 def test_what_no_cause_fits_is_unexplained_and_placed(tmp_path: Path) -> None:
     # A torque that wanders with time, as no cause known here does.
     diagnosis = run(tmp_path, Machine(hidden={2: lambda i: 3.0 * np.sin(2.0 * np.pi * i.time / 25.0)}), seed=8)
@@ -234,7 +237,9 @@ def test_care_for_reversals_is_what_gets_the_size_right(tmp_path: Path, monkeypa
         return diagnosis.findings[0].parameters[0].value
 
     assert excess() == pytest.approx(3.5, rel=0.1)
-    monkeypatch.setattr("mjfriction.identify.gap._touched", lambda motion, chain, _: chain.rows(0.0 * motion.position))
+    monkeypatch.setattr(
+        "mjfriction.identify.gap._touched", lambda _, motion, chain, slow: chain.rows(0.0 * motion.position)
+    )
     assert excess() < 0.9 * 3.5
 
 

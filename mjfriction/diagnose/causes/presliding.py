@@ -21,6 +21,7 @@ SHORTEST = 2.0  # times the travel that a reversal's doubt covers: what builds u
 LONGEST = 0.2  # of the stroke
 LEAST_NOTED = 1e-3  # of the stroke: every contact gives that much before it slides, whatever its law
 SHAPES = 8
+LEAST_PART = 0.1  # of the joint's level that has to build up: a contact yields under all of it, not under a trace
 MOST_OF_LEVEL = 2.0  # times the stated level that may build up, for stated levels are off
 LEAST_LEVEL = 0.1  # of the joint's effort, that a level may be where none is stated
 
@@ -74,10 +75,10 @@ class Presliding(Cause):
         return (Quantity(LEVEL),)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """Friction that builds up stands against the motion, and is a part of what there is."""
+        """Friction that builds up stands against the motion, and is no trace of what there is nor more than that."""
         stated = gap.robot.table.joint[site.joint]
         there = max(stated_levels(stated)[0] + stribeck_excess(stated), LEAST_LEVEL * _usual_effort(gap, site.joint))
-        return bool(0.0 < strengths[0] < MOST_OF_LEVEL * there)
+        return bool(LEAST_PART * there < strengths[0] < MOST_OF_LEVEL * there)
 
     def taken_level(self, strengths: Floats) -> float:
         """All that builds up."""
