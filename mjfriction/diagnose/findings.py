@@ -142,4 +142,5 @@ def _fitted(gap: Gap, choice: Chosen, strengths: Floats, half: Floats) -> list[F
             high=float(min(declared.upper, value + width)),
         )
         for declared, value, width in entries
+        if width > 0.0  # what the motion does not show at all has no interval
     ]

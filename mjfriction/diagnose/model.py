@@ -10,7 +10,7 @@ import numpy as np
 from mjfriction.diagnose.causes.cause import Cause, Site
 from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.identify.gap import Gap
-from mjfriction.identify.regression import Columns, Normal, Rows, System
+from mjfriction.identify.regression import UNSEEN, Columns, Normal, Rows, System
 from mjfriction.identify.row_noise import least_noise, row_noise
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_levels
@@ -126,6 +126,11 @@ def cause_block(gap: Gap, choice: Chosen) -> tuple[Columns, Floats]:
     """Return a cause's columns and the precision that keeps them from blowing up where the data say nothing."""
     columns = choice.tangent.columns if choice.tangent else choice.cause.columns(gap, choice.site)
     size = np.sqrt(sum(np.mean(np.square(values), axis=0) for values in columns.values()))
+    # What the motion does not show at all, as a moment along an axis that never leaves the vertical, stays at zero.
+    shown = size > UNSEEN * np.max(size)
+    if not np.all(shown):
+        columns = {joint: values * shown for joint, values in columns.items()}
+        size = np.where(shown, size, np.max(size))
     effort = np.sqrt(np.mean(np.square(gap.measured[:, choice.site.joint])))
     return columns, np.square(size / (PRIOR_SHARE * effort))
 

@@ -19,7 +19,7 @@ MOST_LINK_CHANGE = 0.8  # past which a scaled link is no link any more, and the 
 EXACT = 0.01  # of the stated friction: typical change of the other joints up to which a robot is stated exactly
 LEAST_CHANGE = 0.04  # that counts on a robot stated exactly
 LEAST_CHANGE_ROUGH = 0.10  # that counts on a robot whose joints are all a little off, or that has too few to compare
-OUTLYING = 5.0  # times the typical change that it must be there besides
+OUTLYING = 3.0  # times the typical change that it must be there besides
 ALWAYS = 0.25  # of the stated friction: a quarter off is a finding whatever the others are
 BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "friction.presliding", "friction.asymmetry"})
 LINK_BAR = 2.0  # standard errors by which free link scales must help on motion not fitted
@@ -37,7 +37,7 @@ def settle(model: Model, field: Field) -> Settled:
     """Keep of the refitted values those that help on motion not fitted; name the friction levels that are findings.
 
     A level is a finding when it helps beyond chance and by enough to matter, and when its change stands out: more than
-    4 % of the stated friction on a robot stated exactly, more than 10 % and than five times what is typical where the
+    4 % of the stated friction on a robot stated exactly, more than 10 % and than three times what is typical where the
     other joints are a little off too, or a quarter in any case.  Where another cause does
     as much with fewer freedoms (a torque constant scales both levels alike), that cause takes its place and the level
     stays as stated.

@@ -21,6 +21,8 @@ from mjfriction.record.log import Floats, Integers
 Columns = Mapping[int, Floats]
 """A block of regressor columns: joint index → rows (rows, k), in units of effort per unit of strength."""
 
+UNSEEN = 1e-6  # of a block's largest column: a smaller one is rounding, not motion
+
 
 @dataclass(frozen=True)
 class Rows:
@@ -172,10 +174,11 @@ class System:
         cross = cross.reshape(-1, number, count)
         reduced = own - np.einsum("pki,pkj->kij", cross, through, optimize=True)
         score = moment - np.einsum("p,pki->ki", fitted, cross, optimize=True)
-        # A column that the model holds already is left without strength rather than divided by nothing.
+        # A column that the model holds already, or that the motion does not show, is left without strength rather than
+        # divided by nothing.
         diagonal = np.einsum("kii->ki", reduced)
         full = np.einsum("kii->ki", own)
-        dead = diagonal <= 1e-6 * full
+        dead = (diagonal <= 1e-6 * full) | (full <= UNSEEN**2 * np.max(full, axis=1, keepdims=True))
         reduced[dead] = 0.0
         np.swapaxes(reduced, 1, 2)[dead] = 0.0
         score[dead] = 0.0
