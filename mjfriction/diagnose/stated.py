@@ -8,7 +8,7 @@ import numpy as np
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
-from mjfriction.diagnose.compete import Field, contenders, reshaped, size
+from mjfriction.diagnose.compete import BENDING, Field, contenders, reshaped, size
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.trial import FALSE_ALARM, Trial, try_out
@@ -21,7 +21,6 @@ LEAST_CHANGE = 0.04  # that counts on a robot stated exactly
 LEAST_CHANGE_ROUGH = 0.10  # that counts on a robot whose joints are all a little off, or that has too few to compare
 OUTLYING = 3.0  # times the typical change that it must be there besides
 ALWAYS = 0.25  # of the stated friction: a quarter off is a finding whatever the others are
-BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "friction.presliding", "friction.asymmetry"})
 LINK_BAR = 2.0  # standard errors by which free link scales must help on motion not fitted
 
 
@@ -65,7 +64,12 @@ def settle(model: Model, field: Field) -> Settled:
 
 def _bent(model: Model, joint: int) -> bool:
     # Where the curve over speed is bent by a cause, what is left to level and damping is a matter of its basis.
-    return any(choice.site.joint == joint and choice.cause.name in BENDING for choice in model.chosen)
+    return any(
+        choice.site.joint == joint
+        and choice.cause.name in BENDING
+        and choice.cause.noteworthy(model.gap, choice.site, model.strengths[place])
+        for choice, place in zip(model.chosen, model.places, strict=True)
+    )
 
 
 def _admissible(model: Model) -> Model:
