@@ -18,6 +18,7 @@ EXCESS = Parameter("stribeck_excess", "{force}", "friction near rest above the C
 EXPONENTS = (1.0, 2.0)
 EXPONENT_RANGE = (0.5, 4.0)
 SLOWEST = 2.0  # times the speed below which the direction is in doubt: what fades faster looks like a blurred reversal
+GONE_BY = 0.7  # of the top speed, by which a twentieth may be left: else it is the viscous curve that bends
 FASTEST = 0.6  # of the top speed: what fades slower is a bent viscous curve
 
 
@@ -44,8 +45,12 @@ class Stribeck(Cause):
         return [(SLOWEST * gap.doubt_speed[site.joint], FASTEST * float(np.quantile(speed, 0.99))), EXPONENT_RANGE]
 
     def own_shape(self, gap: Gap, site: Site) -> bool:
-        """A level that stays and then falls like a step is no Stribeck curve; published exponents end at 2."""
-        return site.shape[1] < 0.97 * EXPONENT_RANGE[1]
+        """A level that stays and then falls like a step is no Stribeck curve (published exponents end at 2), nor is one
+        that falls over all speeds.
+        """
+        velocity, exponent = site.shape
+        top = float(np.quantile(np.abs(gap.motion.velocity[:, site.joint]), 0.99))
+        return exponent < 0.97 * EXPONENT_RANGE[1] and velocity * 3.0 ** (1.0 / exponent) < GONE_BY * top
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The fading level in the direction of motion, (n, 1)."""

@@ -175,6 +175,12 @@ class Step(_Varying):
         """Half of the distance between two moments."""
         return (0.5 * float(np.ptp(_clear(gap, site))) / MOMENTS,)
 
+    def own_shape(self, gap: Gap, site: Site) -> bool:
+        """A step at the very edge of the search is a level that is off, less what happened at the start or end."""
+        low, high = self.shape_bounds(gap, site)[0]
+        margin = (high - low) / MOMENTS
+        return bool(low + margin < site.shape[0] < high - margin)
+
     def shape_resolution(self, gap: Gap, site: Site) -> tuple[float, ...]:
         """Half of the time from row to row: a step lies somewhere between two."""
         return (0.5 * float(np.median(np.diff(gap.chain.time))),)
