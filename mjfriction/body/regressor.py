@@ -44,16 +44,24 @@ def link_torques(body: Body, position: Floats, velocity: Floats, acceleration: F
     Summed over the links it is the inverse dynamics less the rotors.  It is what a scale on a link's mass and inertia
     multiplies.
     """
-    parameters = np.array([inertia.toDynamicParameters() for inertia in list(body.model.inertias)[1:]])
-    return weighed_links(body, position, velocity, acceleration, parameters[:, :, None])[:, :, :, 0]
+    return weighed_links(body, position, velocity, acceleration, _own_parameters(body))[:, :, :, 0]
 
 
-def first_moment_torques(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> Floats:
-    """Return joint torques per metre that a link's centre of mass is moved along each axis of its frame.
+def _own_parameters(body: Body) -> Floats:
+    return np.array([inertia.toDynamicParameters() for inertia in list(body.model.inertias)[1:]])[:, :, None]
 
-    The result has shape (n, joints, links, 3), to first order in the shift: the inertia about the frame moves with the
-    centre too.
+
+def link_and_moment_torques(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> Floats:
+    """Return joint torques of every link, (n, joints, links, 1 + 3), in one pass: first :func:`link_torques`.
+
+    Then what moving the link's centre of mass takes, per metre along each axis of its frame, to first order: its inertia
+    about the frame moves with the centre too.
     """
+    weight = np.concatenate([_own_parameters(body), _moment_tangents(body)], axis=2)
+    return weighed_links(body, position, velocity, acceleration, weight)
+
+
+def _moment_tangents(body: Body) -> Floats:
     inertias = list(body.model.inertias)[1:]
     # Parameters m, m·c, I about the frame: their derivative by c, the inertia about the centre being kept.
     tangents = []
@@ -66,8 +74,7 @@ def first_moment_torques(body: Body, position: Floats, velocity: Floats, acceler
                 ends.append(pin.Inertia(inertia.mass, moved, inertia.inertia).toDynamicParameters())
             whole[:, axis] = (ends[0] - ends[1]) / (2.0 * SHIFT)
         tangents.append(whole)
-    turned = np.stack(tangents)
-    return weighed_links(body, position, velocity, acceleration, turned)
+    return np.stack(tangents)
 
 
 def weighed_links(body: Body, position: Floats, velocity: Floats, acceleration: Floats, weight: Floats) -> Floats:

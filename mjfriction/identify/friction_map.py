@@ -64,8 +64,7 @@ def friction_maps(motion: Motion, torque: Floats, phases: list[Phase]) -> list[F
 def _low_passed(motion: Motion, torque: Floats) -> Floats:
     sos = butter(4, min(CUTOFF, 0.4 * motion.rate), fs=motion.rate, output="sos")
     out = np.empty_like(torque)
-    for piece in np.unique(motion.piece):
-        own = motion.piece == piece
+    for own in motion.pieces:
         out[own] = sosfiltfilt(sos, torque[own])
     return out
 

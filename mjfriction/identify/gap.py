@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mjfriction.body.inverse import motion_derivatives
 from mjfriction.body.model import Body
-from mjfriction.body.regressor import first_moment_torques, link_torques
+from mjfriction.body.regressor import link_and_moment_torques
 from mjfriction.identify.blocks import Blocks, cut_blocks
 from mjfriction.identify.effort_band import effort_band
 from mjfriction.identify.rows import Chain, make_chain
@@ -110,11 +110,8 @@ class Gap:
         metre that its centre of mass is moved along x, y and z.
         """
         course = (self.linked.position, self.linked.velocity, self.linked.acceleration)
-        parts = (link_torques(self.body, *course)[..., None], first_moment_torques(self.body, *course))
-        return {
-            joint: self.reported(joint, np.concatenate([part[:, joint] for part in parts], axis=2))
-            for joint in self.examined
-        }
+        torques = link_and_moment_torques(self.body, *course)
+        return {joint: self.reported(joint, torques[:, joint]) for joint in self.examined}
 
     @functools.cached_property
     def linked(self) -> Motion:

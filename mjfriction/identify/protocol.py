@@ -11,7 +11,7 @@ import pyarrow as pa
 
 from mjfriction.body.gravity_pose import gravity_pose
 from mjfriction.body.model import Body
-from mjfriction.body.regressor import first_moment_torques, link_torques
+from mjfriction.body.regressor import link_and_moment_torques
 from mjfriction.errors import RobotError
 from mjfriction.identify.background import USUAL_OFFSET, USUAL_SCALE, USUAL_SHIFT
 from mjfriction.plant.motions import KNOTS, excitation, forward_backward, move
@@ -179,8 +179,8 @@ def least_told(body: Body, motion: Motion) -> float:
     """Return the smallest singular value of a motion's regressor, links and friction in sizes they usually are off."""
     thin = slice(None, None, max(1, motion.time.size // ENOUGH_SAMPLES))
     course = (motion.position[thin], motion.velocity[thin], motion.acceleration[thin])
-    links = USUAL_SCALE * link_torques(body, *course)
-    centres = USUAL_SHIFT * first_moment_torques(body, *course)
+    torques = link_and_moment_torques(body, *course)
+    links, centres = USUAL_SCALE * torques[..., 0], USUAL_SHIFT * torques[..., 1:]
     size = np.sqrt(np.mean(np.square(links.sum(axis=2)), axis=0))
     blocks = []
     for joint in range(len(body.joints)):

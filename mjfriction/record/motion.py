@@ -52,6 +52,11 @@ class Motion:
     grids: tuple[Grid, ...]
 
     @functools.cached_property
+    def pieces(self) -> tuple[NDArray[np.bool_], ...]:
+        """Which samples belong to each piece, (n,) each."""
+        return tuple(self.piece == piece for piece in np.unique(self.piece))
+
+    @functools.cached_property
     def moving(self) -> NDArray[np.bool_]:
         """Whether each joint moves anywhere in the log, shape (joints,)."""
         least = np.maximum(20.0 * self.velocity_noise / max(self.cutoff, 1.0), STILL)
@@ -157,8 +162,7 @@ def smooth_derivatives(motion: Motion, values: Floats, share: float = 1.0) -> li
     sos = butter(FILTER_ORDER, cutoff, fs=motion.rate, output="sos")
     edge = int(EDGE_PERIODS * motion.rate / cutoff) + 12
     out = [np.empty_like(values) for _ in range(3)]
-    for piece in np.unique(motion.piece):
-        own = motion.piece == piece
+    for own in motion.pieces:
         smooth, margin = _low_pass(sos, values[own], edge)
         for part, derivative in zip(out, _derivatives(smooth, motion.rate, 2, margin), strict=True):
             part[own] = derivative

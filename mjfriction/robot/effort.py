@@ -77,9 +77,10 @@ def as_reported(joint: Joint, torque: Floats, motion: Motion, position: Floats) 
 
     They are worth more or less current by the drive's ripple at its own ``position`` (n,), come late, and are scaled.
     """
-    worth = 1.0 / (1.0 + waves_along(joint.actuator.ripple, position))
-    seen = _late(torque * worth.reshape(-1, *[1] * (torque.ndim - 1)), motion, joint.effort_sensor.delay)
-    return np.asarray(joint.effort_sensor.scale * seen)
+    if joint.actuator.ripple:
+        worth = 1.0 / (1.0 + waves_along(joint.actuator.ripple, position))
+        torque = torque * worth.reshape(-1, *[1] * (torque.ndim - 1))
+    return np.asarray(joint.effort_sensor.scale * _late(torque, motion, joint.effort_sensor.delay))
 
 
 def without_offsets(robot: Robot, motion: Motion) -> Motion:
@@ -127,8 +128,7 @@ def _late(effort: Floats, motion: Motion, delay: float) -> Floats:
         return effort
     columns = effort.reshape(effort.shape[0], -1)
     out = np.empty_like(columns)
-    for piece in np.unique(motion.piece):
-        own = motion.piece == piece
+    for own in motion.pieces:
         for k in range(columns.shape[1]):
             out[own, k] = np.interp(motion.time[own] - delay, motion.time[own], columns[own, k])
     return out.reshape(effort.shape)

@@ -111,8 +111,7 @@ def term_torque(
         forward, speed = turned or direction(velocity, motion.velocity_noise[index])
         return forward * friction.steady(speed, around) + (1.0 - forward) * friction.steady(-speed, around)
     out = np.empty_like(velocity)
-    for piece in np.unique(motion.piece):
-        own = motion.piece == piece
+    for own in motion.pieces:
         out[own] = friction.follow(velocity[own], around[own], 1.0 / motion.rate)[0]
     return out
 

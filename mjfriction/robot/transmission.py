@@ -33,8 +33,8 @@ def coasting(motion: Motion, load: Floats, inertia: Floats, backlash: float) -> 
     out = np.empty_like(load)
     step = 1.0 / motion.rate
     longest = int(LONGEST_FLIGHT * motion.rate)
-    for piece in np.unique(motion.piece):
-        own = np.flatnonzero(motion.piece == piece)
+    for piece in motion.pieces:
+        own = np.flatnonzero(piece)
         pull, where = load[own] / inertia[own], np.sign(load[own])
         turns = np.flatnonzero(np.diff(where) != 0) + 1
         course, landed = np.repeat(where[:1], where.size), 0

@@ -24,8 +24,7 @@ NEAR = 0.6  # relative, of the delay found to the one its columns were drawn for
 def _late(gap: Gap, joint: int, delay: float) -> Floats:
     # How the stated effort changes per second of delay: its secant, and for none its tangent.  Pieces are apart.
     out = np.empty_like(gap.motion.time)
-    for piece in np.unique(gap.motion.piece):
-        own = gap.motion.piece == piece
+    for own in gap.motion.pieces:
         effort, time = gap.effort.total[own, joint], gap.motion.time[own]
         if delay == 0.0:
             out[own] = -np.gradient(effort) * gap.motion.rate

@@ -64,8 +64,7 @@ class Presliding(Cause):
         motion, joint = gap.motion, site.joint
         packed = DAHL.pack(_bristle(1.0, site.shape[0]))
         bristle = np.empty_like(motion.time)
-        for piece in np.unique(motion.piece):
-            own = motion.piece == piece
+        for own in motion.pieces:
             velocity = motion.velocity[own, joint]
             bristle[own] = DAHL.follow(velocity, ambient(velocity.size), 1.0 / motion.rate, packed)[0]
         return column(bristle - gap.forward(joint))
