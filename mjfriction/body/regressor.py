@@ -54,8 +54,8 @@ def _own_parameters(body: Body) -> Floats:
 def link_and_moment_torques(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> Floats:
     """Return joint torques of every link, (n, joints, links, 1 + 3), in one pass: first :func:`link_torques`.
 
-    Then what moving the link's centre of mass takes, per metre along each axis of its frame, to first order: its inertia
-    about the frame moves with the centre too.
+    Then what moving the link's centre of mass takes, per metre along each axis of its frame, to first order: the
+    inertia about the frame moves with the centre too.
     """
     weight = np.concatenate([_own_parameters(body), _moment_tangents(body)], axis=2)
     return weighed_links(body, position, velocity, acceleration, weight)

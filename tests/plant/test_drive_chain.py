@@ -189,3 +189,23 @@ def test_a_drive_that_differentiates_its_encoder_reports_velocity_late() -> None
     assert abs(seen / real) == pytest.approx(1.0, abs=2e-3)
     rough = log["velocity.axis"][steady] - true["velocity.axis"][steady]
     assert np.std(np.diff(rough)) > 0.0
+
+
+def test_a_gear_of_stated_efficiency_loses_that_share_lifting_and_lowering() -> None:
+    efficiency = 0.8
+    losses = {"load_driving": 1.0 / efficiency - 1.0, "load_braking": 1.0 - efficiency, "coulomb": 0.0, "viscous": 0.0}
+    robot = read_robot("ur5")
+    for joint in robot.table.joint:
+        law = FrictionTerm(law="geared_load", parameters=losses) if joint.name == "shoulder_lift_joint" else NONE
+        robot = robot.with_joint(joint.model_copy(update={"friction": (law,)}))
+    # Slowly up and down with the arm stretched out: inertia is next to nothing, the load is gravity's.
+    time = np.linspace(0.0, 16.0, 801)
+    place = np.zeros((time.size, 6))
+    place[:, 1] = -0.4 + 0.3 * np.sin(2.0 * np.pi * time / 8.0)
+    done = run_machine(robot, Trajectory(robot.joints, time, place), 500.0, Control(bandwidth=8.0)).played
+    sure = np.abs(done.velocity[:, 1]) > 0.1
+    load = inverse_dynamics(robot.body(), done.position, 0.0 * done.velocity, 0.0 * done.velocity)[:, 1]
+    share = done.torque[:, 1] / load
+    lifting = load * done.velocity[:, 1] > 0.0
+    assert np.median(share[sure & lifting]) == pytest.approx(1.0 / efficiency, rel=0.01)
+    assert np.median(share[sure & ~lifting]) == pytest.approx(efficiency, rel=0.01)
