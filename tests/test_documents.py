@@ -6,7 +6,13 @@ import re
 from pathlib import Path
 
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
-from mjfriction.diagnose.compete import NEAR_BEST
+from mjfriction.diagnose.causes.presliding import LEAST_PART
+from mjfriction.diagnose.causes.stribeck import GONE_BY
+from mjfriction.diagnose.causes.varying import EDGE
+from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
+from mjfriction.diagnose.compete import LEAST_KIN_EFFECT, NEAR_BEST
+from mjfriction.diagnose.stated import OUTLYING
+from mjfriction.diagnose.trial import LEAST_EFFECT
 from mjfriction.laws.catalog import LAWS
 from mjfriction.robot.robot import bundled_robots
 
@@ -49,3 +55,12 @@ def test_every_page_that_is_named_is_there() -> None:
             assert (ROOT / named).exists(), f"{page.name} names {named}"
         for picture in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", page.read_text(encoding="utf-8")):
             assert (page.parent / picture).is_file(), f"{page.name} shows {picture}"
+
+
+def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
+    told = " ".join(text("docs/how_it_decides.md").split())
+    assert f"less than {100 * LEAST_EFFECT:g} % of the effort is refitted" in told
+    assert f"at least {100 * LEAST_KIN_EFFECT:g} % of the joint's effort" in told
+    assert f"first or last {100 * EDGE:g} %" in told
+    assert (GONE_BY, LEAST_PART, OUTLYING) == (0.7, 0.1, 3.0), "the page says seven tenths, a tenth and three times"
+    assert (Cogging.times, PositionFriction.times) == (3, 2), "the page says three waves of cogging and two of friction"
