@@ -84,12 +84,14 @@ def simulate(
             whole=recording is not None,
         )
         table = pyarrow.table(log_columns(machine, course, recorder, run, seed))
-    if recording is not None:
+    if recording is None:
+        write_table(table, out)
+    else:
         from mjfriction.report.run_view import write_run
 
         with working("drawing"), whole_file(recording) as draft:
-            write_run(machine, run, draft, seed)
-    write_table(table, out)
+            write_run(machine, run, draft)
+            write_table(table, out)  # a log that cannot be written leaves no recording either
     for note in run.notes:
         typer.echo(note, err=True)
     seconds = float(run.time[-1] - run.time[0])

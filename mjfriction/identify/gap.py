@@ -155,7 +155,9 @@ def _per_reported(robot: Robot, motion: Motion) -> Floats:
 
 def _held_against(log: Log, robot: Robot, body: Body, motion: Motion, effort: Effort, chain: Chain) -> Gap:
     per_reported = _per_reported(robot, motion)
-    measured = chain.rows(motion.torque * per_reported)
+    # A drive that reports one value throughout has measured nothing.
+    told = np.where(np.ptp(motion.torque, axis=0) == 0.0, np.nan, motion.torque)
+    measured = chain.rows(told * per_reported)
     residual = measured - chain.rows(effort.reported)
     noise = [
         abs(per_reported[i]) * raw_noise(log, quantity, joint, motion.clock) if quantity else np.nan

@@ -93,8 +93,8 @@ def cut_stretches(gap: Gap, robot: Robot, seconds: float) -> Stretches:
     pieces = list(itertools.pairwise([0, *bounds.tolist(), motion.time.size]))
     longest = max(past - first for first, past in pieces)
     length = int(min(seconds * motion.rate, longest - 1))
-    cuts = [(s, past) for first, past in pieces for s in range(first, past - length, length)]
-    starts = [s for s, _ in cuts]
+    cuts = [(first, s, past) for first, past in pieces for s in range(first, past - length, length)]
+    starts = [s for _, s, _ in cuts]
     compared = np.arange(0, length * fine, max(1, round(COMPARED_EVERY / step)))[1:]
     clock = np.arange(length * fine) / fine
     # An effort is held over its step, so that the middle's is taken; a drive that reports late is read ahead.
@@ -107,9 +107,9 @@ def cut_stretches(gap: Gap, robot: Robot, seconds: float) -> Stretches:
         return np.stack(
             [
                 np.column_stack(
-                    [np.interp(s + at + shift, np.arange(s, past), values[s:past, k]) for k, shift in shifted]
+                    [np.interp(s + at + shift, np.arange(first, past), values[first:past, k]) for k, shift in shifted]
                 )
-                for s, past in cuts
+                for first, s, past in cuts
             ]
         )
 

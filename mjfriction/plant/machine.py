@@ -84,8 +84,12 @@ def run_machine(
     for name in trajectory.joints:
         if name not in robot.joints:
             raise RobotError(f"robot '{robot.name}' has no joint '{name}'{suggestion(name, robot.joints)}")
+    for name in trajectory.ambient:
+        quantity, _, joint = name.partition(".")
+        if quantity == VOLTAGE and (joint not in robot.joints or robot.joint(joint).hydraulics is None):
+            raise RobotError(f"robot '{robot.name}': the trajectory has '{name}', but no cylinder moves such a joint")
     body = robot.body()
-    model = controller_robot or robot
+    model = _controller(robot, controller_robot or robot)
     robot = with_pressed_seals(robot.with_stated_friction(body))
     step = 1.0 / rate / np.ceil(1.0 / rate / _longest_step(robot) - 1e-9)
     time = np.arange(trajectory.time[0], trajectory.time[-1] + 0.5 * step, step)
@@ -138,6 +142,17 @@ def run_machine(
     )
     notes = [note for name, cylinder in cylinders.items() for note in cylinder.notes(time, name)]
     return Run(time, played, cylinders, tuple(notes))
+
+
+def _controller(robot: Robot, model: Robot) -> Robot:
+    # The controller's model speaks of the machine's joints, in the machine's order.
+    if set(model.joints) != set(robot.joints):
+        raise RobotError(
+            f"the controller's robot '{model.name}' has joints {', '.join(model.joints)}, the machine "
+            f"'{robot.name}' {', '.join(robot.joints)}; give a model of the same machine"
+        )
+    joints = tuple(model.joint(name) for name in robot.joints)
+    return Robot(model.table.model_copy(update={"joint": joints}), model.folder)
 
 
 def _longest_step(robot: Robot) -> float:

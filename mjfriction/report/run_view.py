@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import uuid
 from collections.abc import Sequence
 from pathlib import Path
@@ -19,9 +20,10 @@ from mjfriction.sim.scene import Scene
 RATE = 200.0  # Hz of the courses; recordings are for the eye
 
 
-def write_run(robot: Robot, run: Run, path: Path, seed: int = 0) -> None:
+def write_run(robot: Robot, run: Run, path: Path) -> None:
     """Write a recording of a run that was kept whole: the robot in 3D and, a tab a joint, torque, friction, states."""
-    identity = uuid.uuid5(NAMESPACE, f"run of {robot.name} {seed} {run.time.size}")
+    course = hashlib.sha256(run.played.torque.tobytes()).hexdigest()
+    identity = uuid.uuid5(NAMESPACE, f"run of {robot.name} {course}")
     stream = rr.RecordingStream("mjfriction", recording_id=identity, send_properties=False)
     when, scene = scene_along(robot, run.time, run.played.link_position)
     stream.save(path, default_blueprint=_blueprint(robot.joints, run, scene))

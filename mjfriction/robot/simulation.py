@@ -11,6 +11,7 @@ from mjfriction.robot.schema import Joint
 from mjfriction.sim.spec import PointLoad, Spec, add_springs, read_spec
 
 BESIDE = (
+    "hydraulics",
     "cogging",
     "thermal",
     "warm_up",
@@ -48,7 +49,8 @@ def robot_spec(robot: Robot) -> Spec:
 def not_in_model(joint: Joint) -> list[str]:
     """Return the keys of a joint that neither its spec nor its laws hold; the machines of ``plant`` play them too."""
     plain = Joint(name=joint.name)
-    return [key for key in BESIDE if getattr(joint, key) != getattr(plain, key)]
+    ripple = ["actuator.ripple"] if joint.actuator.ripple else []
+    return ripple + [key for key in BESIDE if getattr(joint, key) != getattr(plain, key)]
 
 
 def robot_laws(robot: Robot) -> dict[str, list[Friction]]:

@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from mjfriction.errors import SimulationError
 from mjfriction.laws.law import Floats
 
 Kind = Literal["sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh"]
@@ -61,9 +62,13 @@ def draw(spec: mujoco.MjSpec, path: Path, joints: Sequence[str], course: Floats)
     """Return what a model shows along a course of its joints' positions (n, joints); the spec is used up.
 
     ``path`` is the file it was read from: a URDF's shapes are read from there, its visual ones where MuJoCo can read
-    them, else those for collisions.  A model without any shape is drawn as bones from joint to joint.
+    them, else those for collisions.  A model without any shape is drawn as bones from joint to joint.  Raises
+    :class:`SimulationError` where a shape cannot be read.
     """
-    model = spec_with_shapes(spec, path).compile()
+    try:
+        model = spec_with_shapes(spec, path).compile()
+    except (ValueError, OSError, ET.ParseError) as error:
+        raise SimulationError(f"{path}: its shapes cannot be drawn: {' '.join(str(error).split())}") from None
     data = mujoco.MjData(model)
     places = np.array([model.jnt_qposadr[model.joint(name).id] for name in joints])
     bodies = tuple(model.body(i).name for i in range(model.nbody))
@@ -153,16 +158,23 @@ def _placed(shape: ET.Element, path: Path) -> tuple[str, ET.Element, list[float]
 
 def _resolved(filename: str, path: Path) -> Path:
     """Return where a mesh lies: packages are looked for above the model file; no file where MuJoCo cannot read it."""
-    if not filename.startswith("package://"):
-        return path.parent / filename.removeprefix("file://")
-    inside = filename.removeprefix("package://")
+    inside = filename.removeprefix("package://").removeprefix("file://")
     named = (folder / inside for folder in path.resolve().parents)
     found = next((file for file in named if file.is_file()), path.parent / inside)
-    if found.suffix.lower() in READABLE:
+    if _readable(found):
         return found
     # The same link in a form that MuJoCo reads often lies in the next folder: meshes/visual, meshes/collision.
-    twins = (file for file in found.parent.parent.rglob(f"{found.stem}.*") if file.suffix.lower() in READABLE)
-    return next(twins, path.parent / inside.replace(found.suffix, " (unreadable)"))
+    near = sorted(found.parent.parent.rglob(f"{found.stem}.*")) if filename.startswith("package://") else []
+    return next((file for file in near if _readable(file)), path.parent / f"{found.stem} (unreadable)")
+
+
+def _readable(file: Path) -> bool:
+    if file.suffix.lower() not in READABLE or not file.is_file():
+        return False
+    with file.open("rb") as stream:
+        start = stream.read(2048)
+    # MuJoCo reads binary STL only; one written as text says so.
+    return file.suffix.lower() != ".stl" or not (start.lstrip()[:5].lower() == b"solid" and b"facet" in start)
 
 
 def _quaternion(angles: list[float]) -> Floats:

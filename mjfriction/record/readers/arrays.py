@@ -20,10 +20,8 @@ def table_of(arrays: Mapping[str, np.ndarray], names: Sequence[str] | None, sour
     Arrays of another length than ``time``'s (or, without it, the longest's) are left out.  Raises :class:`LogError`
     where there is no vector at all, or a matrix has not a column for every name.
     """
-    vectors = {name: np.asarray(values).squeeze() for name, values in arrays.items()}
-    vectors = {
-        name: values for name, values in vectors.items() if values.ndim and np.issubdtype(values.dtype, np.number)
-    }
+    vectors = {name: _plain(np.asarray(values), name) for name, values in arrays.items()}
+    vectors = {name: values for name, values in vectors.items() if values.ndim and values.dtype.kind in "iuf"}
     if not vectors:
         raise LogError(f"{source}: there is no array of numbers in the file")
     rows = len(vectors["time"]) if "time" in vectors else max(max(values.shape) for values in vectors.values())
@@ -34,6 +32,14 @@ def table_of(arrays: Mapping[str, np.ndarray], names: Sequence[str] | None, sour
         elif values.ndim == 2 and name in KNOWN:
             columns |= _of_matrix(name, values, rows, names, source)
     return pa.table(columns)
+
+
+def _plain(values: np.ndarray, name: str) -> np.ndarray:
+    # A row or a column of numbers is a vector, but for a quantity of one joint.
+    if name in KNOWN and values.ndim == 2:
+        return values
+    values = values.squeeze()
+    return values.astype(values.dtype.newbyteorder("="), copy=False)
 
 
 def _of_matrix(

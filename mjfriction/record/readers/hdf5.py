@@ -28,10 +28,12 @@ def read_table(path: Path) -> pa.Table:
             return
         *groups, own = place.split("/")
         if own in JOINT_NAMES and h5py.check_string_dtype(item.dtype) is not None:
-            names = [str(name) for name in item.asstr()[()]]
+            names = [str(name) for name in np.atleast_1d(item.asstr()[()])]
             return
         if groups and groups[-1] in KNOWN:
             own = f"{groups[-1]}.{own}"
+        if own in arrays:
+            raise LogError(f"{path}: two datasets are called '{own}'; keep one arm to a file, or name the joints apart")
         arrays[own] = np.asarray(item[()])
 
     try:

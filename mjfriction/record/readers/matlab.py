@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,7 @@ def read_table(path: Path) -> pa.Table:
         return _dotted(hdf5.read_table(path))
     try:
         variables = loadmat(path, squeeze_me=True, struct_as_record=False)
-    except (MatReadError, ValueError, OSError, TypeError, NotImplementedError) as error:
+    except (MatReadError, ValueError, OSError, TypeError, IndexError, NotImplementedError, zlib.error) as error:
         raise LogError(f"{path}: not a readable MATLAB file: {str(error).splitlines()[0]}") from None
     own = {name: value for name, value in variables.items() if not name.startswith("__")}
     structs = [value for value in own.values() if hasattr(value, "_fieldnames")]

@@ -25,32 +25,38 @@ def read_table(path: Path) -> pa.Table:
     """Read every ``sensor_msgs/JointState`` of an .mcap file, or of the .mcap files of a bag's folder.
 
     Time is the messages' own stamp (the log's, where they have none), from the first on.  Joints may come in any order,
-    and in messages or topics of their own: all are brought to the instants of those that come most often, in between by
-    straight lines.  Raises :class:`LogError` for a file that cannot be parsed, and one without joint states.
+    and in messages or topics of their own: all are brought to the instants of those that come most often, as far as all
+    of them go, in between by straight lines.  Raises :class:`LogError` for a file that cannot be parsed, and for one
+    without joint states.
     """
     files = sorted(path.glob("*.mcap")) if path.is_dir() else [path]
     if not files:
         raise LogError(f"{path}: there is no .mcap file in the folder")
-    groups: dict[tuple[str, tuple[str, ...]], list[Stamped]] = defaultdict(list)
+    groups: dict[tuple[str, frozenset[str]], list[Stamped]] = defaultdict(list)
     topics: set[str] = set()
     for file in files:
         for topic, kind, stamp, message in _messages(file):
             topics.add(f"{topic} ({kind})")
             if message is not None:
-                groups[topic, tuple(message.name)].append((stamp, message))
+                groups[topic, frozenset(message.name)].append((stamp, message))
     if not groups:
         listed = ", ".join(sorted(topics)) or "nothing"
         raise LogError(f"{path}: there are no joint states ({JOINT_STATE}) in it. Found: {listed}")
-    main = max(groups, key=lambda key: len(groups[key]))
-    clock = np.array([stamp for stamp, _ in groups[main]])
-    columns: dict[str, np.ndarray] = {}
-    for key in sorted(groups, key=lambda key: -len(groups[key])):
-        for name, (stamps, values) in _courses(key[1], groups[key]).items():
-            # A joint that several topics tell of is taken from the one that tells most often.
-            if name not in columns:
-                columns[name] = (
-                    values if key == main and values.size == clock.size else np.interp(clock, stamps, values)
-                )
+    for told in groups.values():
+        told.sort(key=lambda entry: entry[0])  # files and topics come in any order
+    order = sorted(groups, key=lambda key: (-len(groups[key]), key[0], sorted(key[1])))
+    courses: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+    for key in order:
+        for name, course in _courses(groups[key]).items():
+            courses.setdefault(name, course)  # a joint that several topics tell of: from the one that tells most often
+    if not courses:
+        raise LogError(f"{path}: its joint states hold no finite positions")
+    clock = np.array([stamp for stamp, _ in groups[order[0]]])
+    first, last = max(stamps[0] for stamps, _ in courses.values()), min(stamps[-1] for stamps, _ in courses.values())
+    clock = clock[(clock >= first) & (clock <= last)]
+    if not clock.size:
+        raise LogError(f"{path}: the joints were recorded at different times; a log needs them together")
+    columns = {name: np.interp(clock, stamps, values) for name, (stamps, values) in sorted(courses.items())}
     return pa.table({"time": clock - clock[0], **columns})
 
 
@@ -75,15 +81,16 @@ def _messages(file: Path) -> Iterator[tuple[str, str, float, Any]]:
         raise LogError(f"{file}: not a readable MCAP file: {str(error).splitlines()[0]}") from None
 
 
-def _courses(names: tuple[str, ...], messages: list[Stamped]) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    out = {}
-    for field in FIELDS:
-        told = [(stamp, getattr(message, field)) for stamp, message in messages]
-        told = [(stamp, values) for stamp, values in told if len(values) == len(names)]
-        if told:
-            stamps = np.array([stamp for stamp, _ in told])
-            values = np.array([values for _, values in told], dtype=np.float64)
-            for i, name in enumerate(names):
-                if np.all(np.isfinite(values[:, i])):  # drivers fill what they do not measure with NaN
-                    out[f"{field}.{name}"] = stamps, values[:, i]
-    return out
+def _courses(messages: list[Stamped]) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    told: dict[str, tuple[list[float], list[float]]] = defaultdict(lambda: ([], []))
+    for stamp, message in messages:
+        for field in FIELDS:
+            values = getattr(message, field)
+            if len(values) == len(message.name):
+                for name, value in zip(message.name, values, strict=True):
+                    stamps, course = told[f"{field}.{name}"]
+                    stamps.append(stamp)
+                    course.append(value)
+    out = {name: (np.array(stamps), np.array(course)) for name, (stamps, course) in told.items()}
+    # Drivers fill what they do not measure with NaN.
+    return {name: course for name, course in out.items() if np.all(np.isfinite(course[1]))}

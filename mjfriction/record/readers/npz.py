@@ -19,7 +19,7 @@ def read_table(path: Path) -> pa.Table:
     try:
         with np.load(path, allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
+    except (OSError, ValueError, EOFError, TypeError, AttributeError, zipfile.BadZipFile) as error:
         raise LogError(f"{path}: not a readable NumPy archive: {str(error).splitlines()[0]}") from None
     listed = next((arrays[name] for name in JOINT_NAMES if name in arrays), None)
     return table_of(arrays, None if listed is None else [str(name) for name in np.ravel(listed)], str(path))

@@ -31,7 +31,12 @@ def read_table(path: Path) -> pa.Table:
 
 def _from_lerobot(table: pa.Table, path: Path) -> pa.Table:
     arrays = {"time": table["timestamp"].to_numpy()}
-    arrays |= {own: np.vstack(table[name].to_pylist()) for name, own in LEROBOT.items() if name in table.schema.names}
+    try:
+        arrays |= {
+            own: np.vstack(table[name].to_pylist()) for name, own in LEROBOT.items() if name in table.schema.names
+        }
+    except (ValueError, TypeError):
+        raise LogError(f"{path}: not every row has a state of every joint; drop the rows that have none") from None
     if "episode_index" in table.schema.names:
         arrays["segment"] = table["episode_index"].to_numpy()
     return table_of(arrays, _state_names(path), str(path))
@@ -41,7 +46,10 @@ def _state_names(path: Path) -> list[str] | None:
     for folder in path.resolve().parents:
         info = folder / "meta" / "info.json"
         if info.is_file():
-            named = json.loads(info.read_text(encoding="utf-8")).get("features", {}).get(STATE, {}).get("names")
+            try:
+                named = json.loads(info.read_text(encoding="utf-8")).get("features", {}).get(STATE, {}).get("names")
+            except (ValueError, AttributeError):
+                raise LogError(f"{info}: cannot be read as a LeRobot dataset's info") from None
             if isinstance(named, dict):  # {"motors": [...]} in older datasets
                 named = next(iter(named.values()), None)
             if isinstance(named, list):
