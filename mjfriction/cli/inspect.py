@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from mjfriction.cli.logs import guess_of, read_logs
+from mjfriction.cli.logs import GUESS, guess_of, read_logs
 from mjfriction.cli.options import Json, LogPath, MapSource
 from mjfriction.cli.progress import working
 
@@ -47,17 +47,19 @@ def inspect(
     model = read_robot(robot) if robot is not None else None
     joints = model.joints if model is not None else [f"joint_{i + 1}" for i in range(32)]
     console = Console(width=WIDTH, highlight=False, soft_wrap=False)
-    guess: Mapping | None = guess_of(log, joints) if map_ is None else None
-    if write_map is not None:
-        if guess is None:
-            raise LogError(f"{log}: no columns to guess: they have a log's names already, or none that is known")
-        with whole_file(write_map) as draft:
-            draft.write_text(guess.text(), encoding="utf-8")
+    guess: Mapping | None = guess_of(log, joints) if map_ in (None, GUESS) else None
+    if write_map is not None and guess is None:
+        raise LogError(f"{log}: no columns to guess: they have a log's names already, or none that is known")
     if guess is not None and not json:
         print_mapping(guess, log, write_map, console)
     with working("looking"):
-        found = read_logs([log], joints, "guess" if guess is not None else map_)
+        found = read_logs([log], joints, GUESS if guess is not None else map_)
         told = inspected_table(found, model)
+    if guess is not None:
+        told["guessed_columns"] = {own: source.model_dump() for own, source in guess.sources.items()}
+    if write_map is not None and guess is not None:
+        with whole_file(write_map) as draft:
+            draft.write_text(guess.text(), encoding="utf-8")
     if json:
         import json as writer
 

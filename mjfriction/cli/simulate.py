@@ -63,7 +63,7 @@ def simulate(
     import pyarrow
 
     from mjfriction.plant.control import Control
-    from mjfriction.plant.machine import log_columns, run_machine
+    from mjfriction.plant.machine import log_columns, not_followed, run_machine
     from mjfriction.plant.sensors import Recorder
     from mjfriction.plant.trajectory import read_trajectory
     from mjfriction.record.log import CURRENT, EFFORT
@@ -92,7 +92,9 @@ def simulate(
         with working("drawing"), whole_file(recording) as draft:
             write_run(machine, run, draft)
             write_table(table, out)  # a log that cannot be written leaves no recording either
-    for note in run.notes:
+    lost = not_followed(machine, run)
+    hint = ["try more with --bandwidth; friction holds what a weak controller asks for"] if lost else []
+    for note in (*run.notes, *lost, *hint):
         typer.echo(note, err=True)
     seconds = float(run.time[-1] - run.time[0])
     typer.echo(f"{out}: {table.num_rows} rows, {seconds:.4g} s of {table.num_columns} columns")

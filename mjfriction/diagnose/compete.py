@@ -46,6 +46,11 @@ class Entrant:
         """The cause's name and its joint."""
         return self.cause.name, self.joint
 
+    @property
+    def kind(self) -> tuple[type[Cause], int]:
+        """What is refused when it is refused: this way to draw the cause, at this joint."""
+        return type(self.cause), self.joint
+
 
 Field = tuple[Entrant, ...]
 
@@ -78,17 +83,17 @@ def compete(gap: Gap, nuisance: Nuisance, field: Field) -> Model:
     asked, count = field, size(field)
     while True:
         model = _pruned(_forward(gap, nuisance, asked, count), count)
-        refused = {choice.key for choice in model.chosen if not _proved(model, choice)} | _dissolved(model)
+        refused = [choice for choice in model.chosen if not _proved(model, choice)] + _dissolved(model)
         if not refused:
             return straightened(_with_kin(model, field))
         asked = _narrowed(asked, refused)
 
 
-def _narrowed(field: Field, refused: set[tuple[str, int, int]]) -> Field:
+def _narrowed(field: Field, refused: list[Chosen]) -> Field:
     # What is refused, and all that come after it of its kind, are asked for no more.
     out = []
     for entrant in field:
-        orders = [order for name, joint, order in refused if (name, joint) == entrant.key]
+        orders = [one.site.order for one in refused if (type(one.cause), one.site.joint) == entrant.kind]
         if min(orders, default=entrant.times) > 0:
             out.append(replace(entrant, times=min([*orders, entrant.times])))
     return tuple(out)
@@ -133,20 +138,20 @@ def _proved(model: Model, choice: Chosen) -> bool:
     return any(gain_at(model.gap, before, after, joint, PROOF_SEED).low > 0.0 for joint in touched)
 
 
-def _dissolved(model: Model) -> set[tuple[str, int, int]]:
+def _dissolved(model: Model) -> list[Chosen]:
     # Two curves over speed on one joint may stand in for a third, each large only to cancel the other: with the shapes
     # let go, the size of one of them is then not even told from none.
     joints = [choice.site.joint for choice in model.chosen if choice.cause.name in BENDING]
     if len(set(joints)) == len(joints):
-        return set()
+        return []
     widths = half_widths(model).causes
-    doubt = {
-        choice.key: float(half[0] / max(abs(model.strengths[place][0]), 1e-300))
+    doubt = [
+        (float(half[0] / max(abs(model.strengths[place][0]), 1e-300)), choice)
         for choice, place, half in zip(model.chosen, model.places, widths, strict=True)
         if choice.cause.name in BENDING and joints.count(choice.site.joint) > 1
-    }
-    worst = max(doubt, key=lambda key: doubt[key])
-    return {worst} if doubt[worst] > 1.0 else set()
+    ]
+    worst, least_sure = max(doubt, key=lambda entry: entry[0])
+    return [least_sure] if worst > 1.0 else []
 
 
 def contenders(model: Model, field: Field) -> list[Trial]:

@@ -9,6 +9,7 @@ import numpy as np
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Model
+from mjfriction.diagnose.trial import told
 from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
 from mjfriction.robot.friction import raised_levels, stated_levels
 from mjfriction.robot.links import link_scale, scaled_link
@@ -69,7 +70,7 @@ def adjustments(model: Model) -> list[Adjustment]:
         fitted = stated_scale * (1.0 + float(strengths[k]))
         out.append(Adjustment("link_scale", link.name, "1", stated_scale, fitted, stated_scale * float(half[k])))
     for choice, place, width in zip(model.chosen, model.places, widths.causes, strict=True):
-        if choice.cause.noteworthy(gap, choice.site, strengths[place]):
+        if told(model, choice, strengths[place]):
             continue
         quantities = choice.cause.quantities(gap, choice.site)
         for quantity, value, own in zip(quantities, strengths[place], width[: len(quantities)], strict=True):

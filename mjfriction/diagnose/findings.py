@@ -12,7 +12,7 @@ from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.outcome import Finding
 from mjfriction.diagnose.separate import Experiment, design_experiment
 from mjfriction.diagnose.stated import Settled, link_changes, without_links
-from mjfriction.diagnose.trial import LEAST_EFFECT, effect
+from mjfriction.diagnose.trial import told
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.proof import gain_at
@@ -34,10 +34,7 @@ def make_findings(
     strengths, widths = model.strengths, half_widths(model)
     found = []
     for choice, place, width in zip(model.chosen, model.places, widths.causes, strict=True):
-        asked = any(choice.cause.name in other.cause.kin for other in model.chosen)
-        if not choice.cause.noteworthy(model.gap, choice.site, strengths[place]):
-            continue
-        if not asked and effect(model.gap, choice, strengths[place]) < LEAST_EFFECT:
+        if not told(model, choice, strengths[place]):
             continue
         found.append((choice, model.without(choice), strengths[place], width))
     for choice in settled.levels:

@@ -12,7 +12,7 @@ from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.compete import make_field, size
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
 from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.trial import FALSE_ALARM
+from mjfriction.diagnose.trial import FALSE_ALARM, LEAST_EFFECT, LEAST_SHARE
 from mjfriction.identify.gap import Gap
 
 
@@ -44,6 +44,8 @@ def visible_causes(gap: Gap) -> tuple[Visible, ...]:
     least: dict[tuple[str, str | None], Visible] = {}
     for entrant in field:
         choice = Chosen(entrant.cause, entrant.sites[len(entrant.sites) // 2])
+        if entrant.joint not in alike:
+            continue
         found = _least(model, choice, chance, alike[entrant.joint])
         key = (found.cause, found.joint)
         if np.isfinite(found.size) and (key not in least or found.size < least[key].size):
@@ -59,5 +61,8 @@ def _least(model: Model, choice: Chosen, chance: float, alike: float) -> Visible
     power = columns[joint].T @ columns[joint] / columns[joint].shape[0]
     effect = float(np.sqrt(chi2.isf(chance, count) * np.trace(power @ covariance) / count))
     effort = float(np.sqrt(np.mean(np.square(gap.measured[:, joint]))))
+    # However sure, less than a share of the effort and of the error is not told.
+    left = float(np.sqrt(np.mean(np.square(model.residual()[:, joint]))))
+    effect = max(effect, LEAST_EFFECT * effort, float(np.sqrt(LEAST_SHARE)) * left)
     name = None if choice.cause.whole_arm else gap.robot.joints[joint]
     return Visible(choice.cause.name, name, effect, effect / max(effort, 1e-300))

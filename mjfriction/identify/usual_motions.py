@@ -17,7 +17,7 @@ SLOW_FREQUENCY, SLOW_PERIODS = 0.1, 3.0  # Hz
 SMALL = 1e-3  # of a joint's reach: turns of a few hundredths of a degree, or some hundredths of a millimetre
 LADDER = (1.0, 0.6, 0.3)  # of the largest turn, those of a sawtooth
 SAW_SECONDS = 4.0  # to go from the middle to the largest turn
-LOOP_SECONDS = 10.0  # a period of loops
+LOOP_SECONDS, LOOP_WAY = 10.0, 7.0  # a period of loops, and how many amplitudes it goes over
 POSES = 4  # of pick and place
 RAMP = 2.0  # 1/s: top speeds are reached in half a second
 VOLTAGES = 8
@@ -36,10 +36,13 @@ def plan_sine(robot: Robot, joints: Sequence[str]) -> Plan:
 
 
 def plan_sawtooth(robot: Robot, joints: Sequence[str], amplitude: float | None = None) -> Plan:
-    """Plan slow turns of falling size (the largest ``amplitude``, rad or m), which draw hysteresis loops."""
+    """Plan slow turns of falling size (the largest ``amplitude``, rad or m), which draw hysteresis loops.
+
+    Raises :class:`RobotError` for an amplitude past a joint's limits, here and below.
+    """
 
     def one(name: str, centre: float, reach: float) -> Trajectory:
-        largest = amplitude or SMALL * reach
+        largest = _within(robot, name, amplitude, reach, 1.0 / SAW_SECONDS)
         return sawtooth(name, centre, [share * largest for share in LADDER], largest / SAW_SECONDS)
 
     return _one_by_one(robot, joints, one, "turns of falling size")
@@ -49,7 +52,9 @@ def plan_loops(robot: Robot, joints: Sequence[str], amplitude: float | None = No
     """Plan motion between ± ``amplitude`` (rad or m) with two inner loops a period."""
 
     def one(name: str, centre: float, reach: float) -> Trajectory:
-        return inner_loops(name, centre, amplitude or SMALL * reach, LOOP_SECONDS)
+        # Of a period's seven amplitudes every stretch takes its share, at up to 1.875 of its mean speed.
+        largest = _within(robot, name, amplitude, reach, 1.875 * LOOP_WAY / LOOP_SECONDS)
+        return inner_loops(name, centre, largest, LOOP_SECONDS)
 
     return _one_by_one(robot, joints, one, "two inner loops a period")
 
@@ -81,6 +86,20 @@ def plan_voltages(robot: Robot, joints: Sequence[str]) -> Plan:
     volts = np.geomspace(of.voltage_limit / 30.0, of.voltage_limit, VOLTAGES)
     made = valve_steps(name, of, min(stroke, 2.0), volts.tolist())
     return Plan(made, (f"{name}: {VOLTAGES} voltages from {volts[0]:.3g} to {volts[-1]:.3g} V, out and back",))
+
+
+def _within(robot: Robot, joint: str, amplitude: float | None, reach: float, rate: float) -> float:
+    # What is asked for, or what is usual; ``rate`` is the speed per amplitude.
+    if amplitude is None:
+        return SMALL * reach
+    body = robot.body()
+    top = min(float(body.top_speed[robot.joints.index(joint)]), UNSTATED_SPEED)
+    largest = min(reach, top / rate)
+    if amplitude > largest:
+        raise RobotError(
+            f"joint '{joint}': an amplitude of {amplitude:g} is past its limits; at most {largest:.4g} is allowed"
+        )
+    return amplitude
 
 
 def _one_by_one(

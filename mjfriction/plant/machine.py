@@ -23,16 +23,19 @@ from mjfriction.robot.schema import Spring
 from mjfriction.robot.simulation import robot_laws, robot_spec
 from mjfriction.sim.closed_loop import Drive, Played, couple_drive, drop_actuators, play, split_transmission
 
+FOLLOWED = 0.5  # of the travel asked for, below which a joint has not followed
 LONGEST_STEP, LONGEST_STEP_GIVING, LONGEST_STEP_OIL = 1e-3, 2.5e-4, 1e-4  # s; what gives rings faster than a rigid arm
 
 
 @dataclass(frozen=True)
 class Run:
     """What a machine did, on the simulation's own steps: ``time`` (n,), ``played`` as :class:`Played` says, what oil
-    went through by the joint it moves, and ``notes`` of what a user should know of it.
+    went through by the joint it moves, and ``notes`` of what a user should know of it.  ``wanted`` is where the joints
+    were to be, (n, joints).
     """
 
     time: Floats
+    wanted: Floats
     played: Played
     cylinders: dict[str, Cylinder]
     notes: tuple[str, ...]
@@ -85,8 +88,8 @@ def run_machine(
         if name not in robot.joints:
             raise RobotError(f"robot '{robot.name}' has no joint '{name}'{suggestion(name, robot.joints)}")
     for name in trajectory.ambient:
-        quantity, _, joint = name.partition(".")
-        if quantity == VOLTAGE and (joint not in robot.joints or robot.joint(joint).hydraulics is None):
+        quantity, _, place = name.partition(".")
+        if quantity == VOLTAGE and (place not in robot.joints or robot.joint(place).hydraulics is None):
             raise RobotError(f"robot '{robot.name}': the trajectory has '{name}', but no cylinder moves such a joint")
     body = robot.body()
     model = _controller(robot, controller_robot or robot)
@@ -141,7 +144,18 @@ def run_machine(
         whole=whole,
     )
     notes = [note for name, cylinder in cylinders.items() for note in cylinder.notes(time, name)]
-    return Run(time, played, cylinders, tuple(notes))
+    return Run(time, course.position, played, cylinders, tuple(notes))
+
+
+def not_followed(robot: Robot, run: Run) -> list[str]:
+    """Return a sentence for each joint that went less than half as far as it was asked to."""
+    out = []
+    for i, name in enumerate(robot.joints):
+        asked, went = (float(np.ptp(course[:, i])) for course in (run.wanted, run.played.position))
+        if went < FOLLOWED * asked:
+            unit = "m" if robot.body().sliding[i] else "rad"
+            out.append(f"joint '{name}' did not follow: it was to travel {asked:.3g} {unit} and went {went:.3g} {unit}")
+    return out
 
 
 def _controller(robot: Robot, model: Robot) -> Robot:

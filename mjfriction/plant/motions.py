@@ -16,7 +16,8 @@ from mjfriction.robot.schema import Hydraulics
 
 FADE = 2.0  # s over which an excitation swells from rest and dies down
 KNOTS = 250.0  # Hz of the tables
-STROKE_USED = 0.7  # of a cylinder's stroke, at the speed of no load; friction and unequal ways leave the rest
+STROKE_USED = 0.8  # of a cylinder's stroke that a voltage is held over, at the speed of no load; friction takes some
+HOMING, HOME_AGAIN = 0.2, 1.5  # of the highest voltage, and of the stroke, to bring a piston back to its end
 VALVE_REST = 0.5  # s between two voltages
 
 
@@ -113,16 +114,17 @@ def inner_loops(joint: str, centre: float, amplitude: float, period: float, *, p
 
 
 def valve_steps(joint: str, of: Hydraulics, stroke: float, volts: Sequence[float]) -> Trajectory:
-    """Return constant voltages at the valve of a cylinder, out and back at each, held over most of a stroke (m).
+    """Return constant voltages at the valve of a cylinder, out and back at each, over about half of a stroke (m).
 
-    The piston begins at zero, in the middle: it first retracts to where the strokes begin.
+    The piston begins at zero, in the middle.  Friction slows it more going back than out: before each pair it is taken
+    back against its end, at the lowest voltage, so that every pair begins at the same place.
     """
     out, back = speed_per_volt(of)
-    way = STROKE_USED * stroke
-    gentle = max(volts)
-    steps = [(-gentle, 0.5 * way / (back * gentle))]
+    way, gentle = STROKE_USED * stroke, min(volts, key=lambda volt: abs(volt - HOMING * of.voltage_limit))
+    steps = []
     for voltage in volts:
-        steps += [(voltage, way / (out * voltage)), (-voltage, way / (back * voltage))]
+        steps += [(-gentle, HOME_AGAIN * stroke / (back * gentle)), (voltage, way / (out * voltage))]
+        steps += [(-voltage, way / (out * voltage))]
     rest = np.zeros(_samples(VALVE_REST))
     course = np.concatenate([rest] + [np.append(np.full(_samples(time), volt), rest) for volt, time in steps])
     time = np.arange(course.size) / KNOTS

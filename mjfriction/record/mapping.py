@@ -21,7 +21,7 @@ from mjfriction.record.log import CURRENT, EFFORT, KNOWN, POSITION, TEMPERATURE,
 TIME, SEGMENT = "time", "segment"
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 
-TIMES = {"time", "t", "timestamp", "stamp", "clock", "seconds", "secs", "elapsed"}
+TIMES = {"time", "t", "sec", "timestamp", "stamp", "clock", "seconds", "secs", "elapsed"}
 SEGMENTS = {"segment", "run", "episode", "trial"}
 QUANTITIES = {
     POSITION: {"position", "pos", "q", "angle", "theta", "joint_position"},
@@ -31,20 +31,38 @@ QUANTITIES = {
     TEMPERATURE: {"temperature", "temp"},
 }
 SET = {"ref", "reference", "target", "desired", "des", "cmd", "command", "commanded", "setpoint", "error", "goal"}
-SCALES = {
-    "deg": math.pi / 180.0,
-    "degree": math.pi / 180.0,
-    "degrees": math.pi / 180.0,
-    "rpm": math.pi / 30.0,
-    "ms": 1e-3,
-    "msec": 1e-3,
-    "us": 1e-6,
-    "ns": 1e-9,
-    "nsec": 1e-9,
-    "ma": 1e-3,
-    "mm": 1e-3,
+TURN = math.pi / 180.0
+SCALES: dict[str, dict[str, float]] = {
+    TIME: {"ms": 1e-3, "msec": 1e-3, "us": 1e-6, "ns": 1e-9, "nsec": 1e-9},
+    POSITION: {"deg": TURN, "degree": TURN, "degrees": TURN, "mrad": 1e-3, "mm": 1e-3},
+    VELOCITY: {
+        "deg": TURN,
+        "degree": TURN,
+        "degrees": TURN,
+        "degs": TURN,
+        "rpm": math.pi / 30.0,
+        "mrad": 1e-3,
+        "mm": 1e-3,
+    },
+    EFFORT: {"nmm": 1e-3, "mnm": 1e-3, "kn": 1e3, "knm": 1e3},
+    CURRENT: {"ma": 1e-3},
+    TEMPERATURE: {},
 }
-UNITS = {*SCALES, "rad", "s", "sec", "m", "nm", "n", "a", "c", "degc", "rads", "rps"}
+"""What a unit in a column's name makes of its numbers, by the quantity that it can be a unit of."""
+UNITS = {
+    *(unit for units in SCALES.values() for unit in units),
+    "rad",
+    "s",
+    "sec",
+    "m",
+    "nm",
+    "n",
+    "a",
+    "c",
+    "celsius",
+    "rads",
+}
+GENERIC = {"joint", "joints", "link", "axis", "motor"}  # words of a joint's name that columns leave out
 
 
 class Source(BaseModel):
@@ -77,8 +95,8 @@ class Mapping:
             values = table[source.column]
             if source.scale != 1.0 or source.offset != 0.0:
                 try:
-                    numbers = pyarrow.compute.cast(values, pa.float64())
-                except pa.ArrowInvalid:
+                    numbers = pyarrow.compute.cast(values, pa.float64(), safe=False)
+                except (pa.ArrowInvalid, pa.ArrowNotImplementedError):
                     raise LogError(f"{where}: column '{source.column}' holds what is not a number") from None
                 values = pyarrow.compute.add(pyarrow.compute.multiply(numbers, source.scale), source.offset)
             columns[own] = values
@@ -103,8 +121,8 @@ def read_mapping(path: Path) -> Mapping:
     """
     try:
         table = _TABLE.validate_python(tomllib.loads(path.read_text(encoding="utf-8")))
-    except FileNotFoundError:
-        raise LogError(f"{path}: there is no such mapping file") from None
+    except OSError as error:
+        raise LogError(f"{path}: no mapping file that can be read: {(error.strerror or str(error)).lower()}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise LogError(f"{path}: not valid TOML: {error}") from None
     except ValidationError as error:
@@ -126,50 +144,69 @@ def guess_mapping(names: Sequence[str], joints: Sequence[str]) -> Mapping:
     :attr:`sources` is what was found, and may lack a joint or the time.
     """
     found: dict[str, Source] = {}
-    numbered: list[tuple[str, int, str, float]] = []
+    numbered: list[tuple[str, int, Source]] = []
     for name in names:
         words = _words(name)
-        scale = next((SCALES[word] for word in words if word in SCALES), 1.0)
         plain = [word for word in words if word not in UNITS or len(words) == 1]
         if set(words) & SET:
             continue
-        if set(plain) & TIMES and len(plain) == 1:
-            found.setdefault(TIME, Source(column=name, scale=scale))
-        elif set(plain) & SEGMENTS and len(plain) == 1:
+        if len(plain) == 1 and plain[0] in TIMES:
+            found.setdefault(TIME, Source(column=name, scale=_scale(TIME, words)))
+        elif len(plain) == 1 and plain[0] in SEGMENTS:
             found.setdefault(SEGMENT, Source(column=name))
         else:
             quantity = _quantity(plain)
             if quantity is None:
                 continue
-            joint = _named(name, joints)
+            source = Source(column=name, scale=_scale(quantity, words))
+            joint = _named(words, joints)
             if joint is not None:
-                found.setdefault(f"{quantity}.{joint}", Source(column=name, scale=scale))
+                found.setdefault(f"{quantity}.{joint}", source)
             else:
                 number = next((int(word) for word in reversed(plain) if word.isdigit()), None)
                 if number is not None:
-                    numbered.append((quantity, number, name, scale))
-    first = min((number for _, number, _, _ in numbered), default=0)
-    for quantity, number, name, scale in numbered:
-        if 0 <= number - first < len(joints):
-            found.setdefault(f"{quantity}.{joints[number - first]}", Source(column=name, scale=scale))
+                    numbered.append((quantity, number, source))
+    # Positions may count from nought and torques from one.
+    first = {own: min(number for quantity, number, _ in numbered if quantity == own) for own, _, _ in numbered}
+    for quantity, number, source in numbered:
+        if number - first[quantity] < len(joints):
+            found.setdefault(f"{quantity}.{joints[number - first[quantity]]}", source)
     return Mapping(found)
 
 
 def _words(name: str) -> list[str]:
-    # jointPos3_deg and q[3] (deg) are joint, pos, 3, deg and q, 3, deg.
+    # jointPos3_deg and q[3] (deg) are joint, pos, 3, deg and q, 3, deg; mA, degC and Nm are each one word.
+    for unit in ("mA", "degC", "deg C", "Nmm", "mNm", "kNm", "kN", "Nm"):
+        name = re.sub(rf"(?<![A-Za-z]){unit}(?![A-Za-z])", "celsius" if unit.startswith("deg") else unit.lower(), name)
     parted = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
     parted = re.sub(r"(?<=[A-Za-z])(?=\d)|(?<=\d)(?=[A-Za-z])", " ", parted)
     return [word for word in re.split(r"[^a-z0-9]+", parted.lower()) if word]
 
 
+def _scale(quantity: str, words: list[str]) -> float:
+    return next((SCALES[quantity][word] for word in words if word in SCALES[quantity]), 1.0)
+
+
 def _quantity(words: list[str]) -> str | None:
-    for quantity, usual in QUANTITIES.items():
-        if any(word in usual for word in words):
+    # The q of vel_q1 and tau_q1 numbers a joint; alone it is its position.
+    for quantity in (VELOCITY, EFFORT, CURRENT, TEMPERATURE, POSITION):
+        if any(word in QUANTITIES[quantity] for word in words):
             return quantity
     return None
 
 
-def _named(name: str, joints: Sequence[str]) -> str | None:
-    own = re.sub(r"[^a-z0-9]", "", name.lower())
-    inside = [joint for joint in joints if re.sub(r"[^a-z0-9]", "", joint.lower()) in own]
+def _named(words: list[str], joints: Sequence[str]) -> str | None:
+    inside = []
+    for joint in joints:
+        own = _words(joint)
+        core = [word for word in own if word not in GENERIC]
+        bare = [word for word in words if word not in GENERIC]
+        # A number alone may count from nought or from one: it is no name unless the whole of the name is there.
+        named = any(not word.isdigit() for word in core)
+        if _holds(words, own) or (named and _holds(bare, core)):
+            inside.append(joint)
     return max(inside, key=len, default=None)
+
+
+def _holds(words: list[str], part: list[str]) -> bool:
+    return any(words[i : i + len(part)] == part for i in range(len(words) - len(part) + 1))

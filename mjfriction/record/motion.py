@@ -19,7 +19,7 @@ FILTER_ORDER = 4
 SHORTEST_PIECE = 60  # samples; shorter pieces are all edge
 EDGE_PERIODS = 3  # periods of the cutoff by which a piece is continued at both ends before it is filtered
 SETTLING_PERIODS = 3.0  # periods of the cutoff at each end of a piece that the filter's start and end touch
-STILL = 1e-9  # rad or m; a joint that travels less does not move
+STILL = 1e-5  # rad or m; a joint that travels less does not move to speak of
 AGREEMENT = 0.03  # measured velocity is believed when its gain is within this of the derivative of position
 LATEST = 0.1  # periods of the cutoff by which it may come late
 

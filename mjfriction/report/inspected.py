@@ -37,7 +37,7 @@ def inspected_table(log: Log, robot: Robot | None) -> dict[str, Any]:
     told: dict[str, Any] = {
         "log": log.source,
         "rows": int(log.time.size),
-        "seconds": round(float(log.time[-1] - log.time[0]), 6),
+        "seconds": round(sum(float(np.ptp(log.time[log.segment == k])) for k in np.unique(log.segment)), 6),
         "rate": round(1.0 / clock.step, 4),
         "jitter": round(clock.jitter, 6),
         "segments": int(np.unique(log.segment).size),
@@ -95,7 +95,7 @@ def print_mapping(guess: Mapping, log: Path, written: Path | None, console: Cons
     console.print(f"The columns of {log} have other names. They look like this:", style="bold")
     for own, source in guess.sources.items():
         scaled = "" if source.scale == 1.0 else f" times {source.scale:.6g}"
-        console.print(f"  {own}  from '{source.column}'{scaled}")
+        console.print(f"  {own}  from '{source.column}'{scaled}", markup=False)
     kept = f"--map {written}" if written is not None else "--map guess"
     console.print(f"If that is right, add {kept} to the command; below, the log is read so.\n")
 

@@ -12,7 +12,7 @@ from mjfriction.diagnose import compete
 from mjfriction.diagnose.causes.saturating_viscous import SaturatingViscous
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.trial import LEAST_EFFECT
+from mjfriction.diagnose.trial import Trial
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
@@ -74,11 +74,25 @@ def test_the_best_of_curved_rivals_is_taken_on_the_real_balance(
     assert asked, "no curved rivals came near each other"
 
 
-def test_what_moves_next_to_nothing_is_refitted_and_not_told(tmp_path: Path) -> None:
-    # A drive that reads three in a thousand too much, on a joint with hardly any noise.
-    machine = Machine(hidden={1: lambda i: 0.003 * (i.rigid + i.friction)}, noise=0.002, encoder_bits=22)
+def test_what_makes_too_little_is_listed_as_refitted_and_not_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    machine = Machine(hidden={1: lambda i: np.full(i.v.shape, 2.0)})
     (tmp_path / "robot.toml").write_text(robot_toml(machine), encoding="utf-8")
     log = log_from_table(pa.table(record(machine, 5, 40.0)), "log")
-    found = diagnose_log(log, read_robot(tmp_path / "robot.toml"))
-    assert "drive.torque_constant" not in [finding.cause for finding in found.findings]
-    assert LEAST_EFFECT > 0.003
+
+    def offsets(least: float) -> tuple[list[str], list[float]]:
+        # The bar of what is told alone; the competition keeps its own.
+        monkeypatch.setattr("mjfriction.diagnose.trial.effect", lambda *_: 1.0 if least == 0.0 else 0.0)
+        monkeypatch.setattr("mjfriction.diagnose.trial.Trial.passes", passes)
+        found = diagnose_log(log, read_robot(tmp_path / "robot.toml"))
+        listed = [entry.fitted for entry in found.adjustments if entry.what == "offset"]
+        return [finding.cause for finding in found.findings], listed
+
+    def passes(trial: Trial, candidates: int) -> bool:
+        return trial.chance < 0.01 / candidates and trial.share > 0.01
+
+    assert offsets(0.0) == (["drive.offset"], [])
+    causes, listed = offsets(1.0)
+    assert causes == []
+    assert listed == [pytest.approx(2.0, abs=0.2)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pyarrow as pa
 import pyarrow.parquet
 import pytest
 
@@ -44,3 +45,14 @@ def test_bristles_of_an_ordinary_contact_are_no_finding(pauses: bool, velocity: 
     machine = Machine(bristle_travel=3e-4, pauses=pauses, velocity=velocity, noise=0.1)
     log, robot = write_case(tmp_path, machine, seed=6, off=0.03)
     assert diagnose_log(read_log(log), read_robot(robot)).findings == ()
+
+
+def test_a_drive_that_reports_nothing_is_not_examined(tmp_path: Path) -> None:
+    log, robot = write_case(tmp_path, Machine(), seed=4)
+    table = pyarrow.parquet.read_table(log)
+    place = table.schema.get_field_index("effort.wrist_3_joint")
+    dead = table.set_column(place, "effort.wrist_3_joint", pa.array([0.0] * table.num_rows))
+    pyarrow.parquet.write_table(dead, log)
+    diagnosis = diagnose_log(read_log(log), read_robot(robot))
+    assert diagnosis.not_examined == ("wrist_3_joint",)
+    assert diagnosis.findings == ()

@@ -146,7 +146,7 @@ def test_a_drive_that_reports_one_value_is_left_out(tmp_path: Path) -> None:
 def test_the_summary_says_which_way_the_error_went(tmp_path: Path) -> None:
     truth = robot_of(machine("plain"), tmp_path, off=0.0)
     near = identify_log(log_of("plain"), truth, law="coulomb_viscous").summary
-    assert " goes from " in near or " falls from " in near
+    assert " goes from " in near  # an exact stated friction cannot be bettered by one fitted to noise
     assert "rises" not in near
     # Without damping no law can be as near as the truth that was stated.
     worse = identify_log(log_of("plain"), truth, law="coulomb").summary

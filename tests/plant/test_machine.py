@@ -186,3 +186,19 @@ def test_a_drive_gives_no_more_than_its_limit(ur5: Robot) -> None:
 def test_a_trajectory_of_another_robot_is_refused(ur5: Robot) -> None:
     with pytest.raises(RobotError, match="no joint 'elbow_jiont'; did you mean 'elbow_joint'"):
         simulate(ur5, sine("elbow_jiont", 0.0, 0.1, 0.5, 2.0))
+
+
+def test_a_controller_speaks_of_the_same_joints_in_any_order(ur5: Robot) -> None:
+    course = motion(ur5, 2.5)
+    turned = Robot(ur5.table.model_copy(update={"joint": ur5.table.joint[::-1]}), ur5.folder)
+    straight, reversed_ = (run(ur5, course, controller=model).played.position for model in (ur5, turned))
+    np.testing.assert_array_equal(straight, reversed_)
+    with pytest.raises(RobotError, match="the controller's robot 'comau_ns12' has joints joint_1, "):
+        run(ur5, course, controller=read_robot("comau_ns12"))
+
+
+def test_a_voltage_for_a_motor_is_refused(ur5: Robot) -> None:
+    course = motion(ur5, 2.5)
+    stray = Trajectory(course.joints, course.time, course.position, {"voltage.elbow_joint": course.time})
+    with pytest.raises(RobotError, match="'voltage.elbow_joint', but no cylinder moves such a joint"):
+        run(ur5, stray)

@@ -20,6 +20,7 @@ from mjfriction.identify.usual_motions import (
     plan_voltages,
 )
 from mjfriction.plant.cylinder import speed_per_volt
+from mjfriction.plant.machine import run_machine
 from mjfriction.plant.motions import (
     KNOTS,
     excitation,
@@ -124,13 +125,21 @@ def test_voltages_are_held_out_and_back_and_keep_within_the_stroke() -> None:
     cylinder = read_robot("hydraulic_cylinder")
     of = cylinder.table.joint[0].hydraulics
     assert of is not None
-    made = valve_steps("piston", of, 0.4, [1.0, 3.0])
+    made = valve_steps("piston", of, 0.4, [3.0, 9.0])
     volts = made.ambient["voltage.piston"]
-    assert set(np.unique(volts)) == {-3.0, -1.0, 0.0, 1.0, 3.0}
-    out, back = speed_per_volt(of)
-    for voltage, speed in ((1.0, out), (-1.0, -back)):
-        held = np.count_nonzero(volts == voltage) / KNOTS
-        assert held * speed * voltage == pytest.approx(0.7 * 0.4, rel=0.01)
+    assert set(np.unique(volts)) == {-9.0, -3.0, 0.0, 3.0, 9.0}
+    out, _ = speed_per_volt(of)
+    held = np.count_nonzero(volts == 3.0) / KNOTS
+    assert held * out * 3.0 == pytest.approx(0.8 * 0.4, rel=0.01)
+    run = run_machine(cylinder, made, 500.0)
+    asked = np.interp(run.time, made.time, volts)
+    place, speed = run.played.position[:, 0], run.played.velocity[:, 0]
+    assert np.max(place) < 0.19
+    for voltage in (3.0, 9.0, -9.0):
+        steps = np.flatnonzero(np.abs(asked - voltage) < 1e-9)
+        late = speed[steps[int(0.7 * steps.size) :]]
+        # Held until it is steady: neither still getting under way nor at an end.
+        assert np.ptp(late) < 0.02 * np.abs(np.mean(late))
 
 
 @pytest.mark.parametrize("name", sorted(bundled_robots()))
@@ -153,3 +162,11 @@ def test_a_motor_has_no_valve() -> None:
         plan_voltages(robot, robot.joints)
     with pytest.raises(RobotError, match="states no hydraulics; it has no valve"):
         plan_voltages(robot, ["elbow_joint"])
+
+
+def test_amplitudes_past_a_joints_limits_are_refused() -> None:
+    robot = read_robot("ur5")
+    with pytest.raises(RobotError, match="an amplitude of 50 is past its limits; at most 1.2 is allowed"):
+        plan_sawtooth(robot, ["elbow_joint"], 50.0)
+    with pytest.raises(RobotError, match="'elbow_joint': an amplitude of 1.2 is past its limits"):
+        plan_loops(robot, ["elbow_joint"], 1.2)

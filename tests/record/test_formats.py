@@ -20,7 +20,7 @@ from scipy.io import savemat
 
 from mjfriction.errors import LogError
 from mjfriction.record.mapping import Mapping, Source, guess_mapping, read_mapping
-from mjfriction.record.readers import READERS, read_log
+from mjfriction.record.readers import READERS, read_log, read_table
 
 JOINTS = ("shoulder", "elbow")
 JOINT_STATE = """std_msgs/Header header
@@ -245,8 +245,9 @@ FOREIGN = [
     ("Time (ms)", "actual_q_1", "actual_q_2", "actual_effort_1", "actual_effort_2", "target_q_1"),
     ("timestamp", "shoulder_pos_deg", "elbow_pos_deg", "shoulder_torque", "elbow_torque", "cmd_shoulder_pos"),
     ("time_ns", "jointPos1", "jointPos2", "motorTorque1", "motorTorque2", "desiredPos1"),
+    ("t", "q1_mrad", "q2_mrad", "tau_q1", "tau_q2", "q1_cmd"),
 ]
-SCALE = {"ms": 1e3, "ns": 1e9, "deg": 180.0 / np.pi}
+SCALE = {"ms": 1e3, "ns": 1e9, "deg": 180.0 / np.pi, "mrad": 1e3}
 
 
 def foreign(names: tuple[str, ...]) -> dict[str, np.ndarray]:
@@ -273,6 +274,57 @@ def test_foreign_names_are_guessed_with_their_units(names: tuple[str, ...], tmp_
         np.testing.assert_allclose(told[name].to_numpy(), values, rtol=1e-9, atol=1e-12)
     (tmp_path / "map.toml").write_text(guess.text())
     assert read_mapping(tmp_path / "map.toml") == guess
+
+
+def test_units_go_with_their_quantity() -> None:
+    names = [
+        "time",
+        "current_1 (mA)",
+        "temp_1_degC",
+        "temperature_2 [deg C]",
+        "vel_q1",
+        "q1",
+        "torque_1_Nmm",
+        "pos_a",
+        "tau_a",
+    ]
+    guess = guess_mapping(names, ("shoulder", "elbow", "a")).sources
+    assert guess["current.shoulder"].scale == 1e-3
+    assert guess["temperature.shoulder"].scale == guess["temperature.elbow"].scale == 1.0
+    assert (guess["velocity.shoulder"].column, guess["position.shoulder"].column) == ("vel_q1", "q1")
+    assert guess["effort.shoulder"].scale == 1e-3
+    assert (guess["position.a"].column, guess["effort.a"].column) == ("pos_a", "tau_a")
+
+
+def test_every_quantity_counts_joints_its_own_way() -> None:
+    names = ["t", "actual_q_0 [deg]", "actual_q_1 [deg]", "Torque J1 (Nm)", "Torque J2 (Nm)"]
+    guess = guess_mapping(names, JOINTS).sources
+    assert guess["position.shoulder"].column == "actual_q_0 [deg]"
+    assert guess["effort.shoulder"].column == "Torque J1 (Nm)"
+    assert guess["effort.elbow"].column == "Torque J2 (Nm)"
+
+
+def test_matrices_by_other_names_can_be_guessed(tmp_path: Path) -> None:
+    np.savez(tmp_path / "log.npz", t=columns()["time"], q=matrix("position"), tau=matrix("effort"))
+    table = read_table(tmp_path / "log.npz")
+    log = read_log(tmp_path / "log.npz", guess_mapping(table.schema.names, JOINTS))
+    np.testing.assert_allclose(log.columns["effort.elbow"], columns()["effort.elbow"])
+
+
+@pytest.mark.parametrize(("mark", "point"), [(";", "."), (";", ","), ("\t", ".")])
+def test_tables_parted_otherwise(mark: str, point: str, tmp_path: Path) -> None:
+    rows = [mark.join(columns())]
+    table = zip(*columns().values(), strict=True)
+    rows += [mark.join(f"{value:.9f}".replace(".", point) for value in row) for row in table]
+    (tmp_path / "log.csv").write_text("\n".join(rows) + "\n")
+    log = read_log(tmp_path / "log.csv")
+    np.testing.assert_allclose(log.columns["position.elbow"], columns()["position.elbow"], atol=1e-8)
+
+
+def test_nanoseconds_since_1970_are_read() -> None:
+    stamps = 1_760_000_000_000_000_123 + 5_000_000 * np.arange(3)
+    told = guess_mapping(["timestamp_ns"], ()).applied(pa.table({"timestamp_ns": stamps}), "log")
+    np.testing.assert_allclose(np.diff(told["time"].to_numpy()), 0.005, atol=1e-6)
 
 
 def test_a_mapping_scales_and_shifts(tmp_path: Path) -> None:

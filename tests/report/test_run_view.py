@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from mjfriction.plant.control import Control
 from mjfriction.plant.machine import run_machine
@@ -49,3 +50,22 @@ def test_states_of_friction_are_kept_only_when_asked_for() -> None:
     # Twelve elements' forces add up to the friction but for the damping; their modes are 0 or ±1.
     assert kept.shape[1] == 24
     assert set(np.unique(kept[:, 12:])) <= {-1.0, 0.0, 1.0}
+
+
+@pytest.mark.parametrize(
+    ("name", "content"), [("arm.dae", b"<COLLADA/>"), ("arm.stl", b"solid arm\nfacet normal 0 0 1\n")]
+)
+def test_a_mesh_that_cannot_be_drawn_is_not_fatal(name: str, content: bytes, tmp_path: Path) -> None:
+    (tmp_path / name).write_bytes(content)
+    shape = f'<visual><geometry><mesh filename="{name}"/></geometry></visual>'
+    (tmp_path / "arm.urdf").write_text(
+        f'<robot name="arm"><link name="base"/><link name="arm">{shape}<inertial><mass value="1"/><inertia ixx=".1" '
+        'iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial></link><joint name="hinge" type="revolute"><parent '
+        'link="base"/><child link="arm"/><axis xyz="0 0 1"/><limit lower="-2" upper="2" effort="9" velocity="3"/>'
+        "</joint></robot>"
+    )
+    (tmp_path / "robot.toml").write_text('name = "arm"\nmodel = "arm.urdf"\n[[joint]]\nname = "hinge"\n')
+    robot = read_robot(tmp_path / "robot.toml")
+    run = run_machine(robot, sine("hinge", 0.0, 0.5, 0.5, 1.0), 250.0, whole=True)
+    write_run(robot, run, tmp_path / "run.rrd")
+    assert (tmp_path / "run.rrd").stat().st_size > 0

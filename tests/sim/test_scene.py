@@ -73,9 +73,16 @@ def test_a_robot_without_shapes_is_drawn_as_bones(tmp_path: Path) -> None:
     assert bone.size[1] == pytest.approx(0.2)  # half of the way from joint to joint
 
 
-def test_shapes_weigh_nothing() -> None:
-    robot = read_robot("z1")
-    bare = robot_spec(robot).compile()
-    spec = robot_spec(robot)
-    draw(spec, robot.model_path, robot.joints, np.zeros((1, 6)))
-    np.testing.assert_allclose(spec.compile().body_mass, bare.body_mass, rtol=1e-12)
+def test_shapes_weigh_nothing(tmp_path: Path) -> None:
+    # A link without an inertial would take its mass from its shapes.
+    shaped = '<link name="base"><visual><geometry><box size=".2 .2 .1"/></geometry></visual></link>'
+    cover = '<link name="cover"><visual><geometry><sphere radius=".1"/></geometry></visual></link>'
+    fixed = '<joint name="f" type="fixed"><parent link="hand"/><child link="cover"/></joint></robot>'
+    path = tmp_path / "shaped.urdf"
+    path.write_text(BARE.replace('<link name="base"/>', shaped + cover).replace("</robot>", fixed))
+    spec = read_spec(path, ("a", "b"))
+    seen = draw(spec, path, ("a", "b"), np.zeros((1, 2)))
+    assert {shape.kind for shape in seen.shapes} == {"box", "sphere"}
+    model = spec.compile()
+    assert model.body("cover").mass[0] == 0.0
+    assert model.body_mass.sum() == pytest.approx(2.0)

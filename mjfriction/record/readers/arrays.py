@@ -17,6 +17,7 @@ def table_of(arrays: Mapping[str, np.ndarray], names: Sequence[str] | None, sour
     """Return the table of arrays: a vector is a column, ``position`` and its like of shape (n, joints) one a joint.
 
     ``names`` are the joints' names, in the order of the columns; ``joint_1``, ``joint_2``, … where there are none.
+    Matrices of other names give ``q_1``, ``q_2``, …, of which a mapping can be made.
     Arrays of another length than ``time``'s (or, without it, the longest's) are left out.  Raises :class:`LogError`
     where there is no vector at all, or a matrix has not a column for every name.
     """
@@ -31,15 +32,16 @@ def table_of(arrays: Mapping[str, np.ndarray], names: Sequence[str] | None, sour
             columns[name] = values
         elif values.ndim == 2 and name in KNOWN:
             columns |= _of_matrix(name, values, rows, names, source)
+        elif values.ndim == 2 and rows in values.shape:
+            tall = values if values.shape[0] == rows else values.T
+            columns |= {f"{name}_{i + 1}": np.ascontiguousarray(tall[:, i]) for i in range(tall.shape[1])}
     return pa.table(columns)
 
 
 def _plain(values: np.ndarray, name: str) -> np.ndarray:
     # A row or a column of numbers is a vector, but for a quantity of one joint.
-    if name in KNOWN and values.ndim == 2:
-        return values
-    values = values.squeeze()
-    return values.astype(values.dtype.newbyteorder("="), copy=False)
+    values = values.astype(values.dtype.newbyteorder("="), copy=False)
+    return values if name in KNOWN and values.ndim == 2 else values.squeeze()
 
 
 def _of_matrix(
