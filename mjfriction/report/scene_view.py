@@ -49,7 +49,7 @@ def scene_view(scene: Scene) -> rrb.Spatial3DView:
     """Return the view of a scene, seen from far enough for all of it."""
     reach = max((max(shape.size) + float(np.linalg.norm(shape.position)) for shape in scene.shapes), default=0.1)
     low, high = (bound(scene.position, axis=(0, 1)) for bound in (np.min, np.max))
-    middle, size = 0.5 * (low + high), float(np.linalg.norm(high - low)) + min(reach, 1.0)
+    middle, size = 0.5 * (low + high), float(np.linalg.norm(high - low)) + 2.0 * min(reach, 1.0)
     eye = rrb.EyeControls3D(position=middle + size * np.array([0.55, -0.7, 0.3]), look_target=middle)
     return rrb.Spatial3DView(origin=f"/{ROOT}", name="machine", eye_controls=eye)
 
