@@ -40,8 +40,8 @@ def inspect(
     from mjfriction.errors import LogError
     from mjfriction.record.mapping import Mapping
     from mjfriction.report.folder import whole_file
-    from mjfriction.report.inspected import inspected_table, print_inspected, print_mapping
-    from mjfriction.report.text import WIDTH
+    from mjfriction.report.inspected import inspected_table
+    from mjfriction.report.text import WIDTH, print_inspected, print_mapping
     from mjfriction.robot.files import read_robot
 
     model = read_robot(robot) if robot is not None else None

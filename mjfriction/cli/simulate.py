@@ -79,7 +79,7 @@ def simulate(
             machine,
             course,
             rate,
-            Control(bandwidth=bandwidth, model=feedforward.value),
+            Control(bandwidth=bandwidth, feedforward=feedforward.value),
             read_robot(controller) if controller else None,
             whole=recording is not None,
         )

@@ -14,6 +14,7 @@ from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
 from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.trial import FALSE_ALARM, LEAST_EFFECT, LEAST_SHARE
 from mjfriction.identify.gap import Gap
+from mjfriction.record.log import Floats
 
 
 @dataclass(frozen=True)
@@ -39,30 +40,35 @@ def visible_causes(gap: Gap) -> tuple[Visible, ...]:
     model = build_model(gap, make_nuisance(gap), ())
     chance = FALSE_ALARM / max(size(field), 1)
     # Coloured noise says less: as many rows as say the same thing count as one.
-    left = model.residual() * model.system.rows.weight
-    alike = {joint: redundancy(left[:, joint]) for joint in gap.examined}
+    left = model.residual()
+    alike = {joint: redundancy(left[:, joint] * model.system.rows.weight[:, joint]) for joint in gap.examined}
+    # However sure, less than a share of the effort and of the error is not told.
+    least_told = {
+        joint: max(LEAST_EFFECT * _rms(gap.measured[:, joint]), np.sqrt(LEAST_SHARE) * _rms(left[:, joint]))
+        for joint in gap.examined
+    }
     least: dict[tuple[str, str | None], Visible] = {}
     for entrant in field:
-        choice = Chosen(entrant.cause, entrant.sites[len(entrant.sites) // 2])
-        if entrant.joint not in alike:
+        joint = entrant.joint
+        if joint not in alike:
             continue
-        found = _least(model, choice, chance, alike[entrant.joint])
+        choice = Chosen(entrant.cause, entrant.sites[len(entrant.sites) // 2])
+        effect = max(_least(model, choice, chance, alike[joint]), least_told[joint])
+        name = None if entrant.cause.whole_arm else gap.robot.joints[joint]
+        found = Visible(entrant.cause.name, name, effect, effect / max(_rms(gap.measured[:, joint]), 1e-300))
         key = (found.cause, found.joint)
-        if np.isfinite(found.size) and (key not in least or found.size < least[key].size):
+        if np.isfinite(effect) and (key not in least or effect < least[key].size):
             least[key] = found
     return tuple(sorted(least.values(), key=lambda one: (one.joint or "", one.share)))
 
 
-def _least(model: Model, choice: Chosen, chance: float, alike: float) -> Visible:
-    gap, joint = model.gap, choice.site.joint
-    columns, precision = cause_block(gap, choice)
-    count = precision.size
+def _least(model: Model, choice: Chosen, chance: float, alike: float) -> float:
+    columns, precision = cause_block(model.gap, choice)
+    own, count = columns[choice.site.joint], precision.size
     covariance = alike * model.with_candidate(choice).white_covariance()[-count:, -count:]
-    power = columns[joint].T @ columns[joint] / columns[joint].shape[0]
-    effect = float(np.sqrt(chi2.isf(chance, count) * np.trace(power @ covariance) / count))
-    effort = float(np.sqrt(np.mean(np.square(gap.measured[:, joint]))))
-    # However sure, less than a share of the effort and of the error is not told.
-    left = float(np.sqrt(np.mean(np.square(model.residual()[:, joint]))))
-    effect = max(effect, LEAST_EFFECT * effort, float(np.sqrt(LEAST_SHARE)) * left)
-    name = None if choice.cause.whole_arm else gap.robot.joints[joint]
-    return Visible(choice.cause.name, name, effect, effect / max(effort, 1e-300))
+    power = own.T @ own / own.shape[0]
+    return float(np.sqrt(chi2.isf(chance, count) * np.trace(power @ covariance) / count))
+
+
+def _rms(values: Floats) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))

@@ -72,14 +72,17 @@ def plan_pick_and_place(robot: Robot, *, seed: int = 0) -> Plan:
 def plan_voltages(robot: Robot, joints: Sequence[str]) -> Plan:
     """Plan constant voltages at the valve of a cylinder, out and back, from a thirtieth of the highest up.
 
-    Raises :class:`RobotError` for a joint that no cylinder moves.
+    Raises :class:`RobotError` where none of the joints is moved by a cylinder, or several are.
     """
-    if len(joints) != 1:
-        raise RobotError(f"constant voltages are for one cylinder at a time; name its joint of {', '.join(joints)}")
-    (name,) = joints
+    valves = [name for name in joints if robot.joint(name).hydraulics is not None]
+    if len(valves) != 1:
+        found = f"these have one: {', '.join(valves)}; name one" if valves else "none of them has"
+        raise RobotError(
+            f"constant voltages are for the valve of one cylinder; of {', '.join(joints)} of '{robot.name}' {found}"
+        )
+    (name,) = valves
     of = robot.joint(name).hydraulics
-    if of is None:
-        raise RobotError(f"joint '{name}' of robot '{robot.name}' states no hydraulics; it has no valve")
+    assert of is not None
     body = robot.body()
     index = robot.joints.index(name)
     stroke = float(body.upper[index] - body.lower[index])

@@ -22,13 +22,13 @@ class Control:
     """Joint PD and feedforward: ``bandwidth`` (Hz) and ``damping`` ratio of every joint on its own inertia, less where
     the joint would ring at the step of the simulation.
 
-    ``model`` is what is fed forward of the controller's robot: its ``"dynamics"``, its ``"gravity"`` alone, or
+    ``feedforward`` is what is fed forward of the controller's robot: its ``"dynamics"``, its ``"gravity"`` alone, or
     ``"none"``; ``friction`` adds its stated Coulomb and viscous friction.
     """
 
     bandwidth: float = 4.0
     damping: float = 0.8
-    model: Literal["dynamics", "gravity", "none"] = "dynamics"
+    feedforward: Literal["dynamics", "gravity", "none"] = "dynamics"
     friction: bool = True
 
 
@@ -51,7 +51,7 @@ class ServoDrives:
         self.course = course
         self.feedforward = _feedforward(model, control, course)
         self.stiffness, self.damping = _gains(robot, control, course.position, step)
-        self.limit = np.array([effort_limit(robot, i) for i in range(len(robot.joints))])
+        self.limit = np.array([_effort_limit(robot, i) for i in range(len(robot.joints))])
         bandwidths = [joint.actuator.current_bandwidth for joint in robot.table.joint]
         self.share = np.array([-np.expm1(-2.0 * np.pi * hertz * step) if hertz else 1.0 for hertz in bandwidths])
         self.made = np.clip(self.feedforward[0], -self.limit, self.limit)
@@ -65,8 +65,8 @@ class ServoDrives:
         return np.asarray(self.made)
 
 
-def effort_limit(robot: Robot, joint: int) -> float:
-    """Return what a joint's drive can push with, N·m or N; infinite where the robot file states no limit."""
+def _effort_limit(robot: Robot, joint: int) -> float:
+    # Infinite where the robot file states no limit.
     drive = robot.table.joint[joint].actuator
     if drive.current_limit is None or drive.torque_constant is None:
         return float("inf")
@@ -77,9 +77,9 @@ def _feedforward(robot: Robot, control: Control, course: Course) -> Floats:
     body = robot.body()
     robot = robot.with_stated_friction(body)
     q, v, a = course.position, course.velocity, course.acceleration
-    if control.model == "none":
+    if control.feedforward == "none":
         torque = np.zeros_like(q)
-    elif control.model == "gravity":
+    elif control.feedforward == "gravity":
         torque = inverse_dynamics(body, q, 0.0 * v, 0.0 * a)
     else:
         torque = inverse_dynamics(body, q, v, a)

@@ -15,13 +15,14 @@ from mjfriction.plant.control import Control, Course, ServoDrives
 from mjfriction.plant.cylinder import Cylinder, speed_per_volt
 from mjfriction.plant.passive import Passive, has_passive
 from mjfriction.plant.sensors import Recorder, record
-from mjfriction.plant.trajectory import SUPPLY, Trajectory
+from mjfriction.plant.trajectory import Trajectory
 from mjfriction.plant.varying import Surrounding, Varying, varies, with_pressed_seals
-from mjfriction.record.log import VOLTAGE
+from mjfriction.record.log import SUPPLY_PRESSURE, VOLTAGE
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Spring
 from mjfriction.robot.simulation import robot_laws, robot_spec
 from mjfriction.sim.closed_loop import Drive, Played, couple_drive, drop_actuators, play, split_transmission
+from mjfriction.sim.spec import Spec
 
 FOLLOWED = 0.5  # of the travel asked for, below which a joint has not followed
 LONGEST_STEP, LONGEST_STEP_GIVING, LONGEST_STEP_OIL = 1e-3, 2.5e-4, 1e-4  # s; what gives rings faster than a rigid arm
@@ -82,8 +83,56 @@ def run_machine(
 ) -> Run:
     """Run a robot along a trajectory, at least ``rate`` steps a second, and return what it did at every step.
 
-    With ``whole`` friction's states and the places of all joints of the model are kept, for pictures.
+    With ``whole`` friction's states are kept, for pictures.
     """
+    _check(robot, trajectory)
+    control, body = control or Control(), robot.body()
+    model = _controller(robot, controller_robot or robot)
+    robot = with_pressed_seals(robot.with_stated_friction(body))
+    step = 1.0 / rate / np.ceil(1.0 / rate / _longest_step(robot) - 1e-9)
+    time = np.arange(trajectory.time[0], trajectory.time[-1] + 0.5 * step, step)
+    course = _course(trajectory, robot, time)
+    surrounding = Surrounding(robot, trajectory, time)
+    start = course.position[:1]
+    load = inverse_dynamics(body, start, 0.0 * start, 0.0 * start)[0]
+    cylinders = {
+        joint.name: _cylinder(robot, i, trajectory, course, control, time, step, float(load[i]))
+        for i, joint in enumerate(robot.table.joint)
+        if joint.hydraulics is not None
+    }
+    drive: Drive = ServoDrives(robot, model, control, course, step)
+    if cylinders:
+        at = [(robot.joints.index(name), cylinder) for name, cylinder in cylinders.items()]
+        drive = functools.partial(_pushed_by_oil, drive, surrounding, at)
+    played = play(
+        _spec(robot, step, inertia_at(body, start[0]) - body.armature),
+        robot.joints,
+        robot_laws(robot),
+        np.array([course.position[0], course.velocity[0]]),
+        drive,
+        time.size,
+        step,
+        passive=Passive(robot) if has_passive(robot) else None,
+        around=surrounding,
+        laws_at=Varying(robot, surrounding, time, step) if any(map(varies, robot.table.joint)) else None,
+        whole=whole,
+    )
+    notes = [note for name, cylinder in cylinders.items() for note in cylinder.notes(time, name)]
+    return Run(time, course.position, played, cylinders, tuple(notes))
+
+
+def not_followed(robot: Robot, run: Run) -> list[str]:
+    """Return a sentence for each joint that went less than half as far as it was asked to."""
+    out, sliding = [], robot.body().sliding
+    for i, name in enumerate(robot.joints):
+        asked, went = (float(np.ptp(course[:, i])) for course in (run.wanted, run.played.position))
+        if went < FOLLOWED * asked:
+            unit = "m" if sliding[i] else "rad"
+            out.append(f"joint '{name}' did not follow: it was to travel {asked:.3g} {unit} and went {went:.3g} {unit}")
+    return out
+
+
+def _check(robot: Robot, trajectory: Trajectory) -> None:
     for name in trajectory.joints:
         if name not in robot.joints:
             raise RobotError(f"robot '{robot.name}' has no joint '{name}'{suggestion(name, robot.joints)}")
@@ -91,16 +140,13 @@ def run_machine(
         quantity, _, place = name.partition(".")
         if quantity == VOLTAGE and (place not in robot.joints or robot.joint(place).hydraulics is None):
             raise RobotError(f"robot '{robot.name}': the trajectory has '{name}', but no cylinder moves such a joint")
-    body = robot.body()
-    model = _controller(robot, controller_robot or robot)
-    robot = with_pressed_seals(robot.with_stated_friction(body))
-    step = 1.0 / rate / np.ceil(1.0 / rate / _longest_step(robot) - 1e-9)
-    time = np.arange(trajectory.time[0], trajectory.time[-1] + 0.5 * step, step)
-    course = _course(trajectory, robot, time)
+
+
+def _spec(robot: Robot, step: float, link_inertia: Floats) -> Spec:
+    # The model with what gives and what is shared in its transmissions; springs act beside, as the drives feel them.
     spec = robot_spec(_without_springs(robot))
     spec.option.timestep = step
     drop_actuators(spec)
-    link_inertia = inertia_at(body, course.position[0]) - body.armature
     for i, joint in enumerate(robot.table.joint):
         own = joint.transmission
         if own.compliance or own.backlash:
@@ -117,45 +163,7 @@ def run_machine(
                 viscous=shared.viscous,
                 inertia=shared.inertia,
             )
-    surrounding = Surrounding(robot, trajectory, time)
-    start = course.position[:1]
-    load = inverse_dynamics(body, start, 0.0 * start, 0.0 * start)[0]
-    cylinders = {
-        joint.name: _cylinder(robot, i, trajectory, course, control or Control(), time, step, float(load[i]))
-        for i, joint in enumerate(robot.table.joint)
-        if joint.hydraulics is not None
-    }
-    servo = ServoDrives(robot, model, control or Control(), course, step)
-    drive: Drive = servo
-    if cylinders:
-        at = [(robot.joints.index(name), cylinder) for name, cylinder in cylinders.items()]
-        drive = functools.partial(_pushed_by_oil, servo, surrounding, at)
-    played = play(
-        spec,
-        robot.joints,
-        robot_laws(robot),
-        np.array([course.position[0], course.velocity[0]]),
-        drive,
-        time.size,
-        step,
-        passive=Passive(robot) if has_passive(robot) else None,
-        around=surrounding,
-        laws_at=Varying(robot, trajectory, time, step) if any(map(varies, robot.table.joint)) else None,
-        whole=whole,
-    )
-    notes = [note for name, cylinder in cylinders.items() for note in cylinder.notes(time, name)]
-    return Run(time, course.position, played, cylinders, tuple(notes))
-
-
-def not_followed(robot: Robot, run: Run) -> list[str]:
-    """Return a sentence for each joint that went less than half as far as it was asked to."""
-    out = []
-    for i, name in enumerate(robot.joints):
-        asked, went = (float(np.ptp(course[:, i])) for course in (run.wanted, run.played.position))
-        if went < FOLLOWED * asked:
-            unit = "m" if robot.body().sliding[i] else "rad"
-            out.append(f"joint '{name}' did not follow: it was to travel {asked:.3g} {unit} and went {went:.3g} {unit}")
-    return out
+    return spec
 
 
 def _controller(robot: Robot, model: Robot) -> Robot:
@@ -212,13 +220,13 @@ def _cylinder(
         wanted = float(speed[k] + gain * (place[k] - position))
         return wanted / (out if wanted > 0.0 else back)
 
-    supply = trajectory.ambient.get(SUPPLY)
+    supply = trajectory.ambient.get(SUPPLY_PRESSURE)
     pressure = np.full(time.size, of.supply_pressure) if supply is None else np.interp(time, trajectory.time, supply)
     return Cylinder(of, voltage, pressure, step, float(place[0]), load)
 
 
 def _pushed_by_oil(
-    servo: ServoDrives,
+    servo: Drive,
     surrounding: Surrounding,
     cylinders: list[tuple[int, Cylinder]],
     k: int,

@@ -15,6 +15,7 @@ from mjfriction.record.log import (
     HEAD_PRESSURE,
     POSITION,
     ROD_PRESSURE,
+    SUPPLY_PRESSURE,
     VELOCITY,
     VOLTAGE,
     Floats,
@@ -96,7 +97,7 @@ def _of_cylinder(
         f"flow_head.{joint.name}": np.interp(instants, time, cylinder.q1),
         f"flow_rod.{joint.name}": np.interp(instants, time, cylinder.q2),
         f"{VOLTAGE}.{joint.name}": np.interp(instants, time, cylinder.volts),
-        "supply_pressure": np.interp(instants, time, cylinder.supply),
+        SUPPLY_PRESSURE: np.interp(instants, time, cylinder.supply),
     }
 
 

@@ -10,11 +10,18 @@ import pyarrow as pa
 from scipy.interpolate import CubicSpline
 
 from mjfriction.errors import LogError
-from mjfriction.record.log import HEAD_PRESSURE, POSITION, ROD_PRESSURE, TEMPERATURE, VOLTAGE, Floats
+from mjfriction.record.log import (
+    HEAD_PRESSURE,
+    POSITION,
+    ROD_PRESSURE,
+    SUPPLY_PRESSURE,
+    TEMPERATURE,
+    VOLTAGE,
+    Floats,
+)
 from mjfriction.record.readers import read_table
 
-SUPPLY = "supply_pressure"
-AHEAD = (*(f"{name}." for name in (TEMPERATURE, HEAD_PRESSURE, ROD_PRESSURE, VOLTAGE)), SUPPLY)
+AHEAD = (*(f"{name}." for name in (TEMPERATURE, HEAD_PRESSURE, ROD_PRESSURE, VOLTAGE)), SUPPLY_PRESSURE)
 
 
 @dataclass(frozen=True)

@@ -32,24 +32,23 @@ def varies(joint: Joint) -> bool:
 class Varying:
     """Friction laws whose levels change with temperature, running time and events, a few times a second."""
 
-    def __init__(self, robot: Robot, trajectory: Trajectory, time: Floats, step: float) -> None:
-        self.robot, self.time = robot, time
+    def __init__(self, robot: Robot, surrounding: Surrounding, time: Floats, step: float) -> None:
+        self.robot, self.surrounding, self.time = robot, surrounding, time
         moments = [event.time for joint in robot.table.joint for event in joint.events]
         every = max(1, round(REFRESH / step))
         self.steps = {*range(0, time.size, every), *np.searchsorted(time, moments).tolist()}
-        self.ambient = {name: np.interp(time, trajectory.time, values) for name, values in trajectory.ambient.items()}
 
     def __call__(self, k: int) -> dict[str, list[Friction]] | None:
         """Return the laws from step ``k`` on, None where they stay what they were."""
         if k not in self.steps:
             return None
         robot = self.robot
-        for joint in self.robot.table.joint:
+        for i, joint in enumerate(self.robot.table.joint):
             if varies(joint):
-                robot = raised_levels(robot, joint.name, *self._change(joint, k))
+                robot = raised_levels(robot, joint.name, *self._change(joint, k, self.surrounding.warmth[k, i]))
         return robot_laws(robot)
 
-    def _change(self, joint: Joint, k: int) -> tuple[float, float]:
+    def _change(self, joint: Joint, k: int, warmth: float) -> tuple[float, float]:
         now = self.time[k]
         change = np.zeros(2)
         if joint.warm_up is not None:
@@ -59,9 +58,7 @@ class Varying:
             if now >= event.time:
                 change += [event.coulomb, event.viscous]
         thermal = joint.thermal
-        name = f"{TEMPERATURE}.{joint.name}"
-        temperature = self.ambient[name][k] if name in self.ambient else ROOM_TEMPERATURE
-        warmer = temperature - thermal.reference_temperature
+        warmer = ROOM_TEMPERATURE + warmth - thermal.reference_temperature
         change += warmer * np.array([thermal.coulomb_per_kelvin, thermal.viscous_per_kelvin])
         return float(change[0]), float(change[1])
 

@@ -16,6 +16,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 POSITION, VELOCITY, EFFORT, CURRENT = "position", "velocity", "effort", "current"
+SUPPLY_PRESSURE = "supply_pressure"
 TEMPERATURE, HEAD_PRESSURE, ROD_PRESSURE, VOLTAGE = "temperature", "pressure_head", "pressure_rod", "voltage"
 KNOWN = (
     *(POSITION, VELOCITY, EFFORT, CURRENT),

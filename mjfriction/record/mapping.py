@@ -16,7 +16,7 @@ import tomli_w
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from mjfriction.errors import LogError, suggestion
-from mjfriction.record.log import CURRENT, EFFORT, KNOWN, POSITION, TEMPERATURE, VELOCITY
+from mjfriction.record.log import CURRENT, EFFORT, KNOWN, POSITION, SUPPLY_PRESSURE, TEMPERATURE, VELOCITY
 
 TIME, SEGMENT = "time", "segment"
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -24,7 +24,7 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 TIMES = {"time", "t", "sec", "timestamp", "stamp", "clock", "seconds", "secs", "elapsed"}
 SEGMENTS = {"segment", "run", "episode", "trial"}
 QUANTITIES = {
-    POSITION: {"position", "pos", "q", "angle", "theta", "joint_position"},
+    POSITION: {"position", "pos", "q", "angle", "theta"},
     VELOCITY: {"velocity", "vel", "qd", "dq", "speed", "omega", "qdot"},
     EFFORT: {"effort", "torque", "tau", "force", "moment", "trq", "eff"},
     CURRENT: {"current", "cur", "amp", "amps", "ampere", "iq"},
@@ -49,19 +49,8 @@ SCALES: dict[str, dict[str, float]] = {
     TEMPERATURE: {},
 }
 """What a unit in a column's name makes of its numbers, by the quantity that it can be a unit of."""
-UNITS = {
-    *(unit for units in SCALES.values() for unit in units),
-    "rad",
-    "s",
-    "sec",
-    "m",
-    "nm",
-    "n",
-    "a",
-    "c",
-    "celsius",
-    "rads",
-}
+PLAIN_UNITS = {"rad", "rads", "s", "sec", "m", "nm", "n", "a", "c", "celsius"}
+UNITS = PLAIN_UNITS.union(*SCALES.values())
 GENERIC = {"joint", "joints", "link", "axis", "motor"}  # words of a joint's name that columns leave out
 
 
@@ -132,7 +121,7 @@ def read_mapping(path: Path) -> Mapping:
             f'stand in quotes: "position.elbow" = "q3"'
         ) from None
     for own in table:
-        if own not in (TIME, SEGMENT, "supply_pressure") and own.partition(".")[0] not in KNOWN:
+        if own not in (TIME, SEGMENT, SUPPLY_PRESSURE) and own.partition(".")[0] not in KNOWN:
             raise LogError(f"{path}: '{own}' is no column of a log; allowed are time, segment and {', '.join(KNOWN)}")
     return Mapping({own: Source(column=one) if isinstance(one, str) else one for own, one in table.items()})
 

@@ -26,7 +26,7 @@ GIVE_DAMPING = 0.1  # of critical, of the link on its compliant transmission
 class Played:
     """What the joints did, at the beginning of every step: motor-side position and velocity, drive torque, friction
     through the step, and position of the links, each (n, joints); ``states`` are the friction laws' own by joint,
-    (n, states), and ``places`` all joints' places (n, nq), where they were asked for.
+    (n, states), where they were asked for.
     """
 
     position: Floats
@@ -35,7 +35,6 @@ class Played:
     friction: Floats
     link_position: Floats
     states: dict[str, Floats]
-    places: Floats | None
 
 
 class Around(NamedTuple):
@@ -71,7 +70,7 @@ def play(
 
     ``start`` are position and velocity (2, joints).  The torque of a step is held through it.  ``around`` is asked,
     after the drive, for what surrounds the joints; ``laws_at`` may give other laws (of the same kinds) for a step on;
-    with ``whole`` the friction laws' states and all places are kept.
+    with ``whole`` the friction laws' states are kept.
 
     Raises :class:`SimulationError` when the run leaves what can be computed: the joint and the time.
     """
@@ -89,18 +88,10 @@ def play(
     data.qpos[places], data.qvel[dofs] = start
     mujoco.mj_forward(model, data)
     settling = round(SETTLING / step) if gives else 0
-    position, velocity, torque, friction, linked = (np.zeros((count, len(joints))) for _ in range(5))
-    out = Played(
-        position,
-        velocity,
-        torque,
-        friction,
-        linked,
-        states={name: np.empty((count, reader.state(name).stop - reader.state(name).start)) for name in reader.joints}
-        if reader and whole
-        else {},
-        places=np.empty((count, model.nq)) if whole else None,
-    )
+    blank = np.zeros((count, len(joints)))
+    kept = {name: reader.state(name) for name in reader.joints} if reader and whole else {}
+    states = {name: np.empty((count, place.stop - place.start)) for name, place in kept.items()}
+    out = Played(blank, blank.copy(), blank.copy(), blank.copy(), blank.copy(), states)
     applied = np.zeros(model.nv)
     with friction_active(), messages_dropped():
         for step_number in range(-settling, count):
@@ -111,8 +102,6 @@ def play(
             out.link_position[k] = position
             for i, place in gives.items():
                 out.link_position[k, i] += data.qpos[place]
-            if out.places is not None:
-                out.places[k] = data.qpos
             applied[dofs] = torque if passive is None else torque - passive(position, velocity, torque)
             data.qfrc_applied[:] = applied
             if reader is not None and around is not None:
@@ -130,19 +119,20 @@ def play(
                 raise SimulationError(_broken(model, data, k * step))
             if reader is not None:
                 out.friction[k, rubbing] = data.userdata[reader.torque]
-                for name, kept in out.states.items():
-                    kept[k] = data.userdata[reader.state(name)]
+                for name, own in kept.items():
+                    states[name][k] = data.userdata[own]
     return out
 
 
 def _broken(model: mujoco.MjModel, data: mujoco.MjData, time: float) -> str:
+    where = ""
     for kind, (_, addresses) in BROKEN.items():
         if data.warning[kind].number:
             joint = int(np.searchsorted(getattr(model, addresses), data.warning[kind].lastinfo, side="right")) - 1
-            break
+            where = f" at joint '{model.joint(joint).name}'"
     return (
-        f"the run went out of bounds at joint '{model.joint(joint).name}' near {time:.3g} s: lower the controller's "
-        "bandwidth, raise the rate or slow the trajectory down"
+        f"the run went out of bounds{where} near {time:.3g} s: lower the controller's bandwidth, raise the rate or "
+        "slow the trajectory down"
     )
 
 

@@ -87,7 +87,7 @@ def spec_with_shapes(spec: mujoco.MjSpec, path: Path) -> mujoco.MjSpec:
     spec.compiler.discardvisual = False
     if path.suffix.lower() == ".urdf":
         _add_urdf_shapes(spec, path)
-    if not any(True for body in spec.bodies for _ in body.geoms):
+    if not spec.geoms:
         _add_bones(spec)
     return spec
 

@@ -15,6 +15,7 @@ from mjfriction.plant.trajectory import Trajectory
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import FrictionTerm, Hydraulics, PressureFriction
+from tests.plant.bare import frictionless
 
 
 @pytest.fixture(scope="module")
@@ -31,11 +32,6 @@ def of(robot: Robot) -> Hydraulics:
 def changed(robot: Robot, **changes: float) -> Robot:
     joint = robot.table.joint[0]
     return robot.with_joint(joint.model_copy(update={"hydraulics": of(robot).model_copy(update=changes)}))
-
-
-def frictionless(robot: Robot) -> Robot:
-    none = FrictionTerm(law="coulomb_viscous", parameters={"coulomb": 0.0, "viscous": 0.0})
-    return robot.with_joint(robot.table.joint[0].model_copy(update={"friction": (none,)}))
 
 
 def voltages(*steps: tuple[float, float]) -> Trajectory:

@@ -1,12 +1,13 @@
-"""The machine obeys physics: gravity, energy, springs, give, play; its sensors say what they are stated to say."""
+"""The machine obeys physics: springs, give, play, events; its sensors say what they are stated to say."""
 
 from __future__ import annotations
 
 import numpy as np
 import pyarrow as pa
 import pytest
+from scipy.optimize import curve_fit
 
-from mjfriction.body.inverse import inertia_at, inverse_dynamics
+from mjfriction.body.inverse import inverse_dynamics, mass_matrix_at
 from mjfriction.errors import RobotError
 from mjfriction.plant.control import Control
 from mjfriction.plant.machine import run_machine, simulate
@@ -17,7 +18,9 @@ from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Coupling, Event, FrictionTerm, Spring, Transmission
+from mjfriction.robot.schema import Coupling, Event, Spring, Transmission
+from mjfriction.sim.closed_loop import GIVE_DAMPING
+from tests.plant.bare import frictionless
 
 HOME = np.array([0.0, -1.2, 1.4, -0.4, 1.2, 0.0])
 ELBOW = 2
@@ -30,13 +33,6 @@ def ur5() -> Robot:
 
 def with_elbow(robot: Robot, **changes: object) -> Robot:
     return robot.with_joint(robot.table.joint[ELBOW].model_copy(update=changes))
-
-
-def frictionless(robot: Robot) -> Robot:
-    none = FrictionTerm(law="coulomb_viscous", parameters={"coulomb": 0.0, "viscous": 0.0})
-    for joint in robot.table.joint:
-        robot = robot.with_joint(joint.model_copy(update={"friction": (none,)}))
-    return robot
 
 
 def motion(robot: Robot, seconds: float = 8.0, seed: int = 1) -> Trajectory:
@@ -53,37 +49,6 @@ def run(robot: Robot, trajectory: Trajectory, control: Control | None = None, co
     return run_machine(robot, trajectory, 1000.0, control or Control(), controller or robot)
 
 
-def test_at_rest_without_friction_the_drives_carry_gravity(ur5: Robot) -> None:
-    bare = frictionless(ur5)
-    done = run(bare, hold(bare, HOME)).played
-    expected = inverse_dynamics(bare.body(), HOME[None], 0.0 * HOME[None], 0.0 * HOME[None])[0]
-    np.testing.assert_allclose(done.torque[-1], expected, atol=1e-6 * np.abs(expected).max())
-
-
-def test_without_friction_the_drives_work_is_the_energy_gained(ur5: Robot) -> None:
-    bare = frictionless(ur5)
-    done = run(bare, motion(bare)).played
-    body = bare.body()
-    work = np.sum(np.sum(done.torque[:-1] * 0.5 * (done.velocity[1:] + done.velocity[:-1]), axis=1)) * 1e-3
-    moved = np.sum(np.abs(done.torque[:-1] * done.velocity[:-1])) * 1e-3
-
-    def kinetic(k: int) -> float:
-        a = np.eye(6)
-        q = np.tile(done.position[k], (6, 1))
-        still = np.zeros((6, 6))
-        mass = inverse_dynamics(body, q, still, a) - inverse_dynamics(body, q, still, still)
-        return float(0.5 * done.velocity[k] @ mass @ done.velocity[k])
-
-    # The excitation ends where and as it began, so all that was put in was taken out again.
-    assert kinetic(-1) < 1e-3
-    assert abs(work) < 2e-3 * moved
-
-
-def test_friction_takes_what_the_drives_put_in(ur5: Robot) -> None:
-    done = run(ur5, motion(ur5)).played
-    assert np.sum(done.torque * done.velocity) > 0.0
-
-
 def test_the_log_is_what_the_robot_predicts(ur5: Robot) -> None:
     robot = with_elbow(ur5, coupling=(Coupling(joint="wrist_1_joint", viscous=3.0),), spring=Spring(stiffness=5.0))
     log = log_from_table(pa.table(simulate(robot, motion(robot), recorder=Recorder(500.0))), "log")
@@ -93,7 +58,7 @@ def test_the_log_is_what_the_robot_predicts(ur5: Robot) -> None:
         sure = (speed > 0.1) & (log.time > 1.0) & (log.time < 7.0)
         measured = log.columns[f"effort.{joint}"]
         error = np.sqrt(np.mean((measured - predicted[f"effort.{joint}"])[sure] ** 2))
-        assert error < 0.02 * np.sqrt(np.mean(measured**2)), joint
+        assert error < 1e-3 * np.sqrt(np.mean(measured[sure] ** 2)), joint
 
 
 def test_a_joint_that_gives_sags_by_compliance_times_load(ur5: Robot) -> None:
@@ -105,22 +70,37 @@ def test_a_joint_that_gives_sags_by_compliance_times_load(ur5: Robot) -> None:
 
 
 def test_two_masses_on_a_spring_ring_at_their_own_frequency(ur5: Robot) -> None:
-    compliance = 2e-4
+    compliance, bandwidth, damping = 2e-4, 25.0, 0.3
     soft = with_elbow(frictionless(ur5), transmission=Transmission(compliance=compliance))
     shaken = hold(soft, HOME, 2.0)
-    start = HOME.copy()
-    start[ELBOW] += 0.02  # the course steps from here to its place, and the link swings after it
-    shaken.position[:10] = start
-    stiff = Control(bandwidth=25.0, damping=1.0, friction=False)
-    done = run(soft, shaken, stiff).played
-    give = done.link_position[:, ELBOW] - done.position[:, ELBOW]
-    late = give[3000:] - np.mean(give[3000:])
-    spectrum = np.abs(np.fft.rfft(late * np.hanning(late.size), 1 << 17))
-    seen = np.argmax(spectrum) / (1 << 17) * 4000.0
+    shaken.position[:10, ELBOW] += 0.02  # the course steps from here to its place, and the link swings after it
+    done = run(soft, shaken, Control(bandwidth=bandwidth, damping=damping, friction=False)).played
+    give = done.link_position[2000:, ELBOW] - done.position[2000:, ELBOW]
+    time = np.arange(give.size) * (shaken.time[-1] / (done.position.shape[0] - 1))
+
+    # Six motors, held by the controller, and the elbow's link behind its spring: eigenvalues at small angles.
     body = soft.body()
-    link = inertia_at(body, HOME)[ELBOW] - body.armature[ELBOW]
-    # With its motor held fast the link swings at 1/√(c·J); the motor gives way a little and the other joints too.
-    assert seen == pytest.approx(1.0 / (2.0 * np.pi * np.sqrt(compliance * link)), rel=0.25)
+    mass = mass_matrix_at(body, HOME)
+    spread = np.insert(np.eye(6), 6, np.eye(6)[ELBOW], axis=1)
+    spread[ELBOW, ELBOW] = 0.0
+    masses = spread.T @ (mass - np.diag(body.armature)) @ spread + np.diag(np.append(body.armature, 0.0))
+    stiffness = np.diag(np.append(np.diag(mass) * (2.0 * np.pi * bandwidth) ** 2, 0.0))
+    stiffness[np.ix_([ELBOW, 6], [ELBOW, 6])] += np.array([[1.0, -1.0], [-1.0, 1.0]]) / compliance
+    dampings = np.diag(np.append(np.diag(mass) * 2.0 * damping * 2.0 * np.pi * bandwidth, 0.0))
+    loss = 2.0 * GIVE_DAMPING * np.sqrt((mass[ELBOW, ELBOW] - body.armature[ELBOW]) / compliance)
+    dampings[np.ix_([ELBOW, 6], [ELBOW, 6])] += np.array([[1.0, -1.0], [-1.0, 1.0]]) * loss
+    pull, drag = np.linalg.solve(masses, stiffness), np.linalg.solve(masses, dampings)
+    system = np.block([[np.zeros((7, 7)), np.eye(7)], [-pull, -drag]])
+    rings = [value for value in np.linalg.eigvals(system) if value.imag > 1.0]
+    slowest = max(rings, key=lambda value: value.real)
+
+    def ringing(t: np.ndarray, rate: float, pulsation: float, cosine: float, sine: float, rest: float) -> np.ndarray:
+        return np.exp(-rate * t) * (cosine * np.cos(pulsation * t) + sine * np.sin(pulsation * t)) + rest
+
+    begin = (-slowest.real, slowest.imag, np.ptp(give) / 2.0, 0.0, give[-1])
+    fitted, _ = curve_fit(ringing, time, give, begin, method="trf", x_scale="jac")
+    assert fitted[1] == pytest.approx(slowest.imag, rel=0.005)
+    assert fitted[0] == pytest.approx(-slowest.real, rel=0.03)
 
 
 def test_play_lets_the_link_lag_to_one_stop_or_the_other(ur5: Robot) -> None:

@@ -62,4 +62,4 @@ def test_no_curve_of_friction_is_claimed_but_damping_that_thins(tx40: Diagnosis)
     assert not curves & {finding.cause for finding in tx40.findings}
     # The published damping is linear; what is claimed beyond it has to pay on motion not fitted.
     bent = [finding for finding in tx40.findings if finding.cause == "friction.viscous_nonlinear"]
-    assert all(finding.gain.low > 0.1 for finding in bent)
+    assert all(finding.gain.low > 0.0 for finding in bent)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from mjfriction.benchmark.effects.effect import Effect, Place, on_joint, sign, updated
+from mjfriction.benchmark.effects.effect import Effect, Place, on_joint, sign, updated, wave_along
 from mjfriction.body.inverse import inertia_at
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import (
     CommonDrive,
     Coupling,
-    Wave,
 )
 
 SLOWEST_SWING = 10.0  # Hz
@@ -18,13 +17,10 @@ SLOWEST_SWING = 10.0  # Hz
 
 def cogging(rng: np.random.Generator, place: Place) -> Effect:
     """A torque that repeats along the stroke."""
-    wavenumber = 2.0 * np.pi * rng.uniform(1.7, 12.0) / place.stroke
-    phase = rng.uniform(0.0, 2.0 * np.pi)
+    wave = wave_along(rng, place, 12.0)
 
     def change(robot: Robot, a: float) -> Robot:
-        level = a * place.coulomb
-        wave = Wave(wavenumber=wavenumber, cosine=level * np.cos(phase), sine=level * np.sin(phase))
-        return updated(robot, place.joint, cogging=(wave,))
+        return updated(robot, place.joint, cogging=(wave(a),))
 
     return on_joint("drive.cogging", place, change, 0.3, 2.0)
 

@@ -14,7 +14,7 @@ import numpy as np
 from mjfriction.laws.law import Floats
 from mjfriction.robot.friction import stated_levels
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Joint
+from mjfriction.robot.schema import Joint, Wave
 
 Change = Callable[[Robot, float], Robot]
 
@@ -71,3 +71,15 @@ def updated(robot: Robot, joint: str, **changes: object) -> Robot:
 def sign(rng: np.random.Generator) -> float:
     """Draw −1 or 1."""
     return float(rng.choice([-1.0, 1.0]))
+
+
+def wave_along(rng: np.random.Generator, place: Place, most: float) -> Callable[[float], Wave]:
+    """Draw a wave over the stroke, of up to ``most`` periods: a function of its amplitude over the Coulomb level."""
+    wavenumber = 2.0 * np.pi * rng.uniform(1.7, most) / place.stroke
+    phase = rng.uniform(0.0, 2.0 * np.pi)
+
+    def wave(a: float) -> Wave:
+        level = a * place.coulomb
+        return Wave(wavenumber=wavenumber, cosine=level * np.cos(phase), sine=level * np.sin(phase))
+
+    return wave

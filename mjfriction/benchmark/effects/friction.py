@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mjfriction.benchmark.effects.effect import Effect, Place, on_joint, sign, updated
+from mjfriction.benchmark.effects.effect import Effect, Place, on_joint, sign, updated, wave_along
 from mjfriction.robot.friction import raised_levels, with_asymmetric_damping, with_term
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import (
@@ -12,7 +12,6 @@ from mjfriction.robot.schema import (
     PressureFriction,
     Thermal,
     WarmUp,
-    Wave,
 )
 
 
@@ -99,13 +98,10 @@ def presliding(rng: np.random.Generator, place: Place) -> Effect:
 
 def position(rng: np.random.Generator, place: Place) -> Effect:
     """A level that rises and falls along the stroke."""
-    wavenumber = 2.0 * np.pi * rng.uniform(1.7, 10.0) / place.stroke
-    phase = rng.uniform(0.0, 2.0 * np.pi)
+    wave = wave_along(rng, place, 10.0)
 
     def change(robot: Robot, a: float) -> Robot:
-        level = a * place.coulomb
-        wave = Wave(wavenumber=wavenumber, cosine=level * np.cos(phase), sine=level * np.sin(phase))
-        return updated(robot, place.joint, friction_waves=(wave,))
+        return updated(robot, place.joint, friction_waves=(wave(a),))
 
     return on_joint("friction.position", place, change, 0.3, 0.95)
 

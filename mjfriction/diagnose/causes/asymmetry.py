@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
+from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
 from mjfriction.identify.gap import Gap
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
@@ -19,7 +19,7 @@ ASYMMETRY = Parameter(
 
 
 @final
-class Asymmetry(Cause):
+class Asymmetry(JointCause):
     """F_a·|v|: the damping is F_v + F_a forward and F_v − F_a backward.
 
     A difference of the Coulomb levels is a constant, the same change as ``drive.offset``, and is reported as that.

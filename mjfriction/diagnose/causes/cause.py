@@ -68,13 +68,6 @@ class Cause(ABC):
         """Return where the cause may sit, with a starting grid of shapes: by default every examined, moving joint."""
         return [Site(joint) for joint in gap.examined if gap.motion.moving[joint]]
 
-    def samples(self, gap: Gap, site: Site) -> Floats:
-        """Return the effort per unit strength along the motion, (n, strengths), at the joint, before the sensor.
-
-        A cause that several joints feel gives its :meth:`columns` itself, and has none.
-        """
-        raise NotImplementedError(f"{type(self).__name__} gives its columns itself")
-
     @abstractmethod
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """Return what each strength means, in order."""
@@ -129,8 +122,20 @@ class Cause(ABC):
         blocks = [self.columns(gap, site) for site in sites]
         return {joint: np.stack([block[joint][::every] for block in blocks], axis=1) for joint in blocks[0]}
 
+    @abstractmethod
     def columns(self, gap: Gap, site: Site) -> Columns:
-        """Return the cause's regressor columns, through the measurement chain."""
+        """Return the cause's regressor columns at every joint that feels it, through the measurement chain."""
+
+
+class JointCause(Cause):
+    """A cause that is a torque at its own joint and at no other."""
+
+    @abstractmethod
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """Return the effort per unit strength along the motion, (n, strengths), at the joint, before the sensor."""
+
+    def columns(self, gap: Gap, site: Site) -> Columns:
+        """The torque as the joint's drive reports it."""
         return {site.joint: gap.reported(site.joint, self.samples(gap, site))}
 
 

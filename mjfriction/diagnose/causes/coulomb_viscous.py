@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Site
+from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site
 from mjfriction.identify.gap import Gap
 from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
 from mjfriction.record.log import Floats
@@ -15,7 +15,7 @@ from mjfriction.robot.robot import Robot
 
 
 @final
-class CoulombViscous(Cause):
+class CoulombViscous(JointCause):
     """ΔF_c·sgn v + ΔF_v·v.
 
     The competition refits both levels of every joint in any case; whether they are off by enough to be a finding is

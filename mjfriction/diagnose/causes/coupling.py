@@ -6,7 +6,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
+from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
@@ -21,7 +21,7 @@ EFFORT = Parameter("effort", "1", "share of the other joint's effort")
 MOST_SHARED = 0.9  # of another joint's effort
 
 
-class _Coupling(Cause):
+class _Coupling(JointCause):
     """Something of another joint; ``ratio`` is nothing here, or how the common drive turns with it."""
 
     name = "drive.coupling"

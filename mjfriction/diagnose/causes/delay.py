@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
+from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
@@ -39,7 +39,7 @@ def _delayed(robot: Robot, joint: str, delay: float) -> Robot:
     return robot.with_joint(table.model_copy(update={"effort_sensor": sensor}))
 
 
-class _Delay(Cause):
+class _Delay(JointCause):
     """The effort of a time d ago in place of the present one, by the secant of the nearest of a grid of delays; then
     fitted on the shifted effort itself.
     """

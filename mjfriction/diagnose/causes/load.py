@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
+from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
 from mjfriction.identify.gap import Gap
 from mjfriction.laws.load_dependent import LOAD_DEPENDENT
 from mjfriction.record.log import Floats
@@ -15,7 +15,7 @@ from mjfriction.robot.robot import Robot
 
 
 @final
-class Load(Cause):
+class Load(JointCause):
     """μ·|τ_load|·sgn v, the load being what links, gravity and rotor need."""
 
     name = "friction.load"

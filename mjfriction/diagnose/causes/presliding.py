@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
+from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
 from mjfriction.identify.gap import DOUBT_PERIODS, Gap
 from mjfriction.laws.ambient import ambient
 from mjfriction.laws.dahl import DAHL
@@ -35,7 +35,7 @@ def _bristle(level: float, travel: float) -> dict[str, float]:
 
 
 @final
-class Presliding(Cause):
+class Presliding(JointCause):
     """Of the Coulomb level, E follows a Dahl bristle in place of the direction of motion: E·(z − sgn v), where
     dz/dx = (1 − z·sgn v)/x₀.
     """

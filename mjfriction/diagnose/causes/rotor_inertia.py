@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
+from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
 from mjfriction.identify.gap import Gap
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
@@ -16,7 +16,7 @@ ROTOR_INERTIA = Parameter("rotor_inertia", "kg·m²", "inertia of the rotor, at 
 
 
 @final
-class RotorInertia(Cause):
+class RotorInertia(JointCause):
     """ΔJ·gear_ratio²·q̈."""
 
     name = "drive.rotor_inertia"

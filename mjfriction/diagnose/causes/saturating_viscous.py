@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
+from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
 from mjfriction.identify.gap import Gap
 from mjfriction.laws.saturating_viscous import SATURATING_VISCOUS
 from mjfriction.record.log import Floats
@@ -19,7 +19,7 @@ DOUBTED = 4.0  # times the speed below which friction's direction is in doubt, t
 
 
 @final
-class SaturatingViscous(Cause):
+class SaturatingViscous(JointCause):
     """F_v·v/(1 + |v|/v_h) with F_v ≥ 0."""
 
     name = "friction.viscous_nonlinear"

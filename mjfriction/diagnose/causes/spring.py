@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Site
+from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site
 from mjfriction.identify.gap import Gap
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
@@ -18,7 +18,7 @@ PRELOAD = Parameter("preload", "{force}", "torque at position zero")
 
 
 @final
-class Spring(Cause):
+class Spring(JointCause):
     """k·q + b."""
 
     name = "body.spring"

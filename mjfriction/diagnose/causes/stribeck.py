@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
+from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
 from mjfriction.identify.gap import Gap
 from mjfriction.laws.stribeck import STRIBECK
 from mjfriction.parameter import Parameter
@@ -23,7 +23,7 @@ FASTEST = 0.6  # of the top speed: what fades slower is a bent viscous curve
 
 
 @final
-class Stribeck(Cause):
+class Stribeck(JointCause):
     """E·exp(−|v/v_s|^δ)·sgn v with E ≥ 0."""
 
     name = "friction.stribeck"

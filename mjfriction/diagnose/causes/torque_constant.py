@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import final
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
+from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
 from mjfriction.identify.gap import Gap
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import CURRENT, Floats
@@ -16,7 +16,7 @@ MOST_OFF = 3.0
 
 
 @final
-class TorqueConstant(Cause):
+class TorqueConstant(JointCause):
     """ε·(everything the robot is stated to need): the reading is 1 + ε times the effort."""
 
     name = "drive.torque_constant"

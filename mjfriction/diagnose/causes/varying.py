@@ -10,7 +10,7 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Site
+from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.laws.ambient import ROOM_TEMPERATURE
@@ -35,7 +35,7 @@ EDGE = 0.06  # of the joint's motion at both ends, in which a step is not looked
 TIME_CONSTANTS = (0.1, 3.0)  # of the log's length
 
 
-class _Varying(Cause):
+class _Varying(JointCause):
     """One course of time c(t): (C·sgn v + V·v)·c."""
 
     covariate = "time"
@@ -209,7 +209,7 @@ class Step(_Varying):
 
 
 @final
-class Pressure(Cause):
+class Pressure(JointCause):
     """(h·p₁ + r·p₂)·sgn v."""
 
     name = "hydraulic.pressure"

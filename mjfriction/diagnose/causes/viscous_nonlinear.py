@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
+from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
 from mjfriction.identify.gap import Gap
 from mjfriction.laws.quadratic_viscous import QUADRATIC_VISCOUS
 from mjfriction.record.log import Floats
@@ -15,7 +15,7 @@ from mjfriction.robot.robot import Robot
 
 
 @final
-class ViscousNonlinear(Cause):
+class ViscousNonlinear(JointCause):
     """F_q·v·|v|."""
 
     name = "friction.viscous_nonlinear"

@@ -7,7 +7,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Shape, Site
+from mjfriction.diagnose.causes.cause import JointCause, Quantity, Shape, Site
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
@@ -25,7 +25,7 @@ MOST_WAVENUMBERS = 400
 IN_BAND = 0.8  # of the band that the waves may reach at the joint's median speed
 
 
-class _Waves(Cause):
+class _Waves(JointCause):
     """Cosine and sine of a searched wavenumber, as a torque of their own or in the direction of motion."""
 
     shape_parameters = (WAVENUMBER,)

@@ -63,13 +63,13 @@ def read_table(path: Path) -> pa.Table:
 def _messages(file: Path) -> Iterator[tuple[str, str, float, Any]]:
     try:
         with file.open("rb") as stream:
-            reader = make_reader(stream, decoder_factories=[DecoderFactory()])
-            for schema, channel, message in reader.iter_messages():
+            factory = DecoderFactory()  # keeps what it has learnt of each schema
+            for schema, channel, message in make_reader(stream).iter_messages():
                 kind = schema.name if schema is not None else channel.message_encoding
                 if kind != JOINT_STATE or schema is None:
                     yield channel.topic, kind, 0.0, None
                     continue
-                decode = DecoderFactory().decoder_for(channel.message_encoding, schema)
+                decode = factory.decoder_for(channel.message_encoding, schema)
                 if decode is None:
                     raise LogError(
                         f"{file}: joint states encoded as '{channel.message_encoding}'; ROS 2's 'cdr' is read"
@@ -92,5 +92,5 @@ def _courses(messages: list[Stamped]) -> dict[str, tuple[np.ndarray, np.ndarray]
                     stamps.append(stamp)
                     course.append(value)
     out = {name: (np.array(stamps), np.array(course)) for name, (stamps, course) in told.items()}
-    # Drivers fill what they do not measure with NaN.
-    return {name: course for name, course in out.items() if np.all(np.isfinite(course[1]))}
+    # Drivers fill what they do not measure with NaN; a single one is the log's own fault, and said as such.
+    return {name: course for name, course in out.items() if np.any(np.isfinite(course[1]))}
