@@ -8,6 +8,7 @@
     │   ├── RobotError        a robot.toml or its model file
     │   ├── LawError          a friction law's name or parameters
     │   ├── SimulationError   a MuJoCo model or simulation that cannot carry friction
+    │   ├── ControlError      an observer or a controller that cannot work as it is set
     │   └── OutputError       a place where results cannot be written
     └── InternalError         a failure of our own (exit status 1)
 
@@ -42,6 +43,10 @@ class LawError(InputError):
 
 class SimulationError(InputError):
     """A MuJoCo model cannot carry friction, or a simulation has broken down."""
+
+
+class ControlError(InputError):
+    """An observer or a controller cannot work with the gains it was given."""
 
 
 class OutputError(InputError):

@@ -23,6 +23,7 @@ FLOOR = {
     "plant": 3,
     "control": 3,
     "identify": 4,
+    "reproduce": 5,
     "diagnose": 5,
     "benchmark": 6,
     "report": 6,
@@ -33,7 +34,7 @@ ONLY_IN = {
     "mujoco": {"sim"},
     "rerun": {"report"},
     "plotly": {"report"},
-    "numba": {"laws", "sim"},
+    "numba": {"laws", "sim", "control"},
     "llvmlite": {"laws", "sim"},
 }
 

@@ -12,8 +12,8 @@ import pyarrow.parquet
 
 from mjfriction.benchmark.effects.catalog import EFFECTS, Draw
 from mjfriction.benchmark.effects.effect import Effect, Place
+from mjfriction.control.servo import Control
 from mjfriction.laws.law import Floats
-from mjfriction.plant.control import Control
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder

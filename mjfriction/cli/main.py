@@ -17,6 +17,7 @@ from mjfriction.cli.inspect import inspect
 from mjfriction.cli.laws import laws
 from mjfriction.cli.plan import plan
 from mjfriction.cli.predict import predict
+from mjfriction.cli.reproduce import reproduce
 from mjfriction.cli.simulate import simulate
 from mjfriction.cli.view import view
 from mjfriction.errors import InputError
@@ -31,7 +32,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=True,
 )
-for verb in (compare, demo, diagnose, export, identify, inspect, laws, plan, predict, simulate, view):
+for verb in (compare, demo, diagnose, export, identify, inspect, laws, plan, predict, reproduce, simulate, view):
     app.command()(verb)
 
 

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 
-def show(printing: Callable[[Console], None], out: Path | None) -> None:
+def show(printing: Callable[[Console], None], out: Path | None, *, recorded: bool = True) -> None:
     """Let a result print itself, then name the folder it was written to."""
     from rich.console import Console
 
@@ -19,4 +19,5 @@ def show(printing: Callable[[Console], None], out: Path | None) -> None:
     console = Console(width=WIDTH, highlight=False, soft_wrap=False)
     printing(console)
     if out is not None:
-        console.print(f"\nResults in {out}: open {out / 'report.html'}, or mjfriction view {out}")
+        view = f", or mjfriction view {out}" if recorded else ""
+        console.print(f"\nResults in {out}: open {out / 'report.html'}{view}")

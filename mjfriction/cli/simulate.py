@@ -62,7 +62,7 @@ def simulate(
     """
     import pyarrow
 
-    from mjfriction.plant.control import Control
+    from mjfriction.control.servo import Control
     from mjfriction.plant.machine import log_columns, not_followed, run_machine
     from mjfriction.plant.sensors import Recorder
     from mjfriction.plant.trajectory import read_trajectory

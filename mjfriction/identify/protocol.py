@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,10 +52,18 @@ def room(body: Body) -> tuple[Floats, Floats]:
     return 0.5 * (low + high), np.minimum(REACH * (high - low), WIDEST)
 
 
-def plan_passes(robot: Robot, joints: Sequence[str], *, count: int = USUAL_SPEEDS, seed: int = 0) -> Plan:
+def plan_passes(
+    robot: Robot,
+    joints: Sequence[str],
+    *,
+    count: int = USUAL_SPEEDS,
+    speeds: Mapping[str, Floats] | None = None,
+    seed: int = 0,
+) -> Plan:
     """Plan passes forward and backward of one joint after another, each where gravity loads it least.
 
-    ``count`` speeds a joint, evenly in logarithm from a two-hundredth of its usual top speed up; slow ones over a part
+    ``count`` speeds a joint, evenly in logarithm from a two-hundredth of its usual top speed up, or those given for it
+    in ``speeds`` (rad/s or m/s at the joint, rising), past that top speed or not; slow ones over a part
     of the stroke.
 
     Raises :class:`RobotError` for a joint that the robot has not, or fewer than three speeds.
@@ -73,10 +81,12 @@ def plan_passes(robot: Robot, joints: Sequence[str], *, count: int = USUAL_SPEED
         freed = gravity_pose(body, index, seed=seed)
         stroke = 2.0 * float(reach[index])
         top = TOP_SHARE * float(min(body.top_speed[index], UNSTATED_SPEED))
-        speeds = np.geomspace(SLOWEST_SHARE * top, top, count)
+        paces = np.geomspace(SLOWEST_SHARE * top, top, count)
+        if speeds is not None and name in speeds:
+            paces, top = speeds[name], float(speeds[name][-1])
         start = freed.pose.copy()
         own = []
-        for speed in speeds.tolist():
+        for speed in paces.tolist():
             way = min(stroke, speed * LONGEST_PASS)
             middle = float(freed.pose[index])
             # At top speed three quarters of the way are left for the phase of constant speed.
@@ -87,8 +97,8 @@ def plan_passes(robot: Robot, joints: Sequence[str], *, count: int = USUAL_SPEED
             pose = np.tile(start, (course.size, 1))
             pose[:, index] = course
             parts.append(pose)
-        listed = f"{speeds[0]:.3g} to {speeds[-1]:.3g} {'m/s' if body.sliding[index] else 'rad/s'}"
-        words.append(f"{name}: {count} speeds from {listed}; {freed.kind.value}")
+        listed = f"{paces[0]:.3g} to {paces[-1]:.3g} {'m/s' if body.sliding[index] else 'rad/s'}"
+        words.append(f"{name}: {paces.size} speeds from {listed}; {freed.kind.value}")
     return Plan(joined(robot.joints, parts, body), tuple(words))
 
 

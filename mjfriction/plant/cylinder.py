@@ -24,13 +24,14 @@ LAMINAR = 5e4  # Pa, below which an edge's flow turns over smoothly from one way
 class Cylinder:
     """A cylinder that is stepped along with its piston; what it went through stands in its arrays, one row a step.
 
-    ``voltage`` is asked at every step, with the piston's place, for what the valve's amplifier gets.
+    ``voltage`` is asked at every step, with the piston's place and both chambers' pressures, for what the valve's
+    amplifier gets.
     """
 
     def __init__(
         self,
         of: Hydraulics,
-        voltage: Callable[[int, float], float],
+        voltage: Callable[[int, float, float, float], float],
         supply: Floats,
         step: float,
         start: float,
@@ -49,7 +50,7 @@ class Cylinder:
     def force(self, k: int, position: float, velocity: float) -> float:
         """Step the oil along with a piston at a place and speed, and return what it pushes with, N."""
         of = self.of
-        asked = self.voltage(k, position)
+        asked = self.voltage(k, position, self.head, self.rod)
         self.volts[k] = min(max(asked, -of.voltage_limit), of.voltage_limit)
         self.spool += self.share * (self.volts[k] / of.voltage_limit - self.spool)
         supply = float(self.supply[k])

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import functools
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from mjfriction.body.inverse import inertia_at, inverse_dynamics
+from mjfriction.control.sensing import ValveSensing
+from mjfriction.control.servo import Control, Course, ServoDrives
+from mjfriction.control.valve import valve_drive
 from mjfriction.errors import RobotError, suggestion
 from mjfriction.laws.law import Floats
-from mjfriction.plant.control import Control, Course, ServoDrives
 from mjfriction.plant.cylinder import Cylinder, speed_per_volt
 from mjfriction.plant.passive import Passive, has_passive
 from mjfriction.plant.sensors import Recorder, record
@@ -19,7 +22,7 @@ from mjfriction.plant.trajectory import Trajectory
 from mjfriction.plant.varying import Surrounding, Varying, varies, with_pressed_seals
 from mjfriction.record.log import SUPPLY_PRESSURE, VOLTAGE
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Spring
+from mjfriction.robot.schema import Hydraulics, Spring
 from mjfriction.robot.simulation import robot_laws, robot_spec
 from mjfriction.sim.closed_loop import Drive, Played, couple_drive, drop_actuators, play, split_transmission
 from mjfriction.sim.spec import Spec
@@ -32,13 +35,14 @@ LONGEST_STEP, LONGEST_STEP_GIVING, LONGEST_STEP_OIL = 1e-3, 2.5e-4, 1e-4  # s; w
 class Run:
     """What a machine did, on the simulation's own steps: ``time`` (n,), ``played`` as :class:`Played` says, what oil
     went through by the joint it moves, and ``notes`` of what a user should know of it.  ``wanted`` is where the joints
-    were to be, (n, joints).
+    were to be, ``estimates`` the friction that their controller went by, (n, joints) each.
     """
 
     time: Floats
     wanted: Floats
     played: Played
     cylinders: dict[str, Cylinder]
+    estimates: Floats
     notes: tuple[str, ...]
 
 
@@ -95,12 +99,15 @@ def run_machine(
     surrounding = Surrounding(robot, trajectory, time)
     start = course.position[:1]
     load = inverse_dynamics(body, start, 0.0 * start, 0.0 * start)[0]
+    servo = ServoDrives(robot, model, control, course, step)
     cylinders = {
-        joint.name: _cylinder(robot, i, trajectory, course, control, time, step, float(load[i]))
+        joint.name: _cylinder(
+            robot, model, i, trajectory, course, control, time, step, float(load[i]), servo.estimates[:, i]
+        )
         for i, joint in enumerate(robot.table.joint)
         if joint.hydraulics is not None
     }
-    drive: Drive = ServoDrives(robot, model, control, course, step)
+    drive: Drive = servo
     if cylinders:
         at = [(robot.joints.index(name), cylinder) for name, cylinder in cylinders.items()]
         drive = functools.partial(_pushed_by_oil, drive, surrounding, at)
@@ -118,7 +125,7 @@ def run_machine(
         whole=whole,
     )
     notes = [note for name, cylinder in cylinders.items() for note in cylinder.notes(time, name)]
-    return Run(time, course.position, played, cylinders, tuple(notes))
+    return Run(time, course.position, played, cylinders, servo.estimates, tuple(notes))
 
 
 def not_followed(robot: Robot, run: Run) -> list[str]:
@@ -197,6 +204,7 @@ def _course(trajectory: Trajectory, robot: Robot, time: Floats) -> Course:
 
 def _cylinder(
     robot: Robot,
+    model: Robot,
     joint: int,
     trajectory: Trajectory,
     course: Course,
@@ -204,25 +212,42 @@ def _cylinder(
     time: Floats,
     step: float,
     load: float,
+    estimates: Floats,
 ) -> Cylinder:
     table = robot.table.joint[joint]
     of = table.hydraulics
     assert of is not None
-    place, speed = course.position[:, joint], course.velocity[:, joint]
-    out, back = speed_per_volt(of)
-    gain = 2.0 * np.pi * control.bandwidth
+    supply = trajectory.ambient.get(SUPPLY_PRESSURE)
+    pressure = np.full(time.size, of.supply_pressure) if supply is None else np.interp(time, trajectory.time, supply)
     given = None if table.name in trajectory.joints else trajectory.ambient.get(f"{VOLTAGE}.{table.name}")
-    volts = None if given is None else np.interp(time, trajectory.time, given)
+    voltage: Callable[[int, float, float, float], float]
+    if given is not None:
+        volts = np.interp(time, trajectory.time, given)
 
-    def voltage(k: int, position: float) -> float:
-        if volts is not None:
+        def voltage(k: int, *_: float) -> float:
             return float(volts[k])
+
+    elif control.valve is not None:
+        voltage = valve_drive(model, joint, control.valve, course, step, estimates)
+    else:
+        voltage = _followed_at_its_speed(of, course.position[:, joint], course.velocity[:, joint], control.bandwidth)
+    if control.sensed:
+        voltage = ValveSensing(table.position_sensor, of, control.seed, voltage)
+    return Cylinder(of, voltage, pressure, step, float(course.position[0, joint]), load)
+
+
+def _followed_at_its_speed(
+    of: Hydraulics, place: Floats, speed: Floats, bandwidth: float
+) -> Callable[[int, float, float, float], float]:
+    # Speeds are asked of the valve as if nothing stood against the piston, the error of its place as a speed.
+    out, back = speed_per_volt(of)
+    gain = 2.0 * np.pi * bandwidth
+
+    def voltage(k: int, position: float, *_: float) -> float:
         wanted = float(speed[k] + gain * (place[k] - position))
         return wanted / (out if wanted > 0.0 else back)
 
-    supply = trajectory.ambient.get(SUPPLY_PRESSURE)
-    pressure = np.full(time.size, of.supply_pressure) if supply is None else np.interp(time, trajectory.time, supply)
-    return Cylinder(of, voltage, pressure, step, float(place[0]), load)
+    return voltage
 
 
 def _pushed_by_oil(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,7 @@ from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.identify.comparison import Comparison
 from mjfriction.record.mapping import Mapping
 from mjfriction.report.result import FindingEntry, ParameterEntry, Report
+from mjfriction.reproduce.outcome import Reproduction
 
 WIDTH = 80
 COLUMNS = 8  # of the table of causes, in that width
@@ -38,6 +41,20 @@ def print_report(report: Report, console: Console) -> None:
         console.print(f"\nRefitted along, and written to the extended robot: {values}")
     if report.not_examined:
         console.print(f"\nNot examined (no motion or no measurement): {', '.join(report.not_examined)}")
+
+
+def print_reproduced(found: Sequence[Reproduction], console: Console) -> None:
+    """Print what came out of reproduced experiments as their documents say, and what did not."""
+    for k, one in enumerate(found):
+        if k:
+            console.print()
+        console.print(Text(one.title, style="bold"))
+        for claim in one.claims:
+            mark, colour = ("holds ", "green") if claim.holds else ("not so", "red")
+            lines = textwrap.wrap(claim.sentence, WIDTH - 8) + textwrap.wrap(claim.figures, WIDTH - 10)
+            console.print(Text(mark, style=colour), Text(lines[0]), sep="  ")
+            for line in lines[1:]:
+                console.print(f"        {line}")
 
 
 def print_identified(report: Report, console: Console) -> None:

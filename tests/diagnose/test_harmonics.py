@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pyarrow as pa
 
+from mjfriction.control.servo import Control
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.identify.protocol import plan_excitation
-from mjfriction.plant.control import Control
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.sensors import Recorder
 from mjfriction.record.readers.table import log_from_table

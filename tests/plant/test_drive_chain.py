@@ -10,7 +10,7 @@ import pytest
 from scipy.linalg import expm
 
 from mjfriction.body.inverse import inverse_dynamics
-from mjfriction.plant.control import Control, Course, ServoDrives
+from mjfriction.control.servo import Control, Course, ServoDrives
 from mjfriction.plant.machine import run_machine, simulate
 from mjfriction.plant.motions import excitation, sine
 from mjfriction.plant.sensors import Recorder
@@ -39,7 +39,7 @@ def gains(robot: Robot, control: Control, step: float) -> tuple[float, float]:
 def test_two_masses_on_a_spring_move_as_the_matrix_exponential_says() -> None:
     compliance = 2e-6
     soft = axis(transmission=Transmission(compliance=compliance))
-    control = Control(bandwidth=6.0, damping=0.5, feedforward="none", friction=False)
+    control = Control(bandwidth=6.0, damping=0.5, feedforward="none", friction="none")
     time = np.arange(0.0, 1.0, 0.004)
     # The course jumps aside within a step at 0.1 s; the controller then pulls both masses after it.
     place = np.where(time > 0.1, 0.01, 0.0)[:, None]
@@ -103,7 +103,7 @@ def test_in_its_play_the_link_coasts_and_only_the_stops_move_it() -> None:
 def test_the_current_loop_lags_by_its_bandwidth() -> None:
     robot = axis(actuator=Actuator(gear_ratio=628.3185307, rotor_inertia=6.0e-5, current_bandwidth=50.0))
     course = Course(*(np.zeros((2, 1)) for _ in range(3)))
-    servo = ServoDrives(robot, robot, Control(feedforward="none", friction=False), course, 1e-3)
+    servo = ServoDrives(robot, robot, Control(feedforward="none", friction="none"), course, 1e-3)
     away = np.array([-0.001])  # a constant error asks for a constant force
     force = np.array([servo(0, away, np.zeros(1))[0] for _ in range(40)])
     asked = 0.001 * servo.stiffness[0]

@@ -7,8 +7,8 @@ import pyarrow as pa
 import pytest
 
 from mjfriction.body.inverse import inverse_dynamics
+from mjfriction.control.servo import Control
 from mjfriction.identify.protocol import room
-from mjfriction.plant.control import Control
 from mjfriction.plant.machine import run_machine, simulate
 from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder

@@ -8,8 +8,8 @@ import pytest
 from scipy.optimize import curve_fit
 
 from mjfriction.body.inverse import inverse_dynamics, mass_matrix_at
+from mjfriction.control.servo import Control
 from mjfriction.errors import RobotError
-from mjfriction.plant.control import Control
 from mjfriction.plant.machine import run_machine, simulate
 from mjfriction.plant.motions import excitation, sine
 from mjfriction.plant.sensors import Recorder
@@ -74,7 +74,7 @@ def test_two_masses_on_a_spring_ring_at_their_own_frequency(ur5: Robot) -> None:
     soft = with_elbow(frictionless(ur5), transmission=Transmission(compliance=compliance))
     shaken = hold(soft, HOME, 2.0)
     shaken.position[:10, ELBOW] += 0.02  # the course steps from here to its place, and the link swings after it
-    done = run(soft, shaken, Control(bandwidth=bandwidth, damping=damping, friction=False)).played
+    done = run(soft, shaken, Control(bandwidth=bandwidth, damping=damping, friction="none")).played
     give = done.link_position[2000:, ELBOW] - done.position[2000:, ELBOW]
     time = np.arange(give.size) * (shaken.time[-1] / (done.position.shape[0] - 1))
 

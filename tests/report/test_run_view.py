@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjfriction.plant.control import Control
+from mjfriction.control.servo import Control
 from mjfriction.plant.machine import run_machine
 from mjfriction.plant.motions import excitation, sine
 from mjfriction.report.run_view import write_run

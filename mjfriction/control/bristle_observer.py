@@ -1,0 +1,71 @@
+"""An observer of the bristle inside a known law: the law runs along the measured velocity and is drawn to what moves.
+
+    dv̂/dt = (u − F̂)/m + l·(v − v̂),   dẑ/dt = [the law's own](v, ẑ) − γ·(v − v̂),   F̂ = law(v, ẑ)
+
+With LuGre, dz/dt = v − a·z, a = σ₀|v|/g(v): at a held velocity the errors e_v = v − v̂, e_z = z − ẑ let
+
+    V = ½m·e_v² + (σ₀ − σ₁a)/(2γ)·e_z²   fall,   dV/dt = −(ml + γσ₁)·e_v² − (σ₀ − σ₁a)·(a/γ)·e_z²,
+
+for l, γ > 0 while σ₁|v| < g(v).  After Canudas de Wit, Olsson, Åström, Lischinsky, IEEE Trans. Automatic Control 40(3),
+1995, whose observer is corrected by the tracking error; the innovation of a velocity observer stands in its place, so
+that it runs on a log too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mjfriction.control.observer import Observer
+from mjfriction.errors import ControlError
+from mjfriction.laws.ambient import AMBIENT_SIZE, ROOM_TEMPERATURE, SLIDING, TEMPERATURE
+from mjfriction.laws.friction import Friction
+from mjfriction.laws.law import Floats, routine
+from mjfriction.laws.wrapped import RATIO, advance_wrapped
+
+GAINS = 3  # packed before the law
+
+
+@routine
+def bristle(x: float, v: float, u: float, h: float, p: Floats, z: Floats, z_next: Floats) -> tuple[float, float]:
+    """p = (m, l, γ, the wrapped law…), z = (v̂, ẑ)."""
+    near, around = np.empty(AMBIENT_SIZE), np.zeros(AMBIENT_SIZE)
+    around[TEMPERATURE], around[SLIDING] = ROOM_TEMPERATURE, np.nan
+    friction, _ = advance_wrapped(v, around, z[1:], h, p[GAINS:], z_next[1:], near)
+    error = v - z[0]
+    # The pull on the estimated velocity is as stiff as l·h; implicit, it is stable at any step.
+    z_next[0] = (z[0] + h * ((u - friction) / p[0] + p[1] * v)) / (1.0 + h * p[1])
+    z_next[1] -= h * p[2] * p[GAINS + RATIO] * error
+    return friction, z_next[0]
+
+
+@dataclass(frozen=True)
+class BristleObserver(Observer):
+    """``law`` at the joint, with one state; ``velocity_gain`` l (1/s), ``bristle_gain`` γ (1)."""
+
+    law: Friction
+    velocity_gain: float
+    bristle_gain: float
+
+    advance = bristle
+    needs_velocity = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.law.state_count != 1:
+            raise ControlError(
+                f"{self.title} needs a law with one bristle, such as 'lugre' or 'dahl'; '{self.law.law.name}' has "
+                f"{self.law.state_count} states here"
+            )
+        self.require(self.velocity_gain > 0.0, "velocity_gain", "above 0")
+        self.require(self.bristle_gain > 0.0, "bristle_gain", "above 0")
+
+    @property
+    def packed(self) -> Floats:
+        """(m, l, γ, the law's own vector)."""
+        return np.concatenate([[self.mass, self.velocity_gain, self.bristle_gain], self.law.packed])
+
+    def start(self, position: float, velocity: float = 0.0) -> Floats:
+        """The velocity as told, no deflection."""
+        return np.array([velocity, 0.0])

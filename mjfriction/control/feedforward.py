@@ -1,0 +1,67 @@
+"""What a controller's model says that a wanted motion takes: the links' dynamics, and friction along it."""
+
+from __future__ import annotations
+
+from typing import Literal, Protocol
+
+import numpy as np
+
+from mjfriction.body.inverse import inverse_dynamics
+from mjfriction.laws.ambient import ambient
+from mjfriction.laws.law import Floats
+from mjfriction.robot.friction import stated_levels
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.simulation import joint_laws
+
+TURNING = 0.02  # rad/s or m/s over which the feedforward of stated levels turns over
+
+
+class Wanted(Protocol):
+    """A motion: position, velocity and acceleration at every step, each (n, joints)."""
+
+    @property
+    def position(self) -> Floats:
+        """Where the joints are to be."""
+
+    @property
+    def velocity(self) -> Floats:
+        """How fast they are to go."""
+
+    @property
+    def acceleration(self) -> Floats:
+        """How that is to change."""
+
+
+def feedforward_rigid(model: Robot, what: Literal["dynamics", "gravity", "none"], course: Wanted) -> Floats:
+    """Return what the links take along a motion, all of it or gravity alone, (n, joints)."""
+    q, v, a = course.position, course.velocity, course.acceleration
+    if what == "none":
+        return np.zeros_like(q)
+    moving = what == "dynamics"
+    return inverse_dynamics(model.body(), q, v if moving else 0.0 * v, a if moving else 0.0 * a)
+
+
+def feedforward_friction(
+    model: Robot, what: Literal["law", "coulomb_viscous", "none"], course: Wanted, step: float
+) -> Floats:
+    """Return what friction takes along a motion whose rows lie ``step`` seconds apart, (n, joints).
+
+    By its laws, which begin at rest without deflection, or by its stated levels, drawn out around rest.
+    """
+    out = np.zeros_like(course.velocity)
+    if what == "none":
+        return out
+    body = model.body()
+    stated = model.with_stated_friction(body)
+    if what == "coulomb_viscous":
+        for i, joint in enumerate(stated.table.joint):
+            coulomb, viscous = stated_levels(joint)
+            velocity = course.velocity[:, i]
+            out[:, i] = coulomb * np.tanh(velocity / TURNING) + viscous * velocity
+        return out
+    load = feedforward_rigid(model, "dynamics", course)
+    for i, joint in enumerate(stated.table.joint):
+        around = ambient(load.shape[0], load=load[:, i], position=course.position[:, i])
+        for law in joint_laws(joint):
+            out[:, i] += law.follow(course.velocity[:, i], around, step)[0]
+    return out

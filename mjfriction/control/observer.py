@@ -1,0 +1,124 @@
+"""The interface every observer of friction stands behind: gains, a compiled kernel, a state that goes in and out.
+
+``advance(x, v, u, h, p, z, z_next) -> (friction, velocity)``
+    One step of ``h`` seconds: ``x`` is the position measured at its beginning, ``v`` the velocity (read only by
+    observers that need one), ``u`` the force held through it that moves the mass besides friction.  The state goes from
+    ``z`` to ``z_next``; what comes back is the estimate that the reading allows, of the step's beginning or its end as
+    the observer has it.  Friction has the sign of the velocity where it dissipates: mass·dv/dt = u − friction.
+
+SI units, joint side: N·m, rad, kg·m² on a turning joint, N, m, kg on a sliding one.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar, cast
+
+import numba
+import numpy as np
+from numba import types
+
+from mjfriction.errors import ControlError
+from mjfriction.laws.law import Floats
+
+Advance = Callable[[float, float, float, float, Floats, Floats, Floats], tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class Observer(ABC):
+    """An observer with its gains; concrete ones are final and name what they need.
+
+    ``mass`` is what the force moves: kg, or kg·m².
+    """
+
+    mass: float
+
+    advance: ClassVar[Advance]
+    needs_velocity: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        for gain in fields(self):
+            value = getattr(self, gain.name)
+            if isinstance(value, float) and not math.isfinite(value):
+                raise ControlError(f"{self.title}: {gain.name} = {value:g}; a finite number is needed")
+        self.require(self.mass > 0.0, "mass", "above 0")
+
+    @property
+    def title(self) -> str:
+        """What messages call it."""
+        return f"observer '{type(self).__name__}'"
+
+    def require(self, holds: bool, gain: str, allowed: str) -> None:
+        """Raise :class:`ControlError` naming a gain, its value and what is allowed, unless that ``holds``."""
+        if not holds:
+            raise ControlError(
+                f"{self.title} does not converge with {gain} = {getattr(self, gain):g}; it must be {allowed}"
+            )
+
+    @property
+    @abstractmethod
+    def packed(self) -> Floats:
+        """The gains as the kernel reads them."""
+
+    @abstractmethod
+    def start(self, position: float, velocity: float = 0.0) -> Floats:
+        """Return the state of one that knows where the joint is and nothing of its friction."""
+
+    def check_step(self, step: float) -> None:
+        """Raise :class:`ControlError` where steps of that length would let the estimate run away."""
+        if not step > 0.0:
+            raise ControlError(f"{self.title}: steps of {step:g} s; allowed is above 0")
+
+    def step(
+        self, state: Floats, position: float, velocity: float, force: float, step: float
+    ) -> tuple[Floats, float, float]:
+        """Return the next state, and the friction and the velocity estimated."""
+        out = np.empty_like(state)
+        friction, speed = type(self).advance(position, velocity, force, step, self.packed, state, out)
+        return out, friction, speed
+
+
+def estimate_along(
+    observer: Observer, step: float, position: Floats, force: Floats, velocity: Floats | None = None
+) -> tuple[Floats, Floats]:
+    """Return friction and velocity, (n,) each, as an observer estimates them along samples ``step`` seconds apart.
+
+    ``force`` (n,) is what moves the mass besides friction.  Raises :class:`ControlError` where the observer needs a
+    velocity and none is given, or cannot work at this step.
+    """
+    observer.check_step(step)
+    if velocity is None:
+        if observer.needs_velocity:
+            raise ControlError(f"{observer.title} needs a measured velocity; take one that estimates it")
+        velocity = np.zeros_like(position)
+    friction, speed = np.empty_like(position), np.empty_like(position)
+    columns = [np.ascontiguousarray(values, dtype=np.float64) for values in (position, velocity, force)]
+    start = observer.start(float(position[0]), float(velocity[0]))
+    _loop()(type(observer).advance, *columns, step, observer.packed, start, friction, speed)
+    return friction, speed
+
+
+def _along(
+    advance: Advance, x: Floats, v: Floats, u: Floats, h: float, p: Floats, z: Floats, friction: Floats, speed: Floats
+) -> None:
+    z_next = np.empty_like(z)
+    for i in range(x.shape[0]):
+        friction[i], speed[i] = advance(x[i], v[i], u[i], h, p, z, z_next)
+        z, z_next = z_next, z
+
+
+_VECTOR = types.float64[::1]
+
+
+@functools.cache
+def _loop() -> Callable[..., None]:
+    # One loop for every observer, as for the laws: the kernel comes in as a function pointer.
+    number = types.float64
+    pair = cast(Any, types).UniTuple(number, 2)
+    advance = types.FunctionType(pair(number, number, number, number, _VECTOR, _VECTOR, _VECTOR))
+    signature = types.void(advance, _VECTOR, _VECTOR, _VECTOR, number, _VECTOR, _VECTOR, _VECTOR, _VECTOR)
+    return cast(Callable[..., None], numba.njit(signature, cache=True)(_along))

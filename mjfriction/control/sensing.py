@@ -1,0 +1,64 @@
+"""What a controller reads of its machine: positions as the sensors give them, and the velocity it makes of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from mjfriction.laws.law import Floats
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.schema import Hydraulics, PositionSensor
+
+USUAL_BANDWIDTH = 200.0  # Hz of the low-pass behind the difference of positions, where the robot file states none
+
+
+class Sensing:
+    """Readings of all joints: a function of true position and velocity, (joints,) each.
+
+    Positions come with the sensor's noise, then its resolution; velocities are differences of readings through a
+    low-pass of first order.
+    """
+
+    def __init__(self, robot: Robot, seed: int, step: float) -> None:
+        sensors = [joint.position_sensor for joint in robot.table.joint]
+        self.noise = np.array([sensor.noise for sensor in sensors])
+        self.resolution = np.array([sensor.resolution for sensor in sensors])
+        bandwidth = np.array([sensor.velocity_bandwidth or USUAL_BANDWIDTH for sensor in sensors])
+        self.share, self.step = -np.expm1(-2.0 * np.pi * bandwidth * step), step
+        self.rng = np.random.default_rng([seed, 41])
+        self.last: Floats | None = None
+        self.velocity = np.zeros(len(sensors))
+
+    def __call__(self, position: Floats, velocity: Floats) -> tuple[Floats, Floats]:
+        """Return position and velocity as they are read next."""
+        read = position + self.noise * self.rng.standard_normal(position.size)
+        coarse = np.where(self.resolution > 0.0, self.resolution, 1.0)
+        read = np.where(self.resolution > 0.0, np.round(read / coarse) * coarse, read)
+        if self.last is None:
+            self.velocity = velocity.copy()
+        else:
+            self.velocity = self.velocity + self.share * ((read - self.last) / self.step - self.velocity)
+        self.last = read
+        return read, self.velocity
+
+
+class ValveSensing:
+    """Readings for the controller of a valve: it gets position and pressures as the sensors give them."""
+
+    def __init__(
+        self, sensor: PositionSensor, of: Hydraulics, seed: int, voltage: Callable[[int, float, float, float], float]
+    ) -> None:
+        self.noise = (sensor.noise, of.pressure_noise, of.pressure_noise)
+        self.resolution = (sensor.resolution, of.pressure_resolution, of.pressure_resolution)
+        self.rng, self.voltage = np.random.default_rng([seed, 43]), voltage
+
+    def __call__(self, k: int, *true: float) -> float:
+        """Return what the controller asks for at step ``k``, V."""
+        drawn = self.rng.standard_normal(3).tolist()
+        read = [value + noise * own for value, noise, own in zip(true, self.noise, drawn, strict=True)]
+        coarse = [
+            round(value / resolution) * resolution if resolution else value
+            for value, resolution in zip(read, self.resolution, strict=True)
+        ]
+        return self.voltage(k, coarse[0], coarse[1], coarse[2])

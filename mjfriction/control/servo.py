@@ -1,0 +1,135 @@
+"""Joint control of a machine: PD on its joints, what its model feeds forward, friction compensated, drives that lag."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from mjfriction.body.inverse import mass_matrix_at
+from mjfriction.control.feedforward import feedforward_friction, feedforward_rigid
+from mjfriction.control.observer import Observer
+from mjfriction.control.sensing import Sensing
+from mjfriction.control.valve import ValveControl
+from mjfriction.laws.law import Floats
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.rubbing import waves_along
+
+STEADY = 0.5  # of a joint's speed, that its damping may take within a step
+POSES = 50  # of a course, of which the heaviest sets a joint's gains
+
+ObserverFor = Callable[[float, float], Observer]
+"""(mass, step) → the observer of a joint that weighs so much, at steps of so many seconds."""
+
+
+@dataclass(frozen=True)
+class Control:
+    """Joint PD and feedforward: ``bandwidth`` (Hz) and ``damping`` ratio of every joint on its own inertia, less where
+    the joint would ring at the step of the simulation.
+
+    Fed forward is, of the controller's robot, its ``"dynamics"``, its ``"gravity"`` alone, or ``"none"``
+    (``feedforward``), and along the wanted motion its friction ``"law"``, its stated ``"coulomb_viscous"`` levels, or
+    ``"none"`` (``friction``).  ``observer`` makes one of the rest at every joint, whose friction is fed back: with
+    u = PD + friction fed forward, the drive gives u + F̂, and F̂ is estimated from what moves the mass besides the
+    friction fed forward.  With ``cancels_cogging`` the stated cogging is given at the position read.
+
+    ``sensed`` controllers read positions as the robot's sensors give them, drawn from ``seed``, instead of the truth.
+    ``valve`` controls hydraulic joints (:mod:`mjfriction.control.valve`).
+    """
+
+    bandwidth: float = 4.0
+    damping: float = 0.8
+    feedforward: Literal["dynamics", "gravity", "none"] = "dynamics"
+    friction: Literal["law", "coulomb_viscous", "none"] = "coulomb_viscous"
+    observer: ObserverFor | None = None
+    cancels_cogging: bool = False
+    sensed: bool = False
+    seed: int = 0
+    valve: ValveControl | None = None
+
+
+@dataclass(frozen=True)
+class Course:
+    """What the joints are to do at every step: position, velocity, acceleration, each (n, joints)."""
+
+    position: Floats
+    velocity: Floats
+    acceleration: Floats
+
+
+class ServoDrives:
+    """Drives of all joints under control: a function of the step, position and velocity, (joints,) each.
+
+    What the controller asks for is limited by the drives' currents and lags behind by their current loops.
+    ``estimates`` (n, joints) is the friction it went by at every step, fed forward and observed.
+    """
+
+    def __init__(self, robot: Robot, model: Robot, control: Control, course: Course, step: float) -> None:
+        self.course, self.step = course, step
+        self.mass, self.stiffness, self.damping = _gains(robot, control, course.position, step)
+        self.rigid = feedforward_rigid(model, control.feedforward, course)
+        self.friction = feedforward_friction(model, control.friction, course, step)
+        self.limit = np.array([_effort_limit(robot, i) for i in range(len(robot.joints))])
+        bandwidths = [joint.actuator.current_bandwidth for joint in robot.table.joint]
+        self.share = np.array([-np.expm1(-2.0 * np.pi * hertz * step) if hertz else 1.0 for hertz in bandwidths])
+        self.made = np.clip(self.rigid[0] + self.friction[0], -self.limit, self.limit)
+        self.sensing = Sensing(robot, control.seed, step) if control.sensed else None
+        self.cogging = [
+            (i, joint.cogging) for i, joint in enumerate(model.table.joint) if control.cancels_cogging and joint.cogging
+        ]
+        self.observers = [_observer(control.observer, float(mass), step) for mass in self.mass if control.observer]
+        self.known = [
+            observer.start(float(course.position[0, i]), float(course.velocity[0, i]))
+            for i, observer in enumerate(self.observers)
+        ]
+        self.estimate = np.zeros(self.mass.size)
+        self.estimates = np.zeros_like(course.position)
+        # What moves a joint besides its drive and its friction, as far as the model knows.
+        self.beside = self.mass * course.acceleration - feedforward_rigid(model, "dynamics", course)
+
+    def __call__(self, k: int, position: Floats, velocity: Floats) -> Floats:
+        """Return what the drives push with through step ``k``, (joints,), N·m or N."""
+        if self.sensing is not None:
+            position, velocity = self.sensing(position, velocity)
+        self.estimates[k] = self.friction[k] + self.estimate
+        known = self.friction[k].copy()
+        for i, waves in self.cogging:
+            known[i] += waves_along(waves, position[i : i + 1])[0]
+        asked = self.rigid[k] + known + self.stiffness * (self.course.position[k] - position)
+        asked += self.damping * (self.course.velocity[k] - velocity) + self.estimate
+        asked = np.minimum(np.maximum(asked, -self.limit), self.limit)
+        self.made = self.made + self.share * (asked - self.made)
+        for i, observer in enumerate(self.observers):
+            force = float(self.made[i] + self.beside[k, i] - known[i])
+            self.known[i], self.estimate[i], _ = observer.step(
+                self.known[i], float(position[i]), float(velocity[i]), force, self.step
+            )
+        return np.asarray(self.made)
+
+
+def _observer(make: ObserverFor, mass: float, step: float) -> Observer:
+    observer = make(mass, step)
+    observer.check_step(step)
+    return observer
+
+
+def _effort_limit(robot: Robot, joint: int) -> float:
+    # Infinite where the robot file states no limit.
+    drive = robot.table.joint[joint].actuator
+    if drive.current_limit is None or drive.torque_constant is None:
+        return float("inf")
+    return drive.current_limit * drive.torque_constant * abs(drive.gear_ratio)
+
+
+def _gains(robot: Robot, control: Control, q: Floats, step: float) -> tuple[Floats, Floats, Floats]:
+    body = robot.body()
+    masses = [mass_matrix_at(body, pose) for pose in q[:: max(1, q.shape[0] // POSES)]]
+    inertia = np.max([np.diag(mass) for mass in masses], axis=0)
+    # What a joint weighs while the others give way: much less, on an arm with light rotors.
+    least = np.min([1.0 / np.diag(np.linalg.inv(mass)) for mass in masses], axis=0)
+    damping = 2.0 * control.damping * inertia * 2.0 * np.pi * control.bandwidth
+    share = np.minimum(1.0, STEADY * least / np.maximum(step * damping, 1e-300))
+    angular = 2.0 * np.pi * control.bandwidth * share
+    return inertia, inertia * angular**2, share * damping

@@ -1,0 +1,82 @@
+"""The variable-structure observer of position, velocity and friction, switching sharply or smoothly.
+
+    dx̂/dt = v̂ − σ,   dv̂/dt = (u − F̂)/m + L₁·σ,   dF̂/dt = L₂·σ,   σ = M·sgn(x̂ − x)  or  M·tanh((x̂ − x)/κ)
+
+Equations (10) to (12) of Bonchis, Ha, Corke and Rye are unreadable in print; (13), (14), the condition L₁ < 0 < L₂ and
+that the proof is by singular perturbations can be read.  The form here follows from these (Utkin's sliding-mode
+observers, their reference 15).  While M > |v̂ − v| the error of position is held at zero and σ is, in the mean, the
+error of velocity, so that the errors e_v, e_F of velocity and friction obey
+
+    de_v/dt = −e_F/m + L₁·e_v,   de_F/dt = L₂·e_v,   or   s² − L₁·s + L₂/m = 0:
+
+they die away exactly where L₁ < 0 < L₂, the condition printed.  L₁ in 1/s, L₂ in N/m (N·m/rad), M in m/s (rad/s).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from mjfriction.control.observer import Observer
+from mjfriction.errors import ControlError
+from mjfriction.laws.curves import sign
+from mjfriction.laws.law import Floats, routine
+
+
+@routine
+def variable_structure(
+    x: float, v: float, u: float, h: float, p: Floats, z: Floats, z_next: Floats
+) -> tuple[float, float]:
+    """p = (m, M, L₁, L₂, κ), z = (x̂, v̂, F̂); κ = 0 switches sharply."""
+    error = z[0] - x
+    switched = p[1] * (math.tanh(error / p[4]) if p[4] > 0.0 else sign(error))
+    z_next[0] = z[0] + h * (z[1] - switched)
+    z_next[1] = z[1] + h * ((u - z[2]) / p[0] + p[2] * switched)
+    z_next[2] = z[2] + h * p[3] * switched
+    return z_next[2], z_next[1]
+
+
+@dataclass(frozen=True)
+class VariableStructure(Observer):
+    """``switching`` M, ``velocity_gain`` L₁ < 0, ``friction_gain`` L₂ > 0; ``smoothing`` κ (m, rad), 0 for sharp."""
+
+    switching: float
+    velocity_gain: float
+    friction_gain: float
+    smoothing: float = 0.0
+
+    advance = variable_structure
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.require(self.switching > 0.0, "switching", "above 0")
+        self.require(self.velocity_gain < 0.0, "velocity_gain", "below 0")
+        self.require(self.friction_gain > 0.0, "friction_gain", "above 0")
+        self.require(self.smoothing >= 0.0, "smoothing", "0 or above")
+
+    @classmethod
+    def with_rate(
+        cls, mass: float, rate: float, switching: float, smoothing: float = 0.0, damping: float = 0.8
+    ) -> VariableStructure:
+        """Return the one whose errors die away at ``rate`` (rad/s): s² − L₁s + L₂/m = s² + 2ζωs + ω²."""
+        return cls(mass, switching, -2.0 * damping * rate, mass * rate * rate, smoothing)
+
+    @property
+    def packed(self) -> Floats:
+        """(m, M, L₁, L₂, κ)."""
+        return np.array([self.mass, self.switching, self.velocity_gain, self.friction_gain, self.smoothing])
+
+    def start(self, position: float, velocity: float = 0.0) -> Floats:
+        """Where the joint is, no friction known."""
+        return np.array([position, velocity, 0.0])
+
+    def check_step(self, step: float) -> None:
+        """Raise :class:`ControlError` where a step is so long that the smooth switching would jump over zero."""
+        super().check_step(step)
+        if self.smoothing > 0.0 and self.switching * step >= self.smoothing:
+            raise ControlError(
+                f"{self.title}: with switching {self.switching:g} and steps of {step:g} s the smoothing must be above "
+                f"{self.switching * step:.3g}, not {self.smoothing:g}; widen it or step finer"
+            )

@@ -1,0 +1,58 @@
+"""What one joint's friction was along a log: the effort that links, cogging and springs leave."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import butter, sosfiltfilt
+
+from mjfriction.errors import LogError
+from mjfriction.record.log import Floats, Log, check_joints
+from mjfriction.record.motion import Motion, estimate_motion
+from mjfriction.robot.bandwidth import choose_cutoff
+from mjfriction.robot.effort import effort_per_reported, predict_effort
+from mjfriction.robot.robot import Robot
+
+
+@dataclass(frozen=True)
+class FrictionCourse:
+    """One joint's ``friction`` (n,), N·m or N, along the ``motion`` of its robot; ``joint`` is its place there."""
+
+    motion: Motion
+    joint: int
+    friction: Floats
+
+    @property
+    def position(self) -> Floats:
+        """Where the joint was, (n,)."""
+        return self.motion.position[:, self.joint]
+
+    @property
+    def velocity(self) -> Floats:
+        """How fast it went, (n,)."""
+        return self.motion.velocity[:, self.joint]
+
+
+def friction_course(log: Log, robot: Robot, joint: str, band: float | None = None) -> FrictionCourse:
+    """Return a joint's friction along a log, its stated friction left aside; the rest of the robot is believed.
+
+    With a ``band`` (Hz) the effort passes a fourth-order Butterworth low-pass forward and backward.  Raises
+    :class:`LogError` where the log has no effort of that joint, :class:`~mjfriction.errors.RobotError` for a joint that
+    the robot has not.
+    """
+    place = robot.joints.index(robot.joint(joint).name)
+    bare = robot.with_joint(robot.joint(joint).model_copy(update={"friction": ()}))
+    body = bare.body()
+    bare = bare.with_stated_friction(body)
+    check_joints(log, bare.name, bare.joints)
+    motion = estimate_motion(log, bare.joints, choose_cutoff(log, bare, body))
+    if motion.quantity[place] is None:
+        raise LogError(f"{log.source}: no effort.{joint} or current.{joint}; friction cannot be told without one")
+    sensor = bare.table.joint[place].effort_sensor
+    reported = motion.torque[:, place] * effort_per_reported(bare.table.joint[place], motion.quantity[place], bare.name)
+    friction = (reported - predict_effort(bare, body, motion).reported[:, place]) / sensor.scale
+    if band is not None and band < 0.45 * motion.rate:
+        sos = butter(4, band, fs=motion.rate, output="sos")
+        friction = np.concatenate([sosfiltfilt(sos, friction[own]) for own in motion.pieces])
+    return FrictionCourse(motion, place, friction)

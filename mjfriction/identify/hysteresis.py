@@ -1,0 +1,135 @@
+"""What friction does before it slides: Maxwell-slip elements from slow turns, by bounded linear least squares.
+
+An element of stiffness kᵢ that breaks away after a travel uᵢ gives kᵢ·Sᵢ(x), Sᵢ the play of a spring of unit stiffness
+that slips at ±uᵢ.  With the travels on a fixed ladder the force is linear in the stiffnesses, kᵢ ≥ 0 (Lampaert,
+Swevers, Al-Bender, and others, pre-sliding compensation, section IV.A).  How many elements there are is what predicts
+turns best that were not fitted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from mjfriction.errors import LogError
+from mjfriction.laws.ambient import ambient
+from mjfriction.laws.law import Floats
+from mjfriction.laws.maxwell_slip import MAXWELL_SLIP
+
+COUNTS = (1, 2, 3, 4, 6, 8, 12, 16)
+SHORTEST = 0.01  # of the largest turn: the first travel of the ladder
+FEWEST_TURNS = 4  # half cycles, so that some can be left out
+AS_GOOD = 1.02  # of the least error on turns not fitted, up to which fewer elements are taken
+LEAST_SHARE = 1e-6  # of the whole stiffness, that an element must have to be one
+
+
+@dataclass(frozen=True)
+class Elements:
+    """Maxwell-slip elements: ``stiffness`` and breakaway ``travel`` of each (N,), the force's ``zero``, the RMS
+    ``heldout`` of turns not fitted by every number of elements tried, and the RMS ``left`` of all.
+    """
+
+    stiffness: Floats
+    travel: Floats
+    zero: float
+    heldout: dict[int, float]
+    left: float
+
+    @property
+    def level(self) -> Floats:
+        """The force at which each slips, (N,)."""
+        return self.stiffness * self.travel
+
+
+def elements_of(position: Floats, force: Floats, counts: Sequence[int] = COUNTS) -> Elements:
+    """Return the elements that draw the loops of ``force`` over ``position``, (n,) each, in time.
+
+    What came before the first of the largest turns is left out: it erases whatever the elements remembered.  Raises
+    :class:`LogError` for a motion of fewer than four half turns.
+    """
+    turns = _turns(position)
+    if turns.size - 1 < FEWEST_TURNS:
+        raise LogError(
+            f"{max(turns.size - 1, 0)} half turns are too few to tell elements by; plan --protocol sawtooth makes more"
+        )
+    half = 0.5 * float(np.ptp(position[turns[0] :]))
+    own = np.searchsorted(turns, np.arange(position.size), side="right") - 1
+    rows = own >= 0
+    held = {}
+    for count in counts:
+        stops = _stops(position, _ladder(half, count))
+        errors = np.zeros(position.size)
+        for out in (0, 1):
+            # Whole cycles alternate, so that turns up and down are on both sides.
+            fold = rows & ((own // 2) % 2 == out)
+            kept = rows & ~fold
+            strengths = _bounded(stops[kept], force[kept])
+            errors[fold] = force[fold] - stops[fold] @ strengths[:-1] - strengths[-1]
+        held[count] = float(np.sqrt(np.mean(np.square(errors[rows]))))
+    best = min(held.values())
+    count = min(count for count, error in held.items() if error <= AS_GOOD * best)
+    ladder = _ladder(half, count)
+    stops = _stops(position, ladder)
+    strengths = _bounded(stops[rows], force[rows])
+    left = force[rows] - stops[rows] @ strengths[:-1] - strengths[-1]
+    there = strengths[:-1] > LEAST_SHARE * np.sum(strengths[:-1])
+    if not np.any(there):
+        raise LogError("the force does not follow the turns at all: no element has a stiffness; record smaller turns")
+    return Elements(
+        strengths[:-1][there], ladder[there], float(strengths[-1]), held, float(np.sqrt(np.mean(np.square(left))))
+    )
+
+
+def bristle_travel(position: Floats, velocity: Floats, force: Floats, level: Floats, exponent: float) -> Floats:
+    """Return the Leuven law's z (n,) along a motion: dz = dx·(1 − sgn r·|r|^δ), r = force·sgn(v)/s(v), s the ``level``.
+
+    The force measured stands for F_h(z), which it is at slow turns, so that position is converted before any element is
+    known: the way that the document names as the better one and leaves open.
+    """
+    ratio = np.clip(force * np.sign(velocity) / level, -2.0, 2.0)
+    share = 1.0 - np.sign(ratio) * np.abs(ratio) ** exponent
+    change = np.diff(position) * 0.5 * (share[1:] + share[:-1])
+    return np.concatenate([[0.0], np.cumsum(change)])
+
+
+def _turns(position: Floats) -> np.ndarray:
+    # Where the motion turns back, from the first of the largest excursions on.
+    reach = float(np.ptp(position))
+    turns, last, way = [], 0, 0
+    for i in range(1, position.size):
+        if (way >= 0 and position[i] > position[last]) or (way <= 0 and position[i] < position[last]):
+            way = 1 if position[i] > position[last] else -1
+            last = i
+        elif abs(position[i] - position[last]) > 0.05 * reach:
+            turns.append(last)
+            way, last = -way, i
+    far = [
+        k for k, i in enumerate(turns) if abs(position[i] - np.mean([position.max(), position.min()])) > 0.45 * reach
+    ]
+    return np.array([*turns[far[0] :], position.size - 1] if far else [])
+
+
+def _ladder(half: float, count: int) -> Floats:
+    # Breakaway travels: the last never slips within the turns seen (it is the stiffness that is left at their ends).
+    return np.geomspace(SHORTEST * half, 2.0 * half, count) if count > 1 else np.array([half])
+
+
+def _stops(position: Floats, travels: Floats) -> Floats:
+    # The law itself, with unit stiffness and levels equal to the travels: its states are the plays.
+    packed = MAXWELL_SLIP.pack({"viscous": 0.0, "stiffness": [1.0] * travels.size, "level": travels.tolist()})
+    steps = np.diff(position, prepend=position[0])
+    return MAXWELL_SLIP.follow(steps, ambient(position.size), 1.0, packed)[1]
+
+
+def _bounded(stops: Floats, force: Floats) -> Floats:
+    # Stiffnesses from zero up and a free zero; columns in their own size.
+    columns = np.column_stack([stops, np.ones(force.size)])
+    size = np.maximum(np.sqrt(np.mean(np.square(columns), axis=0)), 1e-300)
+    low = np.append(np.zeros(stops.shape[1]), -np.inf)
+    # The normal equations' root is as small as the number of columns, however long the log is.
+    root = np.asarray(np.linalg.qr(np.column_stack([columns / size, force]), mode="r"))
+    found = lsq_linear(root[:-1, :-1], root[:-1, -1], bounds=(low, np.inf))
+    return np.asarray(found.x / size)

@@ -1,0 +1,165 @@
+"""Friction of a hydraulic cylinder from constant voltages: law (2) in variants, extension and retraction apart.
+
+At constant speed friction is what the chambers push with, F = p₁A₁ − p₂A₂ (Bonchis, Ha, Corke, Rye, eq. 1).  The
+likeliest parameters under the points' noise are those of weighted least squares; x₂ stands in an exponent, and for each
+value of it the rest is linear with x₁, x₅ ≥ 0.  Which variant to take is told by Bayes' criterion with known noise,
+χ² + k·ln n: a parameter must earn its keep.
+
+F so measured is A₁·(p₁ − p₂) + (A₁ − A₂)·p₂, whatever friction is: a variant with both x₃ and x₄ free fits any
+cylinder without a word about its friction, and â from it is zero.  Steady speeds tell one combination of the two:
+variant 5 holds it in x₄, and is taken for prediction (:func:`choose_variant`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy.optimize import lsq_linear, minimize_scalar
+
+from mjfriction.errors import LogError
+from mjfriction.identify.phases import constant_speed_phases
+from mjfriction.laws.law import Floats
+from mjfriction.laws.rules import Values
+from mjfriction.record.log import HEAD_PRESSURE, ROD_PRESSURE, Log, check_joints
+from mjfriction.record.motion import estimate_motion
+from mjfriction.robot.bandwidth import choose_cutoff
+from mjfriction.robot.robot import Robot
+
+Way = Literal["extending", "retracting"]
+NAMES = ("level", "growth", "pressure_difference", "rod_pressure", "viscous")
+VARIANTS: dict[int, tuple[str, ...]] = {
+    1: ("level", "growth", "pressure_difference", "viscous"),
+    2: NAMES,
+    3: ("level", "pressure_difference", "rod_pressure", "viscous"),
+    4: ("level", "viscous"),
+    5: ("level", "rod_pressure", "viscous"),
+}
+"""The parameters that each of the document's models 1 to 4 keeps, and ours, 5."""
+
+TELLING = (4, 5)  # variants that say something of friction; 1 stands between: x₂ and x₅ may feign x₄
+
+STEEPEST = 5.0  # x₂ times the highest speed, that is searched
+PIECES = 8  # of a phase, whose scatter tells how well its mean is known
+GRID = 41  # values of x₂ of which the best begins the search
+
+
+@dataclass(frozen=True)
+class SteadyPoints:
+    """Phases of constant speed of a cylinder: ``speed`` (n,) m/s, signed, ``force`` (n,) N against the motion, signed,
+    and the chambers' pressures ``head`` and ``rod`` (n,) Pa; ``error`` (n,) N is how well each force is known.
+    """
+
+    speed: Floats
+    force: Floats
+    head: Floats
+    rod: Floats
+    error: Floats
+
+    def towards(self, way: Way) -> SteadyPoints:
+        """Return those of one direction."""
+        own = self.speed > 0.0 if way == "extending" else self.speed < 0.0
+        return SteadyPoints(*(values[own] for values in (self.speed, self.force, self.head, self.rod, self.error)))
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One of the models fitted to one direction: its ``values``, what it leaves (``rms``, N) and Bayes' criterion."""
+
+    number: int
+    way: Way
+    values: dict[str, float]
+    rms: float
+    criterion: float
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """The values as the law ``pressure`` names them."""
+        return {f"{name}_{self.way}": value for name, value in self.values.items()}
+
+
+def steady_points(logs: list[Log], robot: Robot, joint: str) -> SteadyPoints:
+    """Return the phases of constant speed of a cylinder's logs, each by its means.
+
+    Raises :class:`LogError` where a log lacks the chambers' pressures, or nothing goes at a constant speed.
+    """
+    place = robot.joints.index(robot.joint(joint).name)
+    of = robot.joint(joint).hydraulics
+    if of is None:
+        raise LogError(f"joint '{joint}' of '{robot.name}' is moved by no cylinder; law 'pressure' is for one that is")
+    body = robot.body()
+    rows = []
+    for log in logs:
+        check_joints(log, robot.name, robot.joints)
+        motion = estimate_motion(log, robot.joints, choose_cutoff(log, robot, body))
+        names = (f"{HEAD_PRESSURE}.{joint}", f"{ROD_PRESSURE}.{joint}")
+        missing = [name for name in names if name not in motion.columns]
+        if missing:
+            raise LogError(f"{log.source}: has no column '{missing[0]}'; record both chambers' pressures, in Pa")
+        for phase in constant_speed_phases(motion):
+            own = slice(phase.first, phase.past)
+            head, rod = (motion.columns[name][own] for name in names)
+            force = of.head_area * head - of.rod_area * rod
+            # Pieces of the phase scatter as far as its mean is known, slow drifts included.
+            pieces = [float(np.mean(piece)) for piece in np.array_split(force, PIECES)]
+            error = float(np.std(pieces, ddof=1)) / np.sqrt(PIECES)
+            speed = float(np.mean(motion.velocity[own, place]))
+            rows.append((speed, float(np.mean(force)), float(np.mean(head)), float(np.mean(rod)), error))
+    if not rows:
+        raise LogError(
+            f"joint '{joint}' goes at no constant speed; record constant voltages (plan --protocol voltages) that are "
+            "held until the speed settles"
+        )
+    speed, force, head, rod, error = np.array(rows).T
+    return SteadyPoints(speed, force, head, rod, np.maximum(error, float(np.median(error))))
+
+
+def fit_variant(points: SteadyPoints, way: Way, number: int) -> Variant:
+    """Fit one of the document's models to one direction.
+
+    Raises :class:`LogError` for fewer speeds than the model has parameters, and one more.
+    """
+    own, names = points.towards(way), VARIANTS[number]
+    if own.speed.size <= len(names):
+        raise LogError(
+            f"model {number} of law 'pressure' has {len(names)} parameters, and {own.speed.size} speeds were recorded "
+            f"{way}; record at least {len(names) + 1}"
+        )
+    speed, force = np.abs(own.speed), own.force * np.sign(own.speed)
+    difference = (own.head - own.rod) * np.sign(own.speed)
+    columns = {"pressure_difference": difference, "rod_pressure": own.rod, "viscous": speed}
+
+    def solved(growth: float) -> tuple[Floats, float]:
+        table = np.column_stack([np.exp(growth * speed), *(columns[name] for name in names if name in columns)])
+        size = np.sqrt(np.mean(np.square(table), axis=0))
+        low = np.array([0.0 if name in ("level", "viscous") else -np.inf for name in names if name != "growth"])
+        found = lsq_linear(table / size / own.error[:, None], force / own.error, bounds=(low, np.inf))
+        solution = np.asarray(found.x / size)
+        return solution, float(np.sum(np.square((force - table @ solution) / own.error)))
+
+    growth = 0.0
+    if "growth" in names:
+        most = STEEPEST / float(np.max(speed))
+        grid = np.linspace(-most, most, GRID)
+        near = grid[int(np.argmin([solved(value)[1] for value in grid.tolist()]))]
+        bounds = (near - grid[1] + grid[0], near + grid[1] - grid[0])
+        growth = float(minimize_scalar(lambda x: solved(x)[1], bounds=bounds, method="bounded").x)
+    linear, chi_squared = solved(growth)
+    values = dict(zip([name for name in names if name != "growth"], linear.tolist(), strict=True))
+    if "growth" in names:
+        values["growth"] = growth
+    table = np.column_stack([np.exp(growth * speed), *(columns[name] for name in names if name in columns)])
+    rms = float(np.sqrt(np.mean(np.square(force - table @ linear))))
+    return Variant(number, way, values, rms, chi_squared + len(names) * float(np.log(force.size)))
+
+
+def choose_variant(points: SteadyPoints, way: Way) -> tuple[Variant, dict[int, Variant]]:
+    """Return the variant of least criterion among those that tell friction in a direction, and all by their numbers."""
+    tried = {number: fit_variant(points, way, number) for number in VARIANTS}
+    return min((tried[number] for number in TELLING), key=lambda variant: variant.criterion), tried
+
+
+def pressure_law(extending: Variant, retracting: Variant) -> Values:
+    """Return the law's parameters from a model for each direction."""
+    return {**extending.parameters, **retracting.parameters}

@@ -1,0 +1,73 @@
+"""The cylinder follows its reference: under PD, and with friction known by a law or by observers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from mjfriction.control.observer import Observer
+from mjfriction.control.valve import ValveGains
+from mjfriction.laws.friction import Friction
+from mjfriction.reproduce.hydraulic.identified import (
+    Identified,
+    identify_cylinder,
+    separate_gains,
+    tuned_acceleration,
+    tuned_pd,
+)
+from mjfriction.reproduce.hydraulic.machine import (
+    HEAVY,
+    LOW_SUPPLY,
+    OBSERVERS,
+    SHARP,
+    Tracked,
+    cylinder,
+    follow,
+)
+
+LAW = "identified law"
+
+Source = tuple[Friction, ...] | Callable[[float, float], Observer] | None
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One controller: where its friction comes from, its equal gains, and its runs by name."""
+
+    friction: Source
+    gains: ValveGains
+    runs: dict[str, Tracked]
+
+
+def run_cylinder(
+    progress: Callable[[str], None], seed: int = 0
+) -> tuple[Identified, dict[str, Compared], tuple[ValveGains, ValveGains]]:
+    """Identify the cylinder, tune every controller, follow the reference with each; ``progress`` is told each step.
+
+    Last come the gains of the variable-structure observer's controller, apart for the two directions.
+    """
+    progress("identifying the cylinder")
+    identified = identify_cylinder(seed)
+    sources: dict[str, Source] = {"PD": None, LAW: identified.law(), **OBSERVERS}
+    heavy, compared = cylinder(mass=HEAVY), {}
+    for name, source in sources.items():
+        progress(f"tuning {name}")
+        gains = tuned_pd() if source is None else tuned_acceleration(source)
+        progress(f"following the reference: {name}")
+        pair = (gains, gains)
+        runs = {
+            "nominal": follow(pair, source, periods=2.0, seed=seed),
+            "20 bar": follow(pair, source, supply=LOW_SUPPLY, seed=seed),
+            "96 kg": follow(pair, source, machine=heavy, seed=seed),
+        }
+        compared[name] = Compared(source, gains, runs)
+    best = compared["variable structure"]
+    progress("separate gains")
+    assert best.friction is not None
+    separate = separate_gains(best.gains, best.friction)
+    best.runs["separate gains"] = follow(separate, best.friction, periods=2.0, seed=seed)
+    progress("sharp switching, and the law as printed")
+    best.runs["sharp"] = follow((best.gains, best.gains), SHARP, periods=2.0, seed=seed)
+    law = compared[LAW]
+    law.runs["as printed"] = follow((law.gains, law.gains), identified.law(3), periods=2.0, seed=seed)
+    return identified, compared, separate

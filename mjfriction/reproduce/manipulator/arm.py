@@ -1,0 +1,188 @@
+"""The manipulator document's arms: richer than every law under test, their experiments, and what is identified."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pyarrow as pa
+
+from mjfriction.body.gravity_pose import gravity_pose
+from mjfriction.control.feedforward import feedforward_friction, feedforward_rigid
+from mjfriction.control.servo import Control, Course
+from mjfriction.errors import LogError
+from mjfriction.identify.friction_map import FrictionMap, friction_maps
+from mjfriction.identify.map_fit import MapFit, arctan_procedure, fit_map, on_side
+from mjfriction.identify.phases import constant_speed_phases
+from mjfriction.identify.protocol import plan_passes, room
+from mjfriction.laws.ambient import ambient
+from mjfriction.laws.catalog import find_law
+from mjfriction.laws.law import Floats
+from mjfriction.plant.machine import simulate
+from mjfriction.plant.motions import pick_and_place
+from mjfriction.plant.sensors import Recorder
+from mjfriction.plant.trajectory import Trajectory
+from mjfriction.record.log import CURRENT, Log
+from mjfriction.record.motion import estimate_motion
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.bandwidth import choose_cutoff
+from mjfriction.robot.effort import effort_per_reported
+from mjfriction.robot.files import read_robot
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.schema import FrictionTerm, LevelTable, Wave
+
+ARMS = ("comau_ns12", "comau_nj60")
+SLOWEST, FASTEST = 0.8, 400.0  # rad/s of the motors: the document's
+FITTED, CHECKED = 12, 7  # speeds of identification and of the new passes that it is judged on
+PER_LOAD = 0.02  # 1/(N·m) of the motor: what a joint's level grows by with the torque it transmits
+RIPPLE = 0.015  # of the static level, twice a turn of the motor, that does not turn with its direction
+LINKS_OFF = 0.03  # of every link, that its mass and inertia lie beside what is stated
+RATE = 500.0  # Hz of the logs
+BANDWIDTH = 20.0  # Hz of the arms' own control
+SLOW_AMPLITUDE, SLOW_FREQUENCY, SLOW_PERIODS = 0.25, 0.1, 2.0  # rad, Hz: the near-sinusoidal motion
+STIFFNESSES = np.geomspace(1e1, 1e6, 11)  # N·m/rad of the motor, that the dynamic law is tried with
+AS_GOOD = 1.01  # of the least error, up to which a stiffness explains the log as well
+
+
+@dataclass(frozen=True)
+class JointFit:
+    """What the passes gave for one joint, on the motor's side: its map, the Coulomb-viscous law, law (14) by least
+    squares and by the document's procedure (None where friction does not fall), and the RMS, N·m, that the first two
+    leave of new passes.
+    """
+
+    points: FrictionMap
+    ratio: float
+    coulomb_viscous: MapFit
+    static: MapFit
+    procedure: MapFit | None
+    checked: tuple[float, float]
+
+
+def stated_arm(name: str) -> Robot:
+    """Return an arm as its user knows it."""
+    return read_robot(name)
+
+
+def true_arm(name: str) -> Robot:
+    """Return the machine: law (22) to (29) with levels that grow with the load, ripple, links that are a little off."""
+    robot = read_robot(name)
+    off = {joint: 1.0 + LINKS_OFF * (-1.0) ** k for k, joint in enumerate(robot.joints)}
+    robot = Robot(robot.table.model_copy(update={"link_scale": off}), robot.folder)
+    for joint in robot.table.joint:
+        (law,) = joint.friction or ()
+        ratio = joint.actuator.gear_ratio
+        wave = Wave(wavenumber=2.0 * ratio, cosine=RIPPLE * law.value("static") * ratio)
+        loaded = law.model_copy(update={"level": LevelTable(per_load=PER_LOAD)})
+        robot = robot.with_joint(joint.model_copy(update={"friction": (loaded,), "cogging": (wave,)}))
+    return robot
+
+
+def classes(robot: Robot) -> list[str]:
+    """Return how gravity loads each joint, in words."""
+    body = robot.body()
+    return [gravity_pose(body, joint).kind.value for joint in range(len(robot.joints))]
+
+
+def identify_arm(name: str, seed: int = 0) -> list[JointFit]:
+    """Run passes of every joint, identify its statics, and judge them on new passes at other speeds."""
+    fitted, checked = (_maps(name, count, seed + k) for k, count in enumerate((FITTED, CHECKED)))
+    robot, out = stated_arm(name), []
+    for i, joint in enumerate(robot.table.joint):
+        ratio = joint.actuator.gear_ratio
+        if i not in fitted or i not in checked:
+            raise LogError(f"joint '{joint.name}' of '{name}' has no phases of constant speed in its passes")
+        plain, static = (fit_map(fitted[i], find_law(law), "motor", ratio) for law in ("coulomb_viscous", "arctan"))
+        try:
+            procedure = arctan_procedure(fitted[i], "motor", ratio)
+        except LogError:
+            procedure = None
+        left = (_left(plain, checked[i], ratio), _left(static, checked[i], ratio))
+        out.append(JointFit(fitted[i], ratio, plain, static, procedure, left))
+    return out
+
+
+def _maps(name: str, count: int, seed: int) -> dict[int, FrictionMap]:
+    robot = stated_arm(name)
+    speeds = {
+        joint.name: np.geomspace(SLOWEST, FASTEST, count) / joint.actuator.gear_ratio for joint in robot.table.joint
+    }
+    # The fastest pass reaches the document's 400 rad/s for a moment only; the last one that holds its speed is taken.
+    trajectory = plan_passes(robot, robot.joints, speeds=speeds, seed=seed).trajectory
+    log = record(name, trajectory, seed)
+    motion = estimate_motion(log, robot.joints, choose_cutoff(log, robot, robot.body()))
+    worth = np.array([effort_per_reported(joint, CURRENT, robot.name) for joint in robot.table.joint])
+    found = friction_maps(motion, motion.torque * worth, constant_speed_phases(motion))
+    return {points.joint: points for points in found}
+
+
+def record(name: str, trajectory: Trajectory, seed: int) -> Log:
+    """Return the log of currents that an arm's own controller records along a trajectory."""
+    columns = simulate(
+        true_arm(name),
+        trajectory,
+        recorder=Recorder(RATE, quantity=CURRENT),
+        control=Control(bandwidth=BANDWIDTH, friction="law"),
+        controller_robot=stated_arm(name),
+        seed=seed,
+    )
+    return log_from_table(pa.table(columns), f"{name}, simulated")
+
+
+def _left(fit: MapFit, points: FrictionMap, ratio: float) -> float:
+    speed, friction, _ = on_side(points, "motor", ratio)
+    told = fit.law.along(speed, ambient(speed.size), fit.law.pack(fit.values))
+    return float(np.sqrt(np.mean(np.square(friction - told))))
+
+
+def with_laws(robot: Robot, law: str, values: list[dict[str, float]]) -> Robot:
+    """Return an arm with one law, on the motor's side, at every joint."""
+    for joint, own in zip(robot.table.joint, values, strict=True):
+        term = FrictionTerm(law=law, side="motor", parameters=dict(own))
+        robot = robot.with_joint(joint.model_copy(update={"friction": (term,)}))
+    return robot
+
+
+def dynamic_values(fits: list[JointFit], stiffness: Floats, damping: Floats) -> list[dict[str, float]]:
+    """Return law (22) to (29) with the statics identified and bristles (joints,) given, N·m/rad and N·m·s/rad."""
+    kept = ("static", "stribeck_fall", "viscous", "viscous_bend", "stribeck_steepness")
+    return [
+        {**{name: fit.static.values[name] for name in kept}, "bristle_stiffness": float(k), "bristle_damping": float(d)}
+        for fit, k, d in zip(fits, stiffness, damping, strict=True)
+    ]
+
+
+def slow_sine(robot: Robot) -> Trajectory:
+    """Return the near-sinusoidal motion of all joints, each at its own phase."""
+    middle, reach = room(robot.body())
+    time = np.arange(0.0, SLOW_PERIODS / SLOW_FREQUENCY + 1e-9, 0.004)
+    share = np.clip(np.minimum(time, time[-1] - time) / (0.5 / SLOW_FREQUENCY), 0.0, 1.0)
+    swell = share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
+    phases = 2.0 * np.pi * (SLOW_FREQUENCY * time[:, None] + np.arange(middle.size) / middle.size)
+    place = middle + np.minimum(SLOW_AMPLITUDE, reach) * swell[:, None] * np.sin(phases)
+    return Trajectory(robot.joints, time, place)
+
+
+def work(robot: Robot) -> Trajectory:
+    """Return pick and place between four poses."""
+    body = robot.body()
+    middle, reach = room(body)
+    poses = middle + 0.6 * reach * np.random.default_rng(7).uniform(-1.0, 1.0, (4, middle.size))
+    top = np.minimum(body.top_speed, 1.5)
+    return pick_and_place(robot.joints, poses, top, 2.0 * top, rounds=1)
+
+
+def currents_told(robot: Robot, trajectory: Trajectory, log: Log, friction: str) -> Floats:
+    """Return the motors' currents, (n, joints) at the log's instants, that a model tells along the wanted motion."""
+    step = float(np.median(np.diff(log.time)))
+    course = Course(*trajectory.at(log.time))
+    torque = feedforward_rigid(robot, "dynamics", course)
+    if friction == "law":
+        torque = torque + feedforward_friction(robot, "law", course, step)
+    worth = np.array([effort_per_reported(joint, CURRENT, robot.name) for joint in robot.table.joint])
+    return np.asarray(torque / worth)
+
+
+def currents_measured(log: Log, robot: Robot) -> Floats:
+    """Return the currents of a log, (n, joints), A."""
+    return np.column_stack([log.columns[f"{CURRENT}.{name}"] for name in robot.joints])

@@ -1,0 +1,139 @@
+"""``reproduce manipulator``: friction of industrial arms from the forward-backward protocol, and currents told with it.
+
+Indri, Lazzero, Antoniazza, Bottero, "Friction modeling and identification for industrial manipulators", ETFA 2013.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from mjfriction.laws.ambient import ambient
+from mjfriction.laws.law import Floats
+from mjfriction.reproduce.manipulator.arm import (
+    ARMS,
+)
+from mjfriction.reproduce.manipulator.experiments import LAWS, Arm, run_arm
+from mjfriction.reproduce.manipulator.tables import (
+    current_errors,
+    gravity_classes,
+    static_errors,
+    static_parameters,
+    stiffness_found,
+)
+from mjfriction.reproduce.outcome import Claim, Line, Picture, Reproduction
+
+SHOWN = {0: "figure 2", 2: "figure 3", 4: "figure 4"}
+THIN = slice(None, None, 5)
+
+
+def reproduce_manipulator(progress: Callable[[str], None], seed: int = 0) -> Reproduction:
+    """Run the document's experiments on both arms; ``progress`` is told each step."""
+    arms = [run_arm(name, progress, seed) for name in ARMS]
+    first = arms[0]
+    return Reproduction(
+        name="manipulator",
+        title="Friction of industrial manipulators, and the currents it takes",
+        source=(
+            "Indri, Lazzero, Antoniazza, Bottero, Friction modeling and identification for industrial manipulators, "
+            "ETFA 2013"
+        ),
+        how=_how(),
+        tables=(
+            gravity_classes(arms),
+            *(static_parameters(arm) for arm in arms),
+            *(stiffness_found(arm) for arm in arms),
+            *(static_errors(arm) for arm in arms),
+            *(current_errors(arm, "slow", "Table 4: currents along the near-sinusoidal motion") for arm in arms),
+            *(current_errors(arm, "work", "Currents of pick and place") for arm in arms),
+        ),
+        pictures=tuple(picture for arm in arms for picture in _pictures(arm)),
+        claims=_claims(arms),
+        differs=_differs(first),
+    )
+
+
+def _pictures(arm: Arm) -> list[Picture]:
+    out = []
+    for i, figure in SHOWN.items():
+        fit = arm.fits[i]
+        speed = np.geomspace(fit.points.speed[0], fit.points.speed[-1], 200) * fit.ratio
+        around = ambient(speed.size)
+        lines = [Line("passes", fit.points.speed * fit.ratio, fit.points.friction / fit.ratio, marks=True)]
+        for name, found in (("Coulomb-viscous", fit.coulomb_viscous), ("static law", fit.static)):
+            lines.append(Line(name, speed, found.law.along(speed, around, found.law.pack(found.values))))
+        out.append(
+            Picture(
+                f"{arm.name}: friction of joint {i + 1}",
+                "speed of the motor, rad/s",
+                "friction, N·m of the motor",
+                tuple(lines),
+                figure,
+                logarithmic=True,
+            )
+        )
+    for told, joint, figure, what in (
+        (arm.slow, 0, "figure 5", "near-sinusoidal motion"),
+        (arm.work, 1, "figure 6", "pick and place"),
+    ):
+        lines = [Line("measured", told.time[THIN], told.measured[THIN, joint])]
+        lines += [Line(law, told.time[THIN], told.by[law][THIN, joint]) for law in (LAWS[0], LAWS[2])]
+        out.append(
+            Picture(f"{arm.name}: current of joint {joint + 1}, {what}", "time, s", "current, A", tuple(lines), figure)
+        )
+    return out
+
+
+def _claims(arms: list[Arm]) -> tuple[Claim, ...]:
+    static = {arm.name: [fit.checked[0] / fit.checked[1] for fit in arm.fits] for arm in arms}
+    current = {arm.name: arm.slow.rms(LAWS[0]) / arm.slow.rms(LAWS[2]) for arm in arms}
+    working = {arm.name: arm.work.rms(LAWS[0]) / arm.work.rms(LAWS[2]) for arm in arms}
+
+    def listed(values: dict[str, list[float]] | dict[str, Floats]) -> str:
+        return "; ".join(f"{name}: {', '.join(f'{value:.3g}' for value in own)}" for name, own in values.items())
+
+    return (
+        Claim(
+            "At every joint the static law fits new passes better than Coulomb and viscous friction.",
+            all(value > 1.0 for own in static.values() for value in own),
+            f"times better, joints 1 to 6: {listed(static)}",
+        ),
+        Claim(
+            "Along the near-sinusoidal motion the dynamic law tells the currents of every joint better.",
+            all(value > 1.0 for own in current.values() for value in own),
+            f"times better: {listed(current)}",
+        ),
+        Claim(
+            "So it does along a typical operation.",
+            all(value > 1.0 for own in working.values() for value in own),
+            f"times better: {listed(working)}",
+        ),
+    )
+
+
+def _how() -> tuple[str, ...]:
+    return (
+        "The arms are simulated in MuJoCo with the published friction (the NJ60's scaled from it) and more than any "
+        "law under test holds: levels that grow with the torque transmitted, ripple of the motors, links 3 % off "
+        "the model, current loops, encoders of 21 bit, currents of 16 bit with noise.",
+        "Passes forward and backward of each joint alone, at motor speeds from 0.8 to 400 rad/s, each where gravity "
+        "loads the joint least; phases of constant speed are found in the log, and half the difference of both "
+        "directions is friction. Judged is on new passes at other speeds.",
+        "Currents are told along the wanted motion, as by the document's simulator, and held against those recorded.",
+    )
+
+
+def _differs(arm: Arm) -> tuple[str, ...]:
+    found = [best for _, best in arm.stiffness]
+    return (
+        "The Coulomb-viscous model that the document compares with is the one in the robot's controller; ours is "
+        "fitted to the same passes, and so is nearer.",
+        "Our currents carry the errors of a simulated machine only, so that the dynamic law leaves less than the "
+        "document's, and the ratios are larger than its 1.3 to 1.4.",
+        "Table 2 cannot come out of logs like these: a bristle of 765 500 N·m/rad yields within 2 µrad of the "
+        "motor, less than one step of its encoder (3 µrad). What explains the near-sinusoidal motion best lies at "
+        f"{min(found):.3g} to {max(found):.3g} N·m/rad, and anything stiffer explains it as well.",
+        "The slope near zero gives δ only where passes are slow enough that friction still falls steeply: at 0.8 "
+        "rad/s an arctangent with δ = 10 s has fallen by nine tenths already.",
+    )

@@ -1,0 +1,111 @@
+"""The table follows its reference: under PD, with an observer, with friction fed forward, with both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from mjfriction.laws.law import Floats
+from mjfriction.laws.rules import Values
+from mjfriction.plant.machine import Run, run_machine
+from mjfriction.plant.motions import inner_loops
+from mjfriction.plant.trajectory import Trajectory
+from mjfriction.reproduce.table.identified import (
+    Identified,
+    identify_table,
+    with_law,
+)
+from mjfriction.reproduce.table.machine import (
+    AMPLITUDE,
+    FASTER,
+    JOINT,
+    PERIOD,
+    RATE,
+    true_table,
+    weak_control,
+)
+from mjfriction.robot.robot import Robot
+
+TUNED = {"gms": "attraction", "lugre": "bristle_damping", "leuven": "bristle_damping"}
+BETWEEN = {"attraction": (1.0, 1e4), "bristle_damping": (1e2, 3e5)}  # N/s, N·s/m
+EVALUATIONS = 8
+LAWS = ("dahl", "lugre", "leuven over position", "leuven", "gms")
+
+
+@dataclass(frozen=True)
+class Tracked:
+    """One run along the reference: ``time`` and the position's ``error`` (µm) of its last period, and the whole."""
+
+    time: Floats
+    error: Floats
+    run: Run
+
+    @property
+    def peak_to_peak(self) -> float:
+        """µm."""
+        return float(np.ptp(self.error))
+
+    @property
+    def rms(self) -> float:
+        """µm."""
+        return float(np.sqrt(np.mean(np.square(self.error))))
+
+
+def run_table(progress: Callable[[str], None], seed: int = 0) -> tuple[Identified, dict[str, Tracked]]:
+    """Identify the table, tune the laws, follow the reference with each; ``progress`` is told each step."""
+    progress("identifying the table")
+    identified = identify_table(seed)
+    machine, known = true_table(), identified.robot_without_friction()
+    laws = {}
+    for law in LAWS:
+        progress(f"tuning {law}")
+        laws[law] = _tuned(machine, identified, law, seed)
+    runs: dict[str, Tracked] = {}
+
+    def follow(name: str, model: Robot, *, friction: bool, observer: bool, period: float = PERIOD) -> None:
+        progress(f"following the reference: {name}")
+        runs[name] = _tracked(machine, model, friction=friction, observer=observer, period=period, seed=seed)
+
+    follow("PD", known, friction=False, observer=False)
+    follow("observer", known, friction=False, observer=True)
+    follow("observer, ten times faster", known, friction=False, observer=True, period=PERIOD / FASTER)
+    for law, values in laws.items():
+        model = with_law(known, law.partition(" ")[0], values)
+        follow(law, model, friction=True, observer=False)
+        follow(f"observer and {law}", model, friction=True, observer=True)
+    identified = replace(identified, laws=laws)
+    return identified, runs
+
+
+def _reference(period: float) -> Trajectory:
+    return inner_loops(JOINT, 0.0, AMPLITUDE, period)
+
+
+def _tracked(
+    machine: Robot, model: Robot, *, friction: bool, observer: bool, period: float = PERIOD, seed: int
+) -> Tracked:
+    control = replace(weak_control(friction=friction, observer=observer), seed=seed)
+    run = run_machine(machine, _reference(period), RATE, control, model)
+    last = run.time > run.time[-1] - period
+    error = 1e6 * (run.wanted - run.played.position)[last, 0]
+    return Tracked(run.time[last] - run.time[last][0], error, run)
+
+
+def _tuned(machine: Robot, identified: Identified, law: str, seed: int) -> Values:
+    # As in the document, what slow turns do not show is set for the least maximum error along the reference.
+    values, plain = identified.laws[law], law.partition(" ")[0]
+    name = TUNED.get(plain)
+    if name is None:
+        return values
+    known = identified.robot_without_friction()
+
+    def worst(exponent: float) -> float:
+        model = with_law(known, plain, {**values, name: float(np.exp(exponent))})
+        tracked = _tracked(machine, model, friction=True, observer=False, seed=seed)
+        return float(np.max(np.abs(tracked.error)))
+
+    found = minimize_scalar(worst, bounds=np.log(BETWEEN[name]), method="bounded", options={"maxiter": EVALUATIONS})
+    return {**values, name: float(np.exp(found.x))}

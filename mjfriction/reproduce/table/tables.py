@@ -1,0 +1,118 @@
+"""The table's figures beside those that the pre-sliding document prints."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mjfriction.laws.catalog import find_law
+from mjfriction.reproduce.outcome import Row, Table
+from mjfriction.reproduce.table.experiments import Tracked
+from mjfriction.reproduce.table.identified import (
+    PRINTED_SHAPE,
+    Identified,
+    following_errors,
+)
+from mjfriction.reproduce.table.machine import (
+    JOINT,
+    OBSERVER,
+    WEAK,
+    true_table,
+)
+
+PRINTED = {
+    "PD": 46.2,
+    "observer": 9.7,
+    "observer and dahl": 6.6,
+    "observer and lugre": 7.6,
+    "observer and leuven over position": 6.1,
+    "observer and gms": 2.6,
+}
+"""Peak-to-peak errors of the document, µm."""
+
+
+def tracking_errors(runs: dict[str, Tracked]) -> Table:
+    """Return the errors along the reference, every compensation beside the document's."""
+    rows = []
+    for name, tracked in runs.items():
+        printed = PRINTED.get(name)
+        rows.append(
+            Row(
+                name,
+                (
+                    tracked.peak_to_peak,
+                    tracked.rms,
+                    runs["PD"].peak_to_peak / tracked.peak_to_peak,
+                    printed,
+                    None if printed is None else PRINTED["PD"] / printed,
+                ),
+            )
+        )
+    columns = ("peak to peak, µm", "RMS, µm", "times better than PD", "printed, µm", "printed, times better")
+    return Table(
+        "Position error along the reference",
+        columns,
+        tuple(rows),
+        "The last of two periods. PD and observer are as weak as the document's: a PD of "
+        f"{WEAK:g} Hz, an observer of {OBSERVER:g} Hz, chosen once for PD's error and the observer's to be of the "
+        "document's size. Everything else comes out.",
+    )
+
+
+def parameters_found(identified: Identified) -> Table:
+    """Return what was identified beside what is true and what is printed."""
+    curve, dahl, gms = identified.stribeck.values, identified.laws["dahl"], identified.laws["gms"]
+    truth = (true_table().joint(JOINT).friction or ())[0]
+
+    def true(name: str) -> float:
+        return float(truth.value(name))
+
+    rows = [
+        Row("F_s, N", (curve["static"], true("static"), 54.0)),
+        Row("F_c, N", (curve["coulomb"], true("coulomb"), 39.2)),
+        Row("V_s, µm/s", (1e6 * curve["stribeck_velocity"], 1e6 * true("stribeck_velocity"), 698.0)),
+        Row("δ_Vs", (curve["stribeck_exponent"], true("stribeck_exponent"), 0.98)),
+        Row("σ₂, N·s/µm", (1e-6 * curve["viscous"], 1e-6 * true("viscous"), 8.4e-5)),
+        Row("elements", (float(len(gms["stiffness"])), float(len(truth.parameters["stiffness"])), 12.0)),  # type: ignore[arg-type]
+        Row(
+            "stiffness at rest, N/µm",
+            (1e-6 * float(np.sum(gms["stiffness"])), 1e-6 * float(np.sum(truth.parameters["stiffness"])), None),
+        ),
+        Row("Dahl σ₀, N/µm", (1e-6 * float(dahl["bristle_stiffness"]), None, 1.4)),  # type: ignore[arg-type]
+        Row("Dahl δ_d", (float(dahl["shape_exponent"]), None, 5.14)),  # type: ignore[arg-type]
+        Row("LuGre σ₁, N·s/µm", (1e-6 * float(identified.laws["lugre"]["bristle_damping"]), None, 0.01)),  # type: ignore[arg-type]
+        Row("GMS C, N/s", (float(gms["attraction"]), true("attraction"), 65.0)),  # type: ignore[arg-type]
+        Row("Leuven exponent", (float(identified.laws["leuven"]["shape_exponent"]), None, PRINTED_SHAPE)),  # type: ignore[arg-type]
+    ]
+    return Table(
+        "Parameters identified from the table's own experiments", ("identified", "true", "printed"), tuple(rows)
+    )
+
+
+def loops_left(identified: Identified) -> Table:
+    """Return what every law leaves of the slow turns, and every number of elements of turns not fitted."""
+    errors = following_errors(identified)
+    rows = [Row(law, (error, 100.0 * error / identified.stribeck.values["static"])) for law, error in errors.items()]
+    counts = [
+        Row(f"{count} elements", (error, 100.0 * error / identified.stribeck.values["static"]))
+        for count, error in identified.elements.heldout.items()
+    ]
+    return Table(
+        "What the laws leave of slow turns (figure 4B), and elements over turns that were not fitted",
+        ("RMS, N", "% of F_s"),
+        (*rows, *counts),
+    )
+
+
+def numbers_stored(identified: Identified) -> Table:
+    """Return how many numbers every law keeps."""
+    rows = []
+    for law, values in identified.laws.items():
+        found = find_law(law.partition(" ")[0])
+        packed = found.pack(values)
+        rows.append(Row(law, (float(packed.size), float(found.state_count(packed)))))
+    return Table(
+        "Table I: numbers that each law keeps",
+        ("parameters", "state"),
+        tuple(rows),
+        "Operations and time of one evaluation, counted and measured, stand in docs/benchmarks.md.",
+    )
