@@ -15,6 +15,7 @@ from mjfriction.cli.export import export
 from mjfriction.cli.identify import identify
 from mjfriction.cli.inspect import inspect
 from mjfriction.cli.laws import laws
+from mjfriction.cli.observe import observe
 from mjfriction.cli.plan import plan
 from mjfriction.cli.predict import predict
 from mjfriction.cli.reproduce import reproduce
@@ -32,7 +33,21 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=True,
 )
-for verb in (compare, demo, diagnose, export, identify, inspect, laws, plan, predict, reproduce, simulate, view):
+for verb in (
+    compare,
+    demo,
+    diagnose,
+    export,
+    identify,
+    inspect,
+    laws,
+    observe,
+    plan,
+    predict,
+    reproduce,
+    simulate,
+    view,
+):
     app.command()(verb)
 
 

@@ -40,6 +40,14 @@ class Feedforward(enum.Enum):
     NONE = "none"
 
 
+class Compensation(enum.Enum):
+    """What of its model's friction the controller feeds forward."""
+
+    COULOMB_VISCOUS = "coulomb_viscous"
+    LAW = "law"
+    NONE = "none"
+
+
 def simulate(
     robot: RobotSource,
     trajectory: TrajectorySource,
@@ -53,6 +61,13 @@ def simulate(
     feedforward: Annotated[
         Feedforward, typer.Option(help="What of its model the controller adds.")
     ] = Feedforward.DYNAMICS,
+    friction: Annotated[
+        Compensation, typer.Option(help="Its friction fed forward: stated levels, its laws, or none.")
+    ] = Compensation.COULOMB_VISCOUS,
+    observer: Annotated[
+        float | None, typer.Option(metavar="HZ", help="Observe the rest of friction and give it back.", min=0.01)
+    ] = None,
+    sensed: Annotated[bool, typer.Option("--sensed", help="Let it read the sensors, not the truth.")] = False,
     recording: Recording = None,
     seed: Annotated[int, typer.Option(help="Sets the sensors' noise.")] = 0,
 ) -> None:
@@ -62,6 +77,7 @@ def simulate(
     """
     import pyarrow
 
+    from mjfriction.control.disturbance import disturbance_observer
     from mjfriction.control.servo import Control
     from mjfriction.plant.machine import log_columns, not_followed, run_machine
     from mjfriction.plant.sensors import Recorder
@@ -79,7 +95,14 @@ def simulate(
             machine,
             course,
             rate,
-            Control(bandwidth=bandwidth, feedforward=feedforward.value),
+            Control(
+                bandwidth=bandwidth,
+                feedforward=feedforward.value,
+                friction=friction.value,
+                observer=None if observer is None else disturbance_observer(observer),
+                sensed=sensed,
+                seed=seed,
+            ),
             read_robot(controller) if controller else None,
             whole=recording is not None,
         )

@@ -11,6 +11,7 @@ circle.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -120,6 +121,11 @@ class DisturbanceObserver(Observer):
             raise ControlError(
                 f"{self.title}: its gains are for steps of {self.sampling:g} s, not {step:g} s; make it for that step"
             )
+
+
+def disturbance_observer(bandwidth: float) -> Callable[[float, float], DisturbanceObserver]:
+    """Return (mass, step) → the observer of that bandwidth (Hz), as controllers ask for one at every joint."""
+    return lambda mass, step: DisturbanceObserver.with_bandwidth(mass, step, bandwidth)
 
 
 def _matrices(mass: float, viscous: float, sampling: float) -> tuple[Floats, Floats]:

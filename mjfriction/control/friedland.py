@@ -17,31 +17,32 @@ from dataclasses import dataclass
 import numpy as np
 
 from mjfriction.control.observer import Observer
-from mjfriction.errors import ControlError
 from mjfriction.laws.curves import sign
 from mjfriction.laws.law import Floats, kernel, routine
 
-LONGEST = 0.1  # of the time that a level is learnt in, for a step
-SLOWEST = 1e-12  # rad/s or m/s, in place of zero where a power below zero would have no value
+SLOWEST = 1e-12  # rad/s or m/s, below which nothing is learnt
 
 
 @kernel
-def level_step(v: float, w: float, h: float, gain: float, exponent: float, z: float) -> tuple[float, float]:
-    """Return (next z, â) of the level's observer with ``v`` held through the step: linear in z, so stepped exactly."""
-    size = max(abs(v), SLOWEST)
-    learnt = gain * size**exponent
-    if v == 0.0:
-        return z, z - learnt
+def level_step(level: float, v: float, before: float, w: float, h: float, gain: float, exponent: float) -> float:
+    """Return â after a step in which the velocity went evenly from ``before`` to ``v`` under ``w``.
+
+    In â itself the observer reads dâ/dt = k·μ·|v|^(μ−1)·(w·sgn v − â − d|v|/dt); z spares it the derivative, which
+    sampled velocities have anyway.  For μ = 1 the step is exact.
+    """
+    size = 0.5 * (abs(v) + abs(before))
+    if size < SLOWEST or math.isnan(w):
+        return level
     rate = gain * exponent * size ** (exponent - 1.0)
-    goal = w * sign(v) + learnt
-    ahead = goal + (z - goal) * math.exp(-rate * h)
-    return ahead, ahead - learnt
+    goal = w * sign(v + before) - (abs(v) - abs(before)) / h
+    return goal + (level - goal) * math.exp(-rate * h)
 
 
 @routine
 def friedland_park(x: float, v: float, u: float, h: float, p: Floats, z: Floats, z_next: Floats) -> tuple[float, float]:
-    """Velocity as measured; p = (m, k, μ), z = (z,)."""
-    z_next[0], level = level_step(v, u / p[0], h, p[1], p[2], z[0])
+    """Velocity as measured; p = (m, k, μ), z = (â, v, w), the last two of the reading before."""
+    level = level_step(z[0], v, z[1], z[2], h, p[1], p[2])
+    z_next[0], z_next[1], z_next[2] = level, v, u / p[0]
     return p[0] * level * sign(v), v
 
 
@@ -49,7 +50,7 @@ def friedland_park(x: float, v: float, u: float, h: float, p: Floats, z: Floats,
 def friedland_mentzelopoulou(
     x: float, v: float, u: float, h: float, p: Floats, z: Floats, z_next: Floats
 ) -> tuple[float, float]:
-    """Velocity estimated with the net acceleration; p = (m, k, μ, k_v), z = (z, v̂, x, net)."""
+    """Velocity estimated with the net acceleration; p = (m, k, μ, k_v), z = (â, v̂, x, net, w)."""
     return _position_only(x, u, h, p, z, z_next, 1.0)
 
 
@@ -66,9 +67,10 @@ def _position_only(
     # dv̂/dt = k_v·(dx/dt − v̂) + net over the step that ended, position going evenly from reading to reading: exact.
     kept = math.exp(-p[3] * h)
     now = kept * z[1] + (1.0 - kept) * ((x - z[2]) / h + z[3] / p[3])
-    z_next[0], _ = level_step(now, u / p[0], h, p[1], p[2], z[0])
-    level = z[0] - p[1] * max(abs(now), SLOWEST) ** p[2]
-    z_next[1], z_next[2], z_next[3] = now, x, share * (u / p[0] - level * sign(now))
+    level = level_step(z[0], now, z[1], z[4], h, p[1], p[2])
+    w = u / p[0]
+    z_next[0], z_next[1], z_next[2] = level, now, x
+    z_next[3], z_next[4] = share * (w - level * sign(now)), w
     return p[0] * level * sign(now), now
 
 
@@ -94,7 +96,7 @@ class FriedlandPark(Observer):
 
     def start(self, position: float, velocity: float = 0.0) -> Floats:
         """No friction known: â = 0."""
-        return np.array([self.gain * max(abs(velocity), SLOWEST) ** self.exponent])
+        return np.array([0.0, velocity, np.nan])
 
 
 @dataclass(frozen=True)
@@ -117,17 +119,7 @@ class _FromPosition(Observer):
 
     def start(self, position: float, velocity: float = 0.0) -> Floats:
         """No friction known, the velocity as told."""
-        learnt = self.gain * max(abs(velocity), SLOWEST) ** self.exponent
-        return np.array([learnt, velocity, position, 0.0])
-
-    def check_step(self, step: float) -> None:
-        """Raise :class:`ControlError` where the level would be learnt within a few steps: it would swing up."""
-        super().check_step(step)
-        if self.exponent == 1.0 and self.gain * step > LONGEST:
-            raise ControlError(
-                f"{self.title}: gain {self.gain:g} learns within a few steps of {step:g} s and swings up; at most "
-                f"{LONGEST / step:.3g} is allowed"
-            )
+        return np.array([0.0, velocity, position, 0.0, np.nan])
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ COUNTS = (1, 2, 3, 4, 6, 8, 12, 16)
 SHORTEST = 0.01  # of the largest turn: the first travel of the ladder
 FEWEST_TURNS = 4  # half cycles, so that some can be left out
 AS_GOOD = 1.02  # of the least error on turns not fitted, up to which fewer elements are taken
+FOLLOWS = 0.99  # of the force's deviation, that elements must leave less than
 LEAST_SHARE = 1e-6  # of the whole stiffness, that an element must have to be one
 
 
@@ -76,7 +77,7 @@ def elements_of(position: Floats, force: Floats, counts: Sequence[int] = COUNTS)
     strengths = _bounded(stops[rows], force[rows])
     left = force[rows] - stops[rows] @ strengths[:-1] - strengths[-1]
     there = strengths[:-1] > LEAST_SHARE * np.sum(strengths[:-1])
-    if not np.any(there):
+    if np.std(left) > FOLLOWS * np.std(force[rows]):
         raise LogError("the force does not follow the turns at all: no element has a stiffness; record smaller turns")
     return Elements(
         strengths[:-1][there], ladder[there], float(strengths[-1]), held, float(np.sqrt(np.mean(np.square(left))))

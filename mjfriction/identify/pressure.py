@@ -132,7 +132,7 @@ def fit_variant(points: SteadyPoints, way: Way, number: int) -> Variant:
 
     def solved(growth: float) -> tuple[Floats, float]:
         table = np.column_stack([np.exp(growth * speed), *(columns[name] for name in names if name in columns)])
-        size = np.sqrt(np.mean(np.square(table), axis=0))
+        size = np.maximum(np.sqrt(np.mean(np.square(table), axis=0)), 1e-300)
         low = np.array([0.0 if name in ("level", "viscous") else -np.inf for name in names if name != "growth"])
         found = lsq_linear(table / size / own.error[:, None], force / own.error, bounds=(low, np.inf))
         solution = np.asarray(found.x / size)

@@ -32,6 +32,7 @@ def write_run(robot: Robot, run: Run, path: Path) -> None:
     for i, name in enumerate(robot.joints):
         send(stream, f"{name}/drive", run.time[thin], run.played.torque[thin, i])
         send(stream, f"{name}/friction", run.time[thin], run.played.friction[thin, i])
+        send(stream, f"{name}/compensation", run.time[thin], run.estimates[thin, i])
         send(stream, f"{name}/position", run.time[thin], run.played.position[thin, i])
         send(stream, f"{name}/velocity", run.time[thin], run.played.velocity[thin, i])
         for k, course in enumerate(run.played.states.get(name, np.empty((0, 0)))[thin].T):
@@ -49,7 +50,9 @@ def _blueprint(joints: Sequence[str], run: Run, scene: Scene) -> rrb.Blueprint:
     for name in joints:
         views = [
             rrb.TimeSeriesView(
-                origin=f"/{name}", contents=[f"/{name}/drive", f"/{name}/friction"], name="drive and friction"
+                origin=f"/{name}",
+                contents=[f"/{name}/drive", f"/{name}/friction", f"/{name}/compensation"],
+                name="drive, friction and its compensation",
             ),
             rrb.TimeSeriesView(origin=f"/{name}", contents=[f"/{name}/velocity"], name="velocity"),
         ]

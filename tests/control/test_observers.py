@@ -70,7 +70,7 @@ def test_friction_of_a_swinging_mass_is_followed(swung: Ran, name: str) -> None:
 def test_the_level_is_learnt_at_the_rate_that_the_equation_says(exponent: float) -> None:
     level, v, gain = 5.0, 0.3, 4.0
     observer = FriedlandPark(MASS, gain=gain, exponent=exponent)
-    time = STEP * np.arange(1, 2001)
+    time = STEP * np.arange(2000)
     at = np.full(time.size, v)
     found, _ = estimate_along(observer, STEP, np.cumsum(at) * STEP, np.full(time.size, level), at)
     rate = gain * exponent * v ** (exponent - 1.0)
@@ -199,7 +199,8 @@ def test_along_a_log_is_step_by_step_to_the_bit(swung: Ran, name: str) -> None:
         stepped.append((force, speed))
     along = estimate_along(observer, STEP, swung.position[:200], swung.force[:200], swung.velocity[:200])
     assert np.array_equal(np.array(stepped).T, np.array(along))
-    assert np.array_equal(before, observer.start(float(swung.position[0]), float(swung.velocity[0])))
+    again = observer.start(float(swung.position[0]), float(swung.velocity[0]))
+    assert np.array_equal(before, again, equal_nan=True)
 
 
 @pytest.mark.parametrize(
@@ -209,7 +210,6 @@ def test_along_a_log_is_step_by_step_to_the_bit(swung: Ran, name: str) -> None:
         (lambda: FriedlandPark(1.0, -1.0), "gain = -1; it must be above 0"),
         (lambda: FriedlandPark(1.0, float("nan")), "gain = nan; a finite number"),
         (lambda: Tafazoli(1.0, 1.0, 0.0), "velocity_gain = 0; it must be above 0"),
-        (lambda: FriedlandMentzelopoulou(1.0, 500.0, 50.0).check_step(1e-3), "gain 500.*at most 100"),
         (lambda: VariableStructure(1.0, 1.0, 2.0, 3.0), "velocity_gain = 2; it must be below 0"),
         (lambda: VariableStructure(1.0, 1.0, -2.0, -3.0), "friction_gain = -3; it must be above 0"),
         (lambda: VariableStructure(1.0, 2.0, -2.0, 3.0, 1e-4).check_step(1e-3), "smoothing must be above 0.002"),

@@ -32,7 +32,7 @@ FAST, MOST_FAST = 20.0, 0.25  # Hz, V: what the valve may be asked for above tha
 FIRST_PD = (5000.0, 1e-3)  # V/m, and velocity gain per position gain (s)
 FIRST_ACCELERATION = (16000.0, 1e-6)  # V/m, and acceleration gain per position gain (s²)
 EVALUATIONS = 18
-FACTORS = (0.7, 1.0, 1.4)  # by which the gains of one direction are tried
+FACTORS = (0.85, 1.0, 1.2)  # by which the gains of one direction are tried
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ def variants(identified: Identified) -> Table:
         rows.append(
             Row(
                 f"model {number}" if number < 5 else "x₁, x₄, x₅ (ours)",
-                (own[0].rms, own[1].rms, *printed, own[0].criterion, own[1].criterion),
+                (round(own[0].rms, 4), round(own[1].rms, 4), *printed, own[0].criterion, own[1].criterion),
             )
         )
     return Table(

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from mjfriction.control.disturbance import DisturbanceObserver
-from mjfriction.control.servo import Control, ObserverFor
+from mjfriction.control.disturbance import disturbance_observer
+from mjfriction.control.servo import Control
 from mjfriction.laws.law import Floats
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
@@ -60,16 +60,12 @@ def weak_control(*, friction: bool, observer: bool) -> Control:
         cancels_cogging=True,
         sensed=True,
     )
-    return replace(control, observer=_observer(OBSERVER)) if observer else control
+    return replace(control, observer=disturbance_observer(OBSERVER)) if observer else control
 
 
 def stiff_control() -> Control:
     """Return the stiff control under which the table is identified."""
-    return Control(bandwidth=STIFF, friction="none", observer=_observer(STIFF_OBSERVER), sensed=True)
-
-
-def _observer(bandwidth: float) -> ObserverFor:
-    return lambda mass, step: DisturbanceObserver.with_bandwidth(mass, step, bandwidth)
+    return Control(bandwidth=STIFF, friction="none", observer=disturbance_observer(STIFF_OBSERVER), sensed=True)
 
 
 def _distribution() -> tuple[Floats, Floats]:

@@ -1,0 +1,86 @@
+"""Friction along a log of six axes, as observers estimate it, held against the friction that acted."""
+
+from __future__ import annotations
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from mjfriction.control.observe import OBSERVERS, observe_log
+from mjfriction.control.servo import Control
+from mjfriction.errors import ControlError
+from mjfriction.identify.protocol import plan_excitation
+from mjfriction.plant.machine import log_columns, run_machine
+from mjfriction.plant.sensors import Recorder
+from mjfriction.record.log import Log
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.files import read_robot
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.schema import FrictionTerm
+
+
+@pytest.fixture(scope="module")
+def arm() -> Robot:
+    robot = read_robot("ur5")
+    for joint in robot.table.joint:
+        (term,) = joint.friction or ()
+        level = term.value("coulomb")
+        values = {
+            "coulomb": level,
+            "static": 1.3 * level,
+            "stribeck_velocity": 0.05,
+            "stribeck_exponent": 1.0,
+            "viscous": term.value("viscous"),
+            "bristle_stiffness": 1e3 * level,
+            "bristle_damping": 10.0 * level,
+        }
+        robot = robot.with_joint(joint.model_copy(update={"friction": (FrictionTerm(law="lugre", parameters=values),)}))
+    return robot
+
+
+@pytest.fixture(scope="module")
+def recorded(arm: Robot) -> tuple[Log, np.ndarray]:
+    motion, recorder = plan_excitation(arm, 15.0).trajectory, Recorder(500.0)
+    run = run_machine(arm, motion, 500.0, Control())
+    columns = log_columns(arm, motion, recorder, run, 0)
+    true = np.column_stack([np.interp(columns["time"], run.time, own) for own in run.played.friction.T])
+    return log_from_table(pa.table(columns), "excited"), true
+
+
+@pytest.mark.parametrize("name", OBSERVERS)
+def test_every_joints_friction_is_met_within_a_sixth(arm: Robot, recorded: tuple[Log, np.ndarray], name: str) -> None:
+    log, true = recorded
+    found = observe_log(log, arm, name, 10.0)
+    for i, joint in enumerate(arm.joints):
+        error = (found[f"friction.{joint}"] - true[:, i])[500:-500]
+        assert np.sqrt(np.mean(np.square(error))) < 0.17 * np.sqrt(np.mean(np.square(true[:, i])))
+        assert found[f"velocity.{joint}"].shape == log.time.shape
+
+
+def test_a_law_that_is_known_is_followed_ten_times_nearer(arm: Robot, recorded: tuple[Log, np.ndarray]) -> None:
+    log, true = recorded
+    errors = []
+    for name in ("bristle", "disturbance"):
+        found = observe_log(log, arm, name, 10.0)["friction.elbow_joint"]
+        errors.append(np.sqrt(np.mean(np.square((found - true[:, 2])[500:-500]))))
+    assert errors[0] < 0.1 * errors[1] * 1.5
+
+
+def test_a_faster_observer_lags_less(arm: Robot, recorded: tuple[Log, np.ndarray]) -> None:
+    log, true = recorded
+
+    def error(bandwidth: float) -> float:
+        found = observe_log(log, arm, "disturbance", bandwidth)["friction.elbow_joint"]
+        return float(np.sqrt(np.mean(np.square((found - true[:, 2])[1000:-500]))))
+
+    assert error(20.0) < 0.8 * error(5.0)
+
+
+def test_what_cannot_be_observed_is_refused_by_name(arm: Robot, recorded: tuple[Log, np.ndarray]) -> None:
+    log, _ = recorded
+    with pytest.raises(ControlError, match="no observer 'tafazolli'; did you mean 'tafazoli'"):
+        observe_log(log, arm, "tafazolli")
+    with pytest.raises(ControlError, match="bandwidth = -1 Hz"):
+        observe_log(log, arm, "tafazoli", -1.0)
+    with pytest.raises(ControlError, match="joint 'shoulder_pan_joint': the bristle observer goes by"):
+        observe_log(log, read_robot("ur5"), "bristle")
