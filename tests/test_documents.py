@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from mjfriction.control.observe import OBSERVERS
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.presliding import LEAST_PART
 from mjfriction.diagnose.causes.stribeck import GONE_BY
@@ -14,6 +15,7 @@ from mjfriction.diagnose.compete import LEAST_KIN_EFFECT, NEAR_BEST
 from mjfriction.diagnose.stated import OUTLYING
 from mjfriction.diagnose.trial import LEAST_EFFECT
 from mjfriction.laws.catalog import LAWS
+from mjfriction.reproduce.catalog import DOCUMENTS
 from mjfriction.robot.robot import bundled_robots
 
 ROOT = Path(__file__).parents[1]
@@ -41,6 +43,13 @@ def test_every_cause_that_competes_is_in_the_readmes_table() -> None:
     listed = {name for row in rows for name in re.findall(r"`([a-z_.]+)`", row)}
     for cause in STRUCTURAL:
         assert cause.name in listed
+
+
+def test_every_observer_and_every_experiment_is_told_of() -> None:
+    told = text("docs/compensation.md")
+    for name in OBSERVERS:
+        assert f"`{name}`" in told
+    assert "|".join(DOCUMENTS) in told
 
 
 def test_how_it_decides_tells_the_share_that_it_uses() -> None:

@@ -37,7 +37,7 @@ class FrictionCourse:
 def friction_course(log: Log, robot: Robot, joint: str, band: float | None = None) -> FrictionCourse:
     """Return a joint's friction along a log, its stated friction left aside; the rest of the robot is believed.
 
-    With a ``band`` (Hz) the effort passes a fourth-order Butterworth low-pass forward and backward.  Raises
+    With a ``band`` (Hz) it is low-passed without phase lag.  Raises
     :class:`LogError` where the log has no effort of that joint, :class:`~mjfriction.errors.RobotError` for a joint that
     the robot has not.
     """
@@ -52,7 +52,13 @@ def friction_course(log: Log, robot: Robot, joint: str, band: float | None = Non
     sensor = bare.table.joint[place].effort_sensor
     reported = motion.torque[:, place] * effort_per_reported(bare.table.joint[place], motion.quantity[place], bare.name)
     friction = (reported - predict_effort(bare, body, motion).reported[:, place]) / sensor.scale
-    if band is not None and band < 0.45 * motion.rate:
-        sos = butter(4, band, fs=motion.rate, output="sos")
-        friction = np.concatenate([sosfiltfilt(sos, friction[own]) for own in motion.pieces])
-    return FrictionCourse(motion, place, friction)
+    return FrictionCourse(motion, place, friction if band is None else low_passed(motion, friction, band))
+
+
+def low_passed(motion: Motion, values: Floats, band: float) -> Floats:
+    """Return values (n,) along a motion, each piece through a fourth-order Butterworth at ``band`` (Hz) to and fro."""
+    sos = butter(4, min(band, 0.4 * motion.rate), fs=motion.rate, output="sos")
+    out = np.empty_like(values)
+    for own in motion.pieces:
+        out[own] = sosfiltfilt(sos, values[own])
+    return out

@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import butter, sosfiltfilt
 
+from mjfriction.identify.friction_course import low_passed
 from mjfriction.identify.phases import Phase
 from mjfriction.record.log import Floats
 from mjfriction.record.motion import Motion
@@ -53,19 +53,11 @@ def friction_maps(motion: Motion, torque: Floats, phases: list[Phase]) -> list[F
         own = [phase for phase in phases if phase.joint == joint]
         if not own or not np.isfinite(torque[0, joint]):
             continue
-        smooth = _low_passed(motion, torque[:, joint])
+        smooth = low_passed(motion, torque[:, joint], CUTOFF)
         points = [point for group in _by_speed(own) if (point := _point(motion, smooth, group)) is not None]
         if len(points) >= FEWEST_SPEEDS:
             columns = np.array(points).T
             out.append(FrictionMap(joint, *columns))
-    return out
-
-
-def _low_passed(motion: Motion, torque: Floats) -> Floats:
-    sos = butter(4, min(CUTOFF, 0.4 * motion.rate), fs=motion.rate, output="sos")
-    out = np.empty_like(torque)
-    for own in motion.pieces:
-        out[own] = sosfiltfilt(sos, torque[own])
     return out
 
 

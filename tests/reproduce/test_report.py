@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -43,6 +44,12 @@ def test_page_and_figures_hold_what_came_out(tmp_path: Path) -> None:
 def test_pictures_are_thinned_to_what_is_seen(tmp_path: Path) -> None:
     write_reproduced([made_up()], tmp_path)
     assert (tmp_path / "report.html").stat().st_size < 6_000_000
+
+
+def test_every_document_has_its_experiments() -> None:
+    for name in DOCUMENTS:
+        module = import_module(f"mjfriction.reproduce.{name}.told")
+        assert callable(getattr(module, f"reproduce_{name}"))
 
 
 def test_a_document_that_there_is_not_is_refused(tmp_path: Path) -> None:
