@@ -18,6 +18,7 @@ Out = Annotated[Path, typer.Option("--out", metavar="T", help="Table to write, .
 class Kind(enum.Enum):
     """The observers there are."""
 
+    BALANCE = "balance"
     DISTURBANCE = "disturbance"
     FRIEDLAND_PARK = "friedland_park"
     FRIEDLAND_MENTZELOPOULOU = "friedland_mentzelopoulou"
@@ -30,12 +31,13 @@ def observe(
     log: LogPath,
     robot: RobotSource,
     out: Out,
-    observer: Annotated[Kind, typer.Option(help="Which observer.")] = Kind.DISTURBANCE,
-    bandwidth: Annotated[float, typer.Option(help="How fast its errors die away, Hz.", min=0.01)] = 10.0,
+    observer: Annotated[Kind, typer.Option(help="Which observer.")] = Kind.BALANCE,
+    bandwidth: Annotated[float, typer.Option(help="How fast its errors die away, Hz.", min=0.01, max=1000.0)] = 10.0,
     map_: MapSource = None,
     json: Json = False,
 ) -> None:
-    """Estimate the friction of every joint along a log, without a friction law (but bristle, which goes by one).
+    """Tell the friction of every joint along a log, without a friction law: what the balance leaves, or what an
+    observer that runs live would have told of it (bristle goes by the joint's law).
 
     The rest of the robot file is believed. Writes time, friction.<joint> and velocity.<joint>, row by row.
 

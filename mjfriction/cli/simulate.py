@@ -69,7 +69,7 @@ def simulate(
     ] = None,
     sensed: Annotated[bool, typer.Option("--sensed", help="Let it read the sensors, not the truth.")] = False,
     recording: Recording = None,
-    seed: Annotated[int, typer.Option(help="Sets the sensors' noise.")] = 0,
+    seed: Annotated[int, typer.Option(help="Sets the sensors' noise.", min=0)] = 0,
 ) -> None:
     """Run a robot along a trajectory in closed loop and write a log: everything its file states acts in MuJoCo.
 

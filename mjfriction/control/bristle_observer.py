@@ -2,29 +2,32 @@
 
     dv̂/dt = (u − F̂)/m + l·(v − v̂),   dẑ/dt = [the law's own](v, ẑ) − γ·(v − v̂),   F̂ = law(v, ẑ)
 
-With LuGre, dz/dt = v − a·z, a = σ₀|v|/g(v): at a held velocity the errors e_v = v − v̂, e_z = z − ẑ let
+The law stands in it without the damping of its bristle.  With LuGre, dz/dt = v − a·z, a = σ₀|v|/g(v): at a held
+velocity the errors e_v = v − v̂, e_z = z − ẑ then let
 
-    V = ½m·e_v² + (σ₀ − σ₁a)/(2γ)·e_z²   fall,   dV/dt = −(ml + γσ₁)·e_v² − (σ₀ − σ₁a)·(a/γ)·e_z²,
+    V = ½m·e_v² + σ₀/(2γ)·e_z²   fall at every speed,   dV/dt = −m·l·e_v² − σ₀·(a/γ)·e_z²   for l, γ > 0;
 
-for l, γ > 0 while σ₁|v| < g(v).  After Canudas de Wit, Olsson, Åström, Lischinsky, IEEE Trans. Automatic Control 40(3),
-1995, whose observer is corrected by the tracking error; the innovation of a velocity observer stands in its place, so
-that it runs on a log too.
+with σ₁ in it the force of a deflection would turn over where σ₁|v| > g(v).  After Canudas de Wit, Olsson, Åström,
+Lischinsky, IEEE Trans. Automatic Control 40(3), 1995, whose observer is corrected by the tracking error; the innovation
+of a velocity observer stands in its place, so that it runs on a log too.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import functools
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from mjfriction.control.observer import Observer
 from mjfriction.errors import ControlError
 from mjfriction.laws.ambient import AMBIENT_SIZE, ROOM_TEMPERATURE, SLIDING, TEMPERATURE
-from mjfriction.laws.friction import Friction
+from mjfriction.laws.friction import Friction, Level
 from mjfriction.laws.law import Floats, routine
 from mjfriction.laws.wrapped import RATIO, advance_wrapped
 
 GAINS = 3  # packed before the law
+STIFFNESS = "bristle_stiffness"
 
 
 @routine
@@ -53,10 +56,13 @@ class BristleObserver(Observer):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.law.state_count != 1:
+        if self.law.state_count != 1 or self.law.law.index(STIFFNESS) is None:
             raise ControlError(
-                f"{self.title} needs a law with one bristle, such as 'lugre' or 'dahl'; '{self.law.law.name}' has "
-                f"{self.law.state_count} states here"
+                f"{self.title} needs a law with one bristle, such as 'lugre' or 'dahl', not '{self.law.law.name}'"
+            )
+        if self.law.level != Level() or self.law.law.reads:
+            raise ControlError(
+                f"{self.title} knows neither load, place nor temperature; take a law whose level does not follow them"
             )
         self.require(self.velocity_gain > 0.0, "velocity_gain", "above 0")
         self.require(self.bristle_gain > 0.0, "bristle_gain", "above 0")
@@ -64,7 +70,28 @@ class BristleObserver(Observer):
     @property
     def packed(self) -> Floats:
         """(m, l, γ, the law's own vector)."""
-        return np.concatenate([[self.mass, self.velocity_gain, self.bristle_gain], self.law.packed])
+        return np.concatenate([[self.mass, self.velocity_gain, self.bristle_gain], self._undamped.packed])
+
+    @functools.cached_property
+    def _undamped(self) -> Friction:
+        values, place = self.law.values.copy(), self.law.law.index("bristle_damping")
+        if place is not None:
+            values[place] = 0.0
+        return replace(self.law, values=values)
+
+    @property
+    def stiffness(self) -> float:
+        """The bristle's, as the joint feels it: N·m/rad or N/m of the law's own travel."""
+        place = self.law.law.index(STIFFNESS)
+        assert place is not None, "checked when it was made"
+        return float(self.law.values[place]) * self.law.gear_ratio**2
+
+    def check_step(self, step: float) -> None:
+        """Raise :class:`ControlError` where a step is so long that the errors grow from step to step."""
+        super().check_step(step)
+        drawn = 1.0 / (1.0 + step * self.velocity_gain)
+        errors = [[drawn, -step * self.stiffness / self.mass * drawn], [step * self.bristle_gain, 1.0]]
+        self.require_settling(np.array(errors), step)
 
     def start(self, position: float, velocity: float = 0.0) -> Floats:
         """The velocity as told, no deflection."""

@@ -22,6 +22,7 @@ from mjfriction.errors import ControlError
 from mjfriction.laws.law import Floats, routine
 
 SAME_STEP = 1e-6  # relative
+SLOWEST = 1e-4  # of a sampling's rate: bandwidths below it lie in the rounding of eigenvalues near 1
 
 
 @routine
@@ -70,10 +71,7 @@ class DisturbanceObserver(Observer):
         ``position_noise``: standard deviation of a reading, m; ``force_walk``: of the second difference of the force
         per step, N.  The gain is L = F̂PĤᵀ(ĤPĤᵀ + R)⁻¹, P from the discrete Riccati equation.
         """
-        if not (position_noise > 0.0 and force_walk > 0.0):
-            raise ControlError(
-                f"a Kalman filter needs position_noise and force_walk above 0, not {position_noise:g}, {force_walk:g}"
-            )
+        _check(mass=mass, sampling=sampling, position_noise=position_noise, force_walk=force_walk)
         # In units in which the noises are 1: readings of nanometres and forces of newtons lie ten decades apart.
         forward, measured = _matrices(mass, viscous, sampling)
         unit = np.array([position_noise / sampling, position_noise, force_walk, force_walk / sampling])
@@ -90,13 +88,21 @@ class DisturbanceObserver(Observer):
         cls, mass: float, sampling: float, bandwidth: float, *, viscous: float = 0.0
     ) -> DisturbanceObserver:
         """Return the one whose errors die away with four equal rates 2π·``bandwidth`` (Hz)."""
+        _check(mass=mass, sampling=sampling, bandwidth=bandwidth)
+        if bandwidth * sampling < SLOWEST:
+            raise ControlError(
+                f"a disturbance observer of {bandwidth:g} Hz is too slow for steps of {sampling:g} s: its gains would "
+                f"drown in rounding; at least {SLOWEST / sampling:.3g} Hz is allowed"
+            )
+        # In units of one step all entries are about 1, and F̂ − λ loses nothing by λ being near 1.
         forward, measured = _matrices(mass, viscous, sampling)
-        wanted = np.poly(np.full(4, np.exp(-2.0 * np.pi * bandwidth * sampling)))
-        seen = np.vstack([measured @ np.linalg.matrix_power(forward, k) for k in range(4)])
-        # Ackermann's formula for the pair (F̂, Ĥ).
-        polynomial = sum(c * np.linalg.matrix_power(forward, 4 - k) for k, c in enumerate(wanted))
-        gain = polynomial @ np.linalg.solve(seen, np.array([0.0, 0.0, 0.0, 1.0]))
-        return cls(mass, viscous, sampling, _four(gain))
+        unit = np.array([1.0 / sampling, 1.0, mass / sampling**2, mass / sampling**3])
+        own = forward * unit / unit[:, None]
+        off = own - np.exp(-2.0 * np.pi * bandwidth * sampling) * np.eye(4)
+        seen = np.vstack([measured @ np.linalg.matrix_power(own, k) for k in range(4)])
+        # Ackermann's formula for the pair (F̂, Ĥ), all four eigenvalues alike.
+        gain = off @ off @ off @ off @ np.linalg.solve(seen, np.array([0.0, 0.0, 0.0, 1.0]))
+        return cls(mass, viscous, sampling, _four(gain * unit))
 
     @property
     def slowest(self) -> float:
@@ -134,6 +140,12 @@ def _matrices(mass: float, viscous: float, sampling: float) -> tuple[Floats, Flo
         [[1.0 - viscous * t / mass, 0.0, -t / mass, 0.0], [t, 1.0, 0, 0], [0, 0, 1.0, t], [0, 0, 0, 1.0]]
     )
     return forward, np.array([[0.0, 1.0, 0.0, 0.0]])
+
+
+def _check(**given: float) -> None:
+    for name, value in given.items():
+        if not (np.isfinite(value) and value > 0.0):
+            raise ControlError(f"a disturbance observer needs {name} above 0, not {value:g}")
 
 
 def _four(gain: Floats) -> tuple[float, float, float, float]:

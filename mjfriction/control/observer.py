@@ -73,6 +73,15 @@ class Observer(ABC):
         if not step > 0.0:
             raise ControlError(f"{self.title}: steps of {step:g} s; allowed is above 0")
 
+    def require_settling(self, errors: Floats, step: float) -> None:
+        """Raise :class:`ControlError` where ``errors``, the matrix of the errors from step to step, lets them grow."""
+        largest = float(np.max(np.abs(np.linalg.eigvals(errors))))
+        if largest >= 1.0:
+            raise ControlError(
+                f"{self.title}: at steps of {step:g} s its errors grow by {largest:.4g} a step; lower its gains (or "
+                "its bandwidth), or step finer"
+            )
+
     def step(
         self, state: Floats, position: float, velocity: float, force: float, step: float
     ) -> tuple[Floats, float, float]:
@@ -88,16 +97,23 @@ def estimate_along(
     """Return friction and velocity, (n,) each, as an observer estimates them along samples ``step`` seconds apart.
 
     ``force`` (n,) is what moves the mass besides friction.  Raises :class:`ControlError` where the observer needs a
-    velocity and none is given, or cannot work at this step.
+    velocity and none is given, cannot work at this step, or gets arrays of different lengths or with NaN in them.
     """
     observer.check_step(step)
     if velocity is None:
         if observer.needs_velocity:
             raise ControlError(f"{observer.title} needs a measured velocity; take one that estimates it")
-        velocity = np.zeros_like(position)
-    friction, speed = np.empty_like(position), np.empty_like(position)
+        velocity = np.zeros(np.shape(position))
     columns = [np.ascontiguousarray(values, dtype=np.float64) for values in (position, velocity, force)]
-    start = observer.start(float(position[0]), float(velocity[0]))
+    sizes = [column.shape for column in columns]
+    if any(size != (columns[0].size,) for size in sizes) or columns[0].size == 0:
+        raise ControlError(
+            f"{observer.title}: position, velocity and force have shapes {sizes}; they must be alike, (n,)"
+        )
+    if not all(np.all(np.isfinite(column)) for column in columns):
+        raise ControlError(f"{observer.title}: position, velocity and force must all be finite numbers")
+    friction, speed = np.empty(columns[0].size), np.empty(columns[0].size)
+    start = observer.start(float(columns[0][0]), float(columns[1][0]))
     _loop()(type(observer).advance, *columns, step, observer.packed, start, friction, speed)
     return friction, speed
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -23,6 +23,7 @@ class Sensing:
     def __init__(self, robot: Robot, seed: int, step: float) -> None:
         sensors = [joint.position_sensor for joint in robot.table.joint]
         self.noise = np.array([sensor.noise for sensor in sensors])
+        self.offset = np.array([sensor.offset for sensor in sensors])
         self.resolution = np.array([sensor.resolution for sensor in sensors])
         bandwidth = np.array([sensor.velocity_bandwidth or USUAL_BANDWIDTH for sensor in sensors])
         self.share, self.step = -np.expm1(-2.0 * np.pi * bandwidth * step), step
@@ -32,7 +33,7 @@ class Sensing:
 
     def __call__(self, position: Floats, velocity: Floats) -> tuple[Floats, Floats]:
         """Return position and velocity as they are read next."""
-        read = position + self.noise * self.rng.standard_normal(position.size)
+        read = position + self.offset + self.noise * self.rng.standard_normal(position.size)
         coarse = np.where(self.resolution > 0.0, self.resolution, 1.0)
         read = np.where(self.resolution > 0.0, np.round(read / coarse) * coarse, read)
         if self.last is None:
@@ -47,16 +48,23 @@ class ValveSensing:
     """Readings for the controller of a valve: it gets position and pressures as the sensors give them."""
 
     def __init__(
-        self, sensor: PositionSensor, of: Hydraulics, seed: int, voltage: Callable[[int, float, float, float], float]
+        self,
+        sensor: PositionSensor,
+        of: Hydraulics,
+        seed: Sequence[int],
+        voltage: Callable[[int, float, float, float], float],
     ) -> None:
         self.noise = (sensor.noise, of.pressure_noise, of.pressure_noise)
         self.resolution = (sensor.resolution, of.pressure_resolution, of.pressure_resolution)
-        self.rng, self.voltage = np.random.default_rng([seed, 43]), voltage
+        self.rng, self.voltage, self.offset = np.random.default_rng([*seed, 43]), voltage, (sensor.offset, 0.0, 0.0)
 
     def __call__(self, k: int, *true: float) -> float:
         """Return what the controller asks for at step ``k``, V."""
         drawn = self.rng.standard_normal(3).tolist()
-        read = [value + noise * own for value, noise, own in zip(true, self.noise, drawn, strict=True)]
+        read = [
+            value + offset + noise * own
+            for value, offset, noise, own in zip(true, self.offset, self.noise, drawn, strict=True)
+        ]
         coarse = [
             round(value / resolution) * resolution if resolution else value
             for value, resolution in zip(read, self.resolution, strict=True)

@@ -68,9 +68,13 @@ class ServoDrives:
 
     def __init__(self, robot: Robot, model: Robot, control: Control, course: Course, step: float) -> None:
         self.course, self.step = course, step
-        self.mass, self.stiffness, self.damping = _gains(robot, control, course.position, step)
+        self.stiffness, self.damping = _gains(robot, control, course.position, step)
+        self.mass = _heaviest(_masses(model, course.position))
         self.rigid = feedforward_rigid(model, control.feedforward, course)
         self.friction = feedforward_friction(model, control.friction, course, step)
+        # Oil, not a drive, moves hydraulic joints; their valves have controllers of their own.
+        driven = [i for i, joint in enumerate(robot.table.joint) if joint.hydraulics is None]
+        self.friction[:, np.delete(np.arange(len(robot.joints)), driven)] = 0.0
         self.limit = np.array([_effort_limit(robot, i) for i in range(len(robot.joints))])
         bandwidths = [joint.actuator.current_bandwidth for joint in robot.table.joint]
         self.share = np.array([-np.expm1(-2.0 * np.pi * hertz * step) if hertz else 1.0 for hertz in bandwidths])
@@ -79,11 +83,12 @@ class ServoDrives:
         self.cogging = [
             (i, joint.cogging) for i, joint in enumerate(model.table.joint) if control.cancels_cogging and joint.cogging
         ]
-        self.observers = [_observer(control.observer, float(mass), step) for mass in self.mass if control.observer]
-        self.known = [
-            observer.start(float(course.position[0, i]), float(course.velocity[0, i]))
-            for i, observer in enumerate(self.observers)
-        ]
+        make = control.observer
+        self.observers = {i: _observer(make, float(self.mass[i]), step) for i in driven} if make else {}
+        self.known = {
+            i: observer.start(float(course.position[0, i]), float(course.velocity[0, i]))
+            for i, observer in self.observers.items()
+        }
         self.estimate = np.zeros(self.mass.size)
         self.estimates = np.zeros_like(course.position)
         # What moves a joint besides its drive and its friction, as far as the model knows.
@@ -101,7 +106,7 @@ class ServoDrives:
         asked += self.damping * (self.course.velocity[k] - velocity) + self.estimate
         asked = np.minimum(np.maximum(asked, -self.limit), self.limit)
         self.made = self.made + self.share * (asked - self.made)
-        for i, observer in enumerate(self.observers):
+        for i, observer in self.observers.items():
             force = float(self.made[i] + self.beside[k, i] - known[i])
             self.known[i], self.estimate[i], _ = observer.step(
                 self.known[i], float(position[i]), float(velocity[i]), force, self.step
@@ -123,13 +128,21 @@ def _effort_limit(robot: Robot, joint: int) -> float:
     return drive.current_limit * drive.torque_constant * abs(drive.gear_ratio)
 
 
-def _gains(robot: Robot, control: Control, q: Floats, step: float) -> tuple[Floats, Floats, Floats]:
+def _masses(robot: Robot, q: Floats) -> list[Floats]:
     body = robot.body()
-    masses = [mass_matrix_at(body, pose) for pose in q[:: max(1, q.shape[0] // POSES)]]
-    inertia = np.max([np.diag(mass) for mass in masses], axis=0)
+    return [mass_matrix_at(body, pose) for pose in q[:: max(1, q.shape[0] // POSES)]]
+
+
+def _heaviest(masses: list[Floats]) -> Floats:
+    return np.asarray(np.max([np.diag(mass) for mass in masses], axis=0))
+
+
+def _gains(robot: Robot, control: Control, q: Floats, step: float) -> tuple[Floats, Floats]:
+    masses = _masses(robot, q)
+    inertia = _heaviest(masses)
     # What a joint weighs while the others give way: much less, on an arm with light rotors.
     least = np.min([1.0 / np.diag(np.linalg.inv(mass)) for mass in masses], axis=0)
     damping = 2.0 * control.damping * inertia * 2.0 * np.pi * control.bandwidth
     share = np.minimum(1.0, STEADY * least / np.maximum(step * damping, 1e-300))
     angular = 2.0 * np.pi * control.bandwidth * share
-    return inertia, inertia * angular**2, share * damping
+    return inertia * angular**2, share * damping

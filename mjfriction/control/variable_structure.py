@@ -20,7 +20,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from mjfriction.control.observer import Observer
-from mjfriction.errors import ControlError
 from mjfriction.laws.curves import sign
 from mjfriction.laws.law import Floats, routine
 
@@ -73,10 +72,21 @@ class VariableStructure(Observer):
         return np.array([position, velocity, 0.0])
 
     def check_step(self, step: float) -> None:
-        """Raise :class:`ControlError` where a step is so long that the smooth switching would jump over zero."""
+        """Raise :class:`ControlError` where a step is so long that the errors grow from step to step.
+
+        Within the smooth switching's width its three errors are linear; sharp, the two of the sliding motion are.
+        """
         super().check_step(step)
-        if self.smoothing > 0.0 and self.switching * step >= self.smoothing:
-            raise ControlError(
-                f"{self.title}: with switching {self.switching:g} and steps of {step:g} s the smoothing must be above "
-                f"{self.switching * step:.3g}, not {self.smoothing:g}; widen it or step finer"
+        drawn = 1.0 / self.mass
+        if self.smoothing > 0.0:
+            steep = self.switching / self.smoothing
+            rates = np.array(
+                [
+                    [-steep, 1.0, 0.0],
+                    [self.velocity_gain * steep, 0.0, -drawn],
+                    [self.friction_gain * steep, 0.0, 0.0],
+                ]
             )
+        else:
+            rates = np.array([[self.velocity_gain, -drawn], [self.friction_gain, 0.0]])
+        self.require_settling(np.eye(rates.shape[0]) + step * rates, step)

@@ -31,8 +31,11 @@ def cogging_waves(
     rows = [slice(phase.first, phase.past) for phase in own]
     place = np.concatenate([course.position[row] for row in rows])
     force = np.concatenate([course.friction[row] - np.mean(course.friction[row]) for row in rows])
-    columns = np.column_stack([wave(k * place) for k in wavenumbers for wave in (np.cos, np.sin)])
+    waves_at = np.column_stack([wave(k * place) for k in wavenumbers for wave in (np.cos, np.sin)])
+    # Friction may vary along the stroke too; its waves turn with the direction, and take their own share.
     which = np.repeat(np.arange(len(rows)), [row.stop - row.start for row in rows])
+    turning = np.sign([phase.velocity for phase in own])[which]
+    columns = np.hstack([waves_at, waves_at * turning[:, None]])
     count = np.bincount(which)
     columns -= np.column_stack([np.bincount(which, column) / count for column in columns.T])[which]
     solved, _, rank, _ = np.linalg.lstsq(columns, force, rcond=1e-6)

@@ -11,7 +11,7 @@ from mjfriction.errors import LogError
 from mjfriction.record.log import Floats, Log, check_joints
 from mjfriction.record.motion import Motion, estimate_motion
 from mjfriction.robot.bandwidth import choose_cutoff
-from mjfriction.robot.effort import effort_per_reported, predict_effort
+from mjfriction.robot.effort import as_given, effort_per_reported, predict_effort, without_offsets
 from mjfriction.robot.robot import Robot
 
 
@@ -49,9 +49,10 @@ def friction_course(log: Log, robot: Robot, joint: str, band: float | None = Non
     motion = estimate_motion(log, bare.joints, choose_cutoff(log, bare, body))
     if motion.quantity[place] is None:
         raise LogError(f"{log.source}: no effort.{joint} or current.{joint}; friction cannot be told without one")
-    sensor = bare.table.joint[place].effort_sensor
-    reported = motion.torque[:, place] * effort_per_reported(bare.table.joint[place], motion.quantity[place], bare.name)
-    friction = (reported - predict_effort(bare, body, motion).reported[:, place]) / sensor.scale
+    own = bare.table.joint[place]
+    reported = motion.torque[:, place] * effort_per_reported(own, motion.quantity[place], bare.name)
+    given = as_given(own, reported, motion, without_offsets(bare, motion).position[:, place])
+    friction = given - predict_effort(bare, body, motion).total[:, place]
     return FrictionCourse(motion, place, friction if band is None else low_passed(motion, friction, band))
 
 

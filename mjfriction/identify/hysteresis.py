@@ -51,6 +51,8 @@ def elements_of(position: Floats, force: Floats, counts: Sequence[int] = COUNTS)
     What came before the first of the largest turns is left out: it erases whatever the elements remembered.  Raises
     :class:`LogError` for a motion of fewer than four half turns.
     """
+    if not (np.all(np.isfinite(position)) and np.all(np.isfinite(force))):
+        raise LogError("position and force must all be finite numbers; leave out the rows that are not")
     turns = _turns(position)
     if turns.size - 1 < FEWEST_TURNS:
         raise LogError(
@@ -77,7 +79,7 @@ def elements_of(position: Floats, force: Floats, counts: Sequence[int] = COUNTS)
     strengths = _bounded(stops[rows], force[rows])
     left = force[rows] - stops[rows] @ strengths[:-1] - strengths[-1]
     there = strengths[:-1] > LEAST_SHARE * np.sum(strengths[:-1])
-    if np.std(left) > FOLLOWS * np.std(force[rows]):
+    if not np.std(left) < FOLLOWS * np.std(force[rows]):
         raise LogError("the force does not follow the turns at all: no element has a stiffness; record smaller turns")
     return Elements(
         strengths[:-1][there], ladder[there], float(strengths[-1]), held, float(np.sqrt(np.mean(np.square(left))))

@@ -98,6 +98,8 @@ def steady_points(logs: list[Log], robot: Robot, joint: str) -> SteadyPoints:
         if missing:
             raise LogError(f"{log.source}: has no column '{missing[0]}'; record both chambers' pressures, in Pa")
         for phase in constant_speed_phases(motion):
+            if phase.joint != place:
+                continue
             own = slice(phase.first, phase.past)
             head, rod = (motion.columns[name][own] for name in names)
             force = of.head_area * head - of.rod_area * rod
@@ -112,7 +114,8 @@ def steady_points(logs: list[Log], robot: Robot, joint: str) -> SteadyPoints:
             "held until the speed settles"
         )
     speed, force, head, rod, error = np.array(rows).T
-    return SteadyPoints(speed, force, head, rod, np.maximum(error, float(np.median(error))))
+    least = max(float(np.median(error)), 1e-9 * float(np.max(np.abs(force))))
+    return SteadyPoints(speed, force, head, rod, np.maximum(error, least))
 
 
 def fit_variant(points: SteadyPoints, way: Way, number: int) -> Variant:
@@ -155,8 +158,12 @@ def fit_variant(points: SteadyPoints, way: Way, number: int) -> Variant:
 
 
 def choose_variant(points: SteadyPoints, way: Way) -> tuple[Variant, dict[int, Variant]]:
-    """Return the variant of least criterion among those that tell friction in a direction, and all by their numbers."""
-    tried = {number: fit_variant(points, way, number) for number in VARIANTS}
+    """Return the variant of least criterion among those that tell friction in a direction, and by their numbers all
+    that the speeds recorded allow.
+    """
+    count = points.towards(way).speed.size
+    tried = {number: fit_variant(points, way, number) for number in TELLING}
+    tried |= {number: fit_variant(points, way, number) for number, names in VARIANTS.items() if count > len(names)}
     return min((tried[number] for number in TELLING), key=lambda variant: variant.criterion), tried
 
 

@@ -125,6 +125,9 @@ def run_machine(
         whole=whole,
     )
     notes = [note for name, cylinder in cylinders.items() for note in cylinder.notes(time, name)]
+    if control.observer is not None or control.friction == "law":
+        idle = "is moved by oil, not by a drive: friction is neither fed forward nor observed there"
+        notes += [f"joint '{name}' {idle}" for name in cylinders]
     return Run(time, course.position, played, cylinders, servo.estimates, tuple(notes))
 
 
@@ -232,7 +235,7 @@ def _cylinder(
     else:
         voltage = _followed_at_its_speed(of, course.position[:, joint], course.velocity[:, joint], control.bandwidth)
     if control.sensed:
-        voltage = ValveSensing(table.position_sensor, of, control.seed, voltage)
+        voltage = ValveSensing(table.position_sensor, of, (control.seed, joint), voltage)
     return Cylinder(of, voltage, pressure, step, float(course.position[0, joint]), load)
 
 

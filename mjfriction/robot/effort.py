@@ -83,6 +83,16 @@ def as_reported(joint: Joint, torque: Floats, motion: Motion, position: Floats) 
     return np.asarray(joint.effort_sensor.scale * _late(torque, motion, joint.effort_sensor.delay))
 
 
+def as_given(joint: Joint, reported: Floats, motion: Motion, position: Floats) -> Floats:
+    """Return the torques (n,) that a drive gave when its sensor reported these: what :func:`as_reported` does, undone.
+
+    ``position`` (n,) is the drive's own.
+    """
+    sensor = joint.effort_sensor
+    given = _late((reported - sensor.offset) / sensor.scale, motion, -sensor.delay)
+    return np.asarray(given * (1.0 + waves_along(joint.actuator.ripple, position)))
+
+
 def without_offsets(robot: Robot, motion: Motion) -> Motion:
     """Return where the sensors' joints are: what they read, less their offsets."""
     offset = np.array([joint.position_sensor.offset for joint in robot.table.joint])

@@ -17,7 +17,7 @@ from mjfriction.control.friedland import FriedlandMentzelopoulou, FriedlandPark,
 from mjfriction.control.observer import Observer, estimate_along
 from mjfriction.control.variable_structure import VariableStructure
 from mjfriction.errors import ControlError
-from mjfriction.laws.friction import Friction, friction
+from mjfriction.laws.friction import Friction, Level, friction
 from tests.control.rubbing_mass import Ran, run
 
 MASS, STEP = 2.0, 1e-3
@@ -38,6 +38,10 @@ def coulomb(level: float) -> Friction:
 
 def lugre() -> Friction:
     return friction("lugre", LUGRE)
+
+
+def loaded() -> Friction:
+    return friction("lugre", LUGRE, level=Level(per_load=0.05))
 
 
 @pytest.fixture(scope="module")
@@ -93,9 +97,10 @@ def test_a_filtered_derivative_lags_where_the_net_force_does_not() -> None:
 
 def errors_of_sliding(observer: VariableStructure, level: float, steps: int, step: float) -> np.ndarray:
     # At rest in truth, with a force that friction holds: what is left to learn is friction alone.
-    force = np.full(steps, level)
-    found, _ = estimate_along(observer, step, np.zeros(steps), force)
-    return found - level
+    state, out = observer.start(0.0), np.empty(steps)
+    for i in range(steps):
+        state, out[i], _ = observer.step(state, 0.0, 0.0, level, step)
+    return out - level
 
 
 def test_the_variable_structure_observer_errs_as_its_two_equations_say() -> None:
@@ -174,6 +179,18 @@ def test_the_bristle_observer_finds_a_deflection_that_it_was_not_told() -> None:
     assert abs(held[-1] - 6.0) > 1.0, "without the correction the deflection is never found"
 
 
+@pytest.mark.parametrize("speed", [0.05, 0.5, 3.0])
+def test_a_bristle_told_wrong_is_mended_at_every_speed(speed: float) -> None:
+    # At a held speed the force is the friction: half more than the law says.  The correction goes the right way.
+    held, force = np.full(6000, speed), np.full(6000, 14.0)
+    place = np.cumsum(held) * STEP
+    errors = [
+        abs(estimate_along(BristleObserver(MASS, lugre(), 50.0, gain), STEP, place, force, held)[0][-1] - 14.0)
+        for gain in (1e-9, 2e-3)
+    ]
+    assert errors[1] < errors[0]
+
+
 @settings(max_examples=20, deadline=None)
 @given(name=st.sampled_from(sorted(OBSERVERS)), seed=st.integers(0, 1000))
 def test_motion_mirrored_is_friction_mirrored(name: str, seed: int) -> None:
@@ -212,14 +229,23 @@ def test_along_a_log_is_step_by_step_to_the_bit(swung: Ran, name: str) -> None:
         (lambda: Tafazoli(1.0, 1.0, 0.0), "velocity_gain = 0; it must be above 0"),
         (lambda: VariableStructure(1.0, 1.0, 2.0, 3.0), "velocity_gain = 2; it must be below 0"),
         (lambda: VariableStructure(1.0, 1.0, -2.0, -3.0), "friction_gain = -3; it must be above 0"),
-        (lambda: VariableStructure(1.0, 2.0, -2.0, 3.0, 1e-4).check_step(1e-3), "smoothing must be above 0.002"),
+        (lambda: VariableStructure(1.0, 2.0, -2.0, 3.0, 1e-4).check_step(1e-3), "at steps of 0.001 s its errors grow"),
         (
             lambda: DisturbanceObserver(1.0, 0.0, 1e-3, (0.0, 0.0, 0.0, 0.0)),
             "does not converge.*largest eigenvalue is 1",
         ),
         (lambda: DisturbanceObserver.with_bandwidth(1.0, 1e-3, 5.0).check_step(2e-3), "steps of 0.001 s, not 0.002 s"),
-        (lambda: DisturbanceObserver.kalman(1.0, 1e-3, position_noise=0.0, force_walk=1.0), "above 0, not 0, 1"),
-        (lambda: BristleObserver(1.0, coulomb(1.0), 1.0, 1.0), "one bristle.*'coulomb' has 0 states"),
+        (
+            lambda: DisturbanceObserver.kalman(1.0, 1e-3, position_noise=0.0, force_walk=1.0),
+            "position_noise above 0, not 0",
+        ),
+        (lambda: DisturbanceObserver.with_bandwidth(1.0, 1e-3, 1e-2), "too slow for steps of 0.001 s.*at least 0.1 Hz"),
+        (lambda: DisturbanceObserver.with_bandwidth(0.0, 1e-3, 1.0), "mass above 0, not 0"),
+        (lambda: BristleObserver(1.0, coulomb(1.0), 1.0, 1.0), "one bristle.*not 'coulomb'"),
+        (lambda: BristleObserver(1.0, loaded(), 1.0, 1.0), "neither load, place nor temperature"),
+        (lambda: BristleObserver(1.0, lugre(), 1.0, 1e4).check_step(1e-3), "its errors grow"),
+        (lambda: estimate_along(OBSERVERS["kalman"], STEP, np.zeros(3), np.zeros(4)), "must be alike"),
+        (lambda: estimate_along(OBSERVERS["kalman"], STEP, np.array([0.0, np.nan]), np.zeros(2)), "finite numbers"),
         (lambda: estimate_along(FriedlandPark(1.0, 1.0), 1e-3, np.zeros(3), np.zeros(3)), "needs a measured velocity"),
     ],
 )

@@ -52,7 +52,7 @@ def run_cylinder(
     heavy, compared = cylinder(mass=HEAVY), {}
     for name, source in sources.items():
         progress(f"tuning {name}")
-        gains = tuned_pd() if source is None else tuned_acceleration(source)
+        gains = tuned_pd(seed) if source is None else tuned_acceleration(source, seed)
         progress(f"following the reference: {name}")
         pair = (gains, gains)
         runs = {
@@ -64,7 +64,7 @@ def run_cylinder(
     best = compared["variable structure"]
     progress("separate gains")
     assert best.friction is not None
-    separate = separate_gains(best.gains, best.friction)
+    separate = separate_gains(best.gains, best.friction, seed)
     best.runs["separate gains"] = follow(separate, best.friction, periods=2.0, seed=seed)
     progress("sharp switching, and the law as printed")
     best.runs["sharp"] = follow((best.gains, best.gains), SHARP, periods=2.0, seed=seed)

@@ -72,15 +72,17 @@ def identify_cylinder(seed: int = 0) -> Identified:
     )
 
 
-def tuned_pd() -> ValveGains:
+def tuned_pd(seed: int = 0) -> ValveGains:
     """Return the PD gains of least error."""
-    position, ratio = _tuned(FIRST_PD, lambda p, r: ValveGains(p, p * r), None)
+    position, ratio = _tuned(FIRST_PD, lambda p, r: ValveGains(p, p * r), None, seed)
     return ValveGains(position, position * ratio)
 
 
-def tuned_acceleration(friction: tuple[Friction, ...] | Callable[[float, float], Observer]) -> ValveGains:
+def tuned_acceleration(
+    friction: tuple[Friction, ...] | Callable[[float, float], Observer], seed: int = 0
+) -> ValveGains:
     """Return position and acceleration gains of least error with the friction of a law or an observer."""
-    position, ratio = _tuned(FIRST_ACCELERATION, lambda p, r: ValveGains(p, 0.0, p * r), friction)
+    position, ratio = _tuned(FIRST_ACCELERATION, lambda p, r: ValveGains(p, 0.0, p * r), friction, seed)
     return ValveGains(position, 0.0, position * ratio)
 
 
@@ -88,11 +90,12 @@ def _tuned(
     first: tuple[float, float],
     gains: Callable[[float, float], ValveGains],
     friction: tuple[Friction, ...] | Callable[[float, float], Observer] | None,
+    seed: int,
 ) -> tuple[float, float]:
     # The same for all: from a first guess, two numbers by Nelder and Mead for the least error that the valve can bear.
     def cost(x: Floats) -> float:
         own = gains(float(np.exp(x[0])), float(np.exp(x[1])))
-        tracked = follow((own, own), friction)
+        tracked = follow((own, own), friction, seed=seed)
         return tracked.rms() * (1.0 + max(0.0, fast_voltage(tracked) / MOST_FAST - 1.0))
 
     start = np.log(first)
@@ -108,7 +111,7 @@ def fast_voltage(tracked: Tracked) -> float:
 
 
 def separate_gains(
-    equal: ValveGains, friction: tuple[Friction, ...] | Callable[[float, float], Observer]
+    equal: ValveGains, friction: tuple[Friction, ...] | Callable[[float, float], Observer], seed: int = 0
 ) -> tuple[ValveGains, ValveGains]:
     """Return gains extending and retracting, each scaled alone from equal ones for the least error of both."""
     own = [equal, equal]
@@ -117,7 +120,7 @@ def separate_gains(
         for factor in FACTORS:
             scaled = ValveGains(factor * equal.position, factor * equal.velocity, factor * equal.acceleration)
             pair = (scaled, own[1]) if way == 0 else (own[0], scaled)
-            tracked = follow(pair, friction)
+            tracked = follow(pair, friction, seed=seed)
             cost = tracked.rms() * (1.0 + max(0.0, fast_voltage(tracked) / MOST_FAST - 1.0))
             tried.append((cost, factor, scaled))
         own[way] = min(tried, key=lambda entry: entry[:2])[2]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,7 +30,7 @@ from mjfriction.robot.bandwidth import choose_cutoff
 from mjfriction.robot.effort import effort_per_reported
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import FrictionTerm, LevelTable, Wave
+from mjfriction.robot.schema import FrictionTerm, LevelTable, Payload, Wave
 
 ARMS = ("comau_ns12", "comau_nj60")
 SLOWEST, FASTEST = 0.8, 400.0  # rad/s of the motors: the document's
@@ -86,8 +87,10 @@ def classes(robot: Robot) -> list[str]:
 
 def identify_arm(name: str, seed: int = 0) -> list[JointFit]:
     """Run passes of every joint, identify its statics, and judge them on new passes at other speeds."""
-    fitted, checked = (_maps(name, count, seed + k) for k, count in enumerate((FITTED, CHECKED)))
     robot, out = stated_arm(name), []
+    fitted, checked = (
+        maps_of(record_passes(name, count, robot.joints, seed + k), robot) for k, count in enumerate((FITTED, CHECKED))
+    )
     for i, joint in enumerate(robot.table.joint):
         ratio = joint.actuator.gear_ratio
         if i not in fitted or i not in checked:
@@ -102,28 +105,39 @@ def identify_arm(name: str, seed: int = 0) -> list[JointFit]:
     return out
 
 
-def _maps(name: str, count: int, seed: int) -> dict[int, FrictionMap]:
+def record_passes(name: str, count: int, joints: Sequence[str], seed: int, payload: float = 0.0) -> Log:
+    """Return the log of passes of joints one after another at ``count`` motor speeds, with a payload (kg)."""
     robot = stated_arm(name)
     speeds = {
         joint.name: np.geomspace(SLOWEST, FASTEST, count) / joint.actuator.gear_ratio for joint in robot.table.joint
     }
-    # The fastest pass reaches the document's 400 rad/s for a moment only; the last one that holds its speed is taken.
-    trajectory = plan_passes(robot, robot.joints, speeds=speeds, seed=seed).trajectory
-    log = record(name, trajectory, seed)
+    return record(name, plan_passes(robot, joints, speeds=speeds, seed=seed).trajectory, seed, payload)
+
+
+def maps_of(log: Log, robot: Robot) -> dict[int, FrictionMap]:
+    """Return the friction maps of a log of passes, by joint."""
     motion = estimate_motion(log, robot.joints, choose_cutoff(log, robot, robot.body()))
     worth = np.array([effort_per_reported(joint, CURRENT, robot.name) for joint in robot.table.joint])
     found = friction_maps(motion, motion.torque * worth, constant_speed_phases(motion))
     return {points.joint: points for points in found}
 
 
-def record(name: str, trajectory: Trajectory, seed: int) -> Log:
-    """Return the log of currents that an arm's own controller records along a trajectory."""
+def with_payload(robot: Robot, mass: float) -> Robot:
+    """Return an arm that holds a mass (kg) a hand's breadth before its flange."""
+    if mass == 0.0:
+        return robot
+    held = Payload(mass=mass, com=(0.1, 0.0, 0.0), parent="flange")
+    return Robot(robot.table.model_copy(update={"payload": held}), robot.folder)
+
+
+def record(name: str, trajectory: Trajectory, seed: int, payload: float = 0.0) -> Log:
+    """Return the log of currents that an arm's own controller, which knows its payload, records along a trajectory."""
     columns = simulate(
-        true_arm(name),
+        with_payload(true_arm(name), payload),
         trajectory,
         recorder=Recorder(RATE, quantity=CURRENT),
         control=Control(bandwidth=BANDWIDTH, friction="law"),
-        controller_robot=stated_arm(name),
+        controller_robot=with_payload(stated_arm(name), payload),
         seed=seed,
     )
     return log_from_table(pa.table(columns), f"{name}, simulated")
@@ -172,12 +186,15 @@ def work(robot: Robot) -> Trajectory:
     return pick_and_place(robot.joints, poses, top, 2.0 * top, rounds=1)
 
 
-def currents_told(robot: Robot, trajectory: Trajectory, log: Log, friction: str) -> Floats:
-    """Return the motors' currents, (n, joints) at the log's instants, that a model tells along the wanted motion."""
+def currents_told(robot: Robot, trajectory: Trajectory, log: Log, *, friction: bool = True) -> Floats:
+    """Return the motors' currents, (n, joints) at the log's instants, that a model tells along the wanted motion.
+
+    Without ``friction``, what its links take of them.
+    """
     step = float(np.median(np.diff(log.time)))
     course = Course(*trajectory.at(log.time))
     torque = feedforward_rigid(robot, "dynamics", course)
-    if friction == "law":
+    if friction:
         torque = torque + feedforward_friction(robot, "law", course, step)
     worth = np.array([effort_per_reported(joint, CURRENT, robot.name) for joint in robot.table.joint])
     return np.asarray(torque / worth)

@@ -25,6 +25,7 @@ from mjfriction.reproduce.manipulator.arm import (
     with_laws,
     work,
 )
+from mjfriction.reproduce.manipulator.load import LoadExtension, load_extension
 from mjfriction.robot.robot import Robot
 
 DAMPING_TIME = 1.9e-3  # s, σ₁/σ₀ of the document's first joint
@@ -33,10 +34,14 @@ LAWS = ("Coulomb-viscous", "static law", "dynamic law")
 
 @dataclass(frozen=True)
 class Told:
-    """Currents of one motion: ``time``, ``measured`` (n, joints), and what each law tells, (n, joints)."""
+    """Currents of one motion: ``time``, ``measured`` (n, joints), what the ``links`` take of them, and what each law
+    tells, A; ``speed`` is the wanted one of the motors, rad/s, (n, joints) all.
+    """
 
     time: Floats
+    speed: Floats
     measured: Floats
+    links: Floats
     by: dict[str, Floats]
 
     def rms(self, law: str) -> Floats:
@@ -46,14 +51,15 @@ class Told:
 
 @dataclass(frozen=True)
 class Arm:
-    """One arm's experiments: fits by joint, the bristle stiffnesses that explain the slow motion as well as any, and
-    the currents of both motions.
+    """One arm's experiments: fits by joint, the bristle stiffnesses that explain the slow motion as well as any, what
+    a payload adds, and the currents of both motions.
     """
 
     name: str
     classes: list[str]
     fits: list[JointFit]
     stiffness: list[tuple[float, float]]
+    loads: list[LoadExtension]
     slow: Told
     work: Told
 
@@ -76,12 +82,18 @@ def run_arm(name: str, progress: Callable[[str], None], seed: int) -> Arm:
         LAWS[2]: with_laws(robot, "lugre_arctan", dynamic_values(fits, best, DAMPING_TIME * best)),
     }
     slow = _told(models, trajectory, log)
-    return Arm(name, classes(robot), fits, stiffness, slow, _told(models, other, record(name, other, seed + 11)))
+    worked = _told(models, other, record(name, other, seed + 11))
+    progress(f"{name}: passes with its payload")
+    return Arm(name, classes(robot), fits, stiffness, load_extension(name, fits, seed + 20), slow, worked)
 
 
 def _told(models: dict[str, Robot], trajectory: Trajectory, log: Log) -> Told:
-    by = {law: currents_told(model, trajectory, log, "law") for law, model in models.items()}
-    return Told(log.time, currents_measured(log, next(iter(models.values()))), by)
+    robot = next(iter(models.values()))
+    ratios = np.array([joint.actuator.gear_ratio for joint in robot.table.joint])
+    speed = trajectory.at(log.time)[1] * ratios
+    links = currents_told(robot, trajectory, log, friction=False)
+    by = {law: currents_told(model, trajectory, log) for law, model in models.items()}
+    return Told(log.time, speed, currents_measured(log, robot), links, by)
 
 
 def _stiffnesses(robot: Robot, fits: list[JointFit], trajectory: Trajectory, log: Log) -> list[tuple[float, float]]:
@@ -92,7 +104,7 @@ def _stiffnesses(robot: Robot, fits: list[JointFit], trajectory: Trajectory, log
     for stiffness in STIFFNESSES.tolist():
         own = np.full(len(fits), stiffness)
         model = with_laws(robot, "lugre_arctan", dynamic_values(fits, own, DAMPING_TIME * own))
-        told = currents_told(model, trajectory, log, "law")
+        told = currents_told(model, trajectory, log)
         errors.append(np.sqrt(np.mean(np.square(measured - told), axis=0)))
     out = []
     for column in np.array(errors).T:

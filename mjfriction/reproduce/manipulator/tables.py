@@ -76,6 +76,21 @@ def stiffness_found(arm: Arm) -> Table:
     )
 
 
+def load_found(arms: list[Arm]) -> Table:
+    """Return what a payload adds to friction, beside what is true."""
+    rows = [
+        Row(f"{arm.name}, joint {own.joint + 1}", (*own.load, *own.static, *own.fall))
+        for arm in arms
+        for own in arm.loads
+    ]
+    return Table(
+        "Extension (30) to (32): what each N·m of load adds, from passes without and with the rated payload",
+        ("load N·m", "with payload", "τ_s,m", "true ", "τ_sc,m", "true"),
+        tuple(rows),
+        "On the motor's side. The document found the relation to be about linear and printed no figures.",
+    )
+
+
 def static_errors(arm: Arm) -> Table:
     """Return what Coulomb-viscous friction and the static law leave of new passes."""
     rows = []

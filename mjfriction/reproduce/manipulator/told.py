@@ -13,11 +13,13 @@ from mjfriction.laws.ambient import ambient
 from mjfriction.laws.law import Floats
 from mjfriction.reproduce.manipulator.arm import (
     ARMS,
+    stated_arm,
 )
 from mjfriction.reproduce.manipulator.experiments import LAWS, Arm, run_arm
 from mjfriction.reproduce.manipulator.tables import (
     current_errors,
     gravity_classes,
+    load_found,
     static_errors,
     static_parameters,
     stiffness_found,
@@ -26,6 +28,7 @@ from mjfriction.reproduce.outcome import Claim, Line, Picture, Reproduction
 
 SHOWN = {0: "figure 2", 2: "figure 3", 4: "figure 4"}
 THIN = slice(None, None, 5)
+SLOW_SPEED = 8.0  # rad/s of the motor, up to which figure 1 is drawn
 
 
 def reproduce_manipulator(progress: Callable[[str], None], seed: int = 0) -> Reproduction:
@@ -44,6 +47,7 @@ def reproduce_manipulator(progress: Callable[[str], None], seed: int = 0) -> Rep
             gravity_classes(arms),
             *(static_parameters(arm) for arm in arms),
             *(stiffness_found(arm) for arm in arms),
+            load_found(arms),
             *(static_errors(arm) for arm in arms),
             *(current_errors(arm, "slow", "Table 4: currents along the near-sinusoidal motion") for arm in arms),
             *(current_errors(arm, "work", "Currents of pick and place") for arm in arms),
@@ -55,7 +59,7 @@ def reproduce_manipulator(progress: Callable[[str], None], seed: int = 0) -> Rep
 
 
 def _pictures(arm: Arm) -> list[Picture]:
-    out = []
+    out = [_very_slow(arm)]
     for i, figure in SHOWN.items():
         fit = arm.fits[i]
         speed = np.geomspace(fit.points.speed[0], fit.points.speed[-1], 200) * fit.ratio
@@ -83,6 +87,30 @@ def _pictures(arm: Arm) -> list[Picture]:
             Picture(f"{arm.name}: current of joint {joint + 1}, {what}", "time, s", "current, A", tuple(lines), figure)
         )
     return out
+
+
+def _very_slow(arm: Arm) -> Picture:
+    # Figure 1: what the links leave of the current, over the speed, where that is low.
+    told, constant = arm.slow, stated_arm(arm.name).table.joint[0].actuator.torque_constant
+    assert constant is not None
+    speed = told.speed[:, 0]
+    slow = (np.abs(speed) < SLOW_SPEED) & (told.time > 0.25 * told.time[-1]) & (told.time < 0.75 * told.time[-1])
+
+    def course(name: str, current: Floats) -> Line:
+        # Turns of the motion lie apart in time: a gap keeps them apart in the picture.
+        cut = np.flatnonzero(np.diff(np.flatnonzero(slow)) > 1) + 1
+        return Line(name, np.insert(speed[slow], cut, np.nan), np.insert(constant * current[slow], cut, np.nan))
+
+    return Picture(
+        f"{arm.name}: friction of joint 1 at very low speeds",
+        "speed of the motor, rad/s",
+        "friction, N·m of the motor",
+        (
+            course("measured", told.measured[:, 0] - told.links[:, 0]),
+            course("dynamic law", told.by[LAWS[2]][:, 0] - told.links[:, 0]),
+        ),
+        "figure 1",
+    )
 
 
 def _claims(arms: list[Arm]) -> tuple[Claim, ...]:
