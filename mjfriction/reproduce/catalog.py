@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from importlib import import_module
 
 from mjfriction.reproduce.outcome import Reproduction
@@ -20,7 +21,7 @@ def reproduce(
     ``progress`` is told what is going on.  The results are the same whatever ``jobs`` is.
     """
     if jobs == 1 or len(documents) == 1:
-        return [_run(name, seed, lambda step, name=name: progress(f"{name}: {step}")) for name in documents]  # type: ignore[misc]
+        return [_run(name, seed, partial(_told, progress, name)) for name in documents]
     # Fresh processes: the one MuJoCo callback and what is compiled belong to a process.
     with ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
         # The longest first.
@@ -37,6 +38,10 @@ def _run(name: str, seed: int, progress: Callable[[str], None] | None = None) ->
     found = run(progress or _silent, seed)
     assert isinstance(found, Reproduction)
     return found
+
+
+def _told(progress: Callable[[str], None], document: str, step: str) -> None:
+    progress(f"{document}: {step}")
 
 
 def _silent(step: str) -> None:

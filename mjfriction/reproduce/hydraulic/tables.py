@@ -68,8 +68,8 @@ def tracking_errors(compared: dict[str, Compared]) -> Table:
         "Tracking error, the same gains in both directions",
         columns,
         tuple(rows),
-        "Every controller's two gains were found by one procedure: the least error whose voltage above 20 Hz stays "
-        f"within {MOST_FAST:g} V.",
+        "Every controller's two gains were found by one procedure: the least error, weighed up by as much as its "
+        f"voltage above 20 Hz passes {MOST_FAST:g} V.",
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mjfriction.laws.catalog import find_law
+from mjfriction.laws.rules import array, scalar
 from mjfriction.reproduce.outcome import Row, Table
 from mjfriction.reproduce.table.experiments import Tracked
 from mjfriction.reproduce.table.identified import (
@@ -66,22 +67,23 @@ def parameters_found(identified: Identified) -> Table:
     def true(name: str) -> float:
         return float(truth.value(name))
 
+    found, there = array(gms, "stiffness"), array(truth.parameters, "stiffness")
     rows = [
         Row("F_s, N", (curve["static"], true("static"), 54.0)),
         Row("F_c, N", (curve["coulomb"], true("coulomb"), 39.2)),
         Row("V_s, µm/s", (1e6 * curve["stribeck_velocity"], 1e6 * true("stribeck_velocity"), 698.0)),
         Row("δ_Vs", (curve["stribeck_exponent"], true("stribeck_exponent"), 0.98)),
         Row("σ₂, N·s/µm", (1e-6 * curve["viscous"], 1e-6 * true("viscous"), 8.4e-5)),
-        Row("elements", (float(len(gms["stiffness"])), float(len(truth.parameters["stiffness"])), 12.0)),  # type: ignore[arg-type]
+        Row("elements", (float(len(found)), float(len(there)), 12.0)),
         Row(
             "stiffness at rest, N/µm",
-            (1e-6 * float(np.sum(gms["stiffness"])), 1e-6 * float(np.sum(truth.parameters["stiffness"])), None),
+            (1e-6 * float(np.sum(found)), 1e-6 * float(np.sum(there)), None),
         ),
-        Row("Dahl σ₀, N/µm", (1e-6 * float(dahl["bristle_stiffness"]), None, 1.4)),  # type: ignore[arg-type]
-        Row("Dahl δ_d", (float(dahl["shape_exponent"]), None, 5.14)),  # type: ignore[arg-type]
-        Row("LuGre σ₁, N·s/µm", (1e-6 * float(identified.laws["lugre"]["bristle_damping"]), None, 0.01)),  # type: ignore[arg-type]
-        Row("GMS C, N/s", (float(gms["attraction"]), true("attraction"), 65.0)),  # type: ignore[arg-type]
-        Row("Leuven exponent", (float(identified.laws["leuven"]["shape_exponent"]), None, PRINTED_SHAPE)),  # type: ignore[arg-type]
+        Row("Dahl σ₀, N/µm", (1e-6 * scalar(dahl, "bristle_stiffness"), None, 1.4)),
+        Row("Dahl δ_d", (scalar(dahl, "shape_exponent"), None, 5.14)),
+        Row("LuGre σ₁, N·s/µm", (1e-6 * scalar(identified.laws["lugre"], "bristle_damping"), None, 0.01)),
+        Row("GMS C, N/s", (scalar(gms, "attraction"), true("attraction"), 65.0)),
+        Row("Leuven exponent", (scalar(identified.laws["leuven"], "shape_exponent"), None, PRINTED_SHAPE)),
     ]
     return Table(
         "Parameters identified from the table's own experiments", ("identified", "true", "printed"), tuple(rows)

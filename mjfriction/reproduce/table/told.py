@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from mjfriction.laws.rules import array
 from mjfriction.reproduce.outcome import Claim, Line, Picture, Reproduction
 from mjfriction.reproduce.table.experiments import LAWS, Tracked, run_table
 from mjfriction.reproduce.table.identified import (
@@ -167,7 +168,7 @@ def _how(identified: Identified) -> tuple[str, ...]:
         "noise, 10 nm position.",
         "Everything that a controller knows was identified from the machine's own logs: cogging and the Stribeck curve "
         "from 12 speeds forward and backward, elements from slow turns by bounded least squares "
-        f"({len(identified.laws['gms']['stiffness'])} of them, the number chosen on turns not fitted), "  # type: ignore[arg-type]
+        f"({len(array(identified.laws['gms'], 'stiffness'))} of them, the number chosen on turns not fitted), "
         "Dahl and LuGre by curve fitting.",
         "As in the document, what slow turns do not show (C of GMS, σ₁ of LuGre and Leuven) is set for the least "
         "maximum error along the reference, with feedforward alone.",
@@ -183,4 +184,6 @@ def _differs(runs: dict[str, Tracked]) -> tuple[str, ...]:
         "contacts are elements, of which GMS is a coarser choice, while a real one's are not.",
         "The document's δ_l = 0.1 is read as 1/δ_l: as printed in (5) the bristle would hardly move before it "
         "slides, and the law would leave tens of newtons of the measured loops.",
+        "LuGre, whose loop has no shape to fit, leaves more of the slow turns than Dahl; fed forward it makes up "
+        "for that by its σ₁, which is set for the least error there.",
     )
