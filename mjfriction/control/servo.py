@@ -92,7 +92,8 @@ class ServoDrives:
         self.estimate = np.zeros(self.mass.size)
         self.estimates = np.zeros_like(course.position)
         # What moves a joint besides its drive and its friction, as far as the model knows.
-        self.beside = self.mass * course.acceleration - feedforward_rigid(model, "dynamics", course)
+        known = feedforward_rigid(model, "dynamics" if make else "none", course)
+        self.beside = self.mass * course.acceleration - known
 
     def __call__(self, k: int, position: Floats, velocity: Floats) -> Floats:
         """Return what the drives push with through step ``k``, (joints,), N·m or N."""
