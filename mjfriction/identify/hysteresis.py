@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import lsq_linear
+from scipy.optimize import nnls
 
 from mjfriction.errors import LogError
 from mjfriction.laws.ambient import ambient
@@ -128,11 +128,10 @@ def _stops(position: Floats, travels: Floats) -> Floats:
 
 
 def _bounded(stops: Floats, force: Floats) -> Floats:
-    # Stiffnesses from zero up and a free zero; columns in their own size.
-    columns = np.column_stack([stops, np.ones(force.size)])
+    # Stiffnesses from zero up, and a zero that may have either sign: two columns, of which one stays at nothing.
+    columns = np.column_stack([stops, np.ones(force.size), -np.ones(force.size)])
     size = np.maximum(np.sqrt(np.mean(np.square(columns), axis=0)), 1e-300)
-    low = np.append(np.zeros(stops.shape[1]), -np.inf)
     # The normal equations' root is as small as the number of columns, however long the log is.
     root = np.asarray(np.linalg.qr(np.column_stack([columns / size, force]), mode="r"))
-    found = lsq_linear(root[:-1, :-1], root[:-1, -1], bounds=(low, np.inf))
-    return np.asarray(found.x / size)
+    found = nnls(root[:-1, :-1], root[:-1, -1])[0] / size
+    return np.append(found[:-2], found[-2] - found[-1])
