@@ -11,13 +11,12 @@ circle.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import solve_discrete_are
 
-from mjfriction.control.observer import Observer
+from mjfriction.control.observer import Observer, ObserverFor
 from mjfriction.errors import ControlError
 from mjfriction.laws.law import Floats, routine
 
@@ -56,11 +55,8 @@ class DisturbanceObserver(Observer):
         self.require(self.sampling > 0.0, "sampling", "above 0")
         if len(self.gains) != 4 or not np.all(np.isfinite(self.gains)):
             raise ControlError(f"{self.title}: gains = {self.gains}; four finite numbers are needed")
-        if self.slowest >= 1.0:
-            raise ControlError(
-                f"{self.title} does not converge: with gains {', '.join(f'{g:.4g}' for g in self.gains)} its largest "
-                f"eigenvalue is {self.slowest:.6g}, which must be below 1; take them from DisturbanceObserver.kalman"
-            )
+        forward, measured = _matrices(self.mass, self.viscous, self.sampling)
+        self.require_settling(forward - np.array(self.gains)[:, None] * measured, self.sampling)
 
     @classmethod
     def kalman(
@@ -105,13 +101,6 @@ class DisturbanceObserver(Observer):
         return cls(mass, viscous, sampling, _four(gain * unit))
 
     @property
-    def slowest(self) -> float:
-        """The largest eigenvalue of the errors, per step, in absolute value."""
-        forward, measured = _matrices(self.mass, self.viscous, self.sampling)
-        own = forward - np.array(self.gains)[:, None] * measured
-        return float(np.max(np.abs(np.linalg.eigvals(own))))
-
-    @property
     def packed(self) -> Floats:
         """(m, σ₂, T, L₁…L₄)."""
         return np.array([self.mass, self.viscous, self.sampling, *self.gains])
@@ -129,7 +118,7 @@ class DisturbanceObserver(Observer):
             )
 
 
-def disturbance_observer(bandwidth: float) -> Callable[[float, float], DisturbanceObserver]:
+def disturbance_observer(bandwidth: float) -> ObserverFor:
     """Return (mass, step) → the observer of that bandwidth (Hz), as controllers ask for one at every joint."""
     return lambda mass, step: DisturbanceObserver.with_bandwidth(mass, step, bandwidth)
 

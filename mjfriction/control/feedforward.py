@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 
 from mjfriction.body.inverse import inverse_dynamics
+from mjfriction.control.course import Course
 from mjfriction.laws.ambient import ambient
 from mjfriction.laws.law import Floats
 from mjfriction.robot.friction import stated_levels
@@ -16,23 +17,7 @@ from mjfriction.robot.simulation import joint_laws
 TURNING = 0.02  # rad/s or m/s over which the feedforward of stated levels turns over
 
 
-class Wanted(Protocol):
-    """A motion: position, velocity and acceleration at every step, each (n, joints)."""
-
-    @property
-    def position(self) -> Floats:
-        """Where the joints are to be."""
-
-    @property
-    def velocity(self) -> Floats:
-        """How fast they are to go."""
-
-    @property
-    def acceleration(self) -> Floats:
-        """How that is to change."""
-
-
-def feedforward_rigid(model: Robot, what: Literal["dynamics", "gravity", "none"], course: Wanted) -> Floats:
+def feedforward_rigid(model: Robot, what: Literal["dynamics", "gravity", "none"], course: Course) -> Floats:
     """Return what the links take along a motion, all of it or gravity alone, (n, joints)."""
     q, v, a = course.position, course.velocity, course.acceleration
     if what == "none":
@@ -42,7 +27,7 @@ def feedforward_rigid(model: Robot, what: Literal["dynamics", "gravity", "none"]
 
 
 def feedforward_friction(
-    model: Robot, what: Literal["law", "coulomb_viscous", "none"], course: Wanted, step: float
+    model: Robot, what: Literal["law", "coulomb_viscous", "none"], course: Course, step: float
 ) -> Floats:
     """Return what friction takes along a motion whose rows lie ``step`` seconds apart, (n, joints).
 

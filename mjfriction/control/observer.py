@@ -74,12 +74,12 @@ class Observer(ABC):
             raise ControlError(f"{self.title}: steps of {step:g} s; allowed is above 0")
 
     def require_settling(self, errors: Floats, step: float) -> None:
-        """Raise :class:`ControlError` where ``errors``, the matrix of the errors from step to step, lets them grow."""
+        """Raise :class:`ControlError` where ``errors``, the matrix of the errors from step to step, lets them stay."""
         largest = float(np.max(np.abs(np.linalg.eigvals(errors))))
         if largest >= 1.0:
             raise ControlError(
-                f"{self.title}: at steps of {step:g} s its errors grow by {largest:.4g} a step; lower its gains (or "
-                "its bandwidth), or step finer"
+                f"{self.title}: at steps of {step:g} s its errors do not die away but change by {largest:.6g} a "
+                "step; take other gains, lower its bandwidth, or step finer"
             )
 
     def step(
@@ -89,6 +89,10 @@ class Observer(ABC):
         out = np.empty_like(state)
         friction, speed = type(self).advance(position, velocity, force, step, self.packed, state, out)
         return out, friction, speed
+
+
+ObserverFor = Callable[[float, float], Observer]
+"""(mass, step) → the observer of a joint that weighs so much, at steps of so many seconds."""
 
 
 def estimate_along(

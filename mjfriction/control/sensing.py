@@ -13,6 +13,12 @@ from mjfriction.robot.schema import Hydraulics, PositionSensor
 USUAL_BANDWIDTH = 200.0  # Hz of the low-pass behind the difference of positions, where the robot file states none
 
 
+def quantized(values: Floats, resolution: Floats | float) -> Floats:
+    """Return values to the nearest multiple of a resolution, as they are where that is 0."""
+    coarse = np.where(np.asarray(resolution) > 0.0, resolution, 1.0)
+    return np.where(np.asarray(resolution) > 0.0, np.round(values / coarse) * coarse, values)
+
+
 class Sensing:
     """Readings of all joints: a function of true position and velocity, (joints,) each.
 
@@ -34,8 +40,7 @@ class Sensing:
     def __call__(self, position: Floats, velocity: Floats) -> tuple[Floats, Floats]:
         """Return position and velocity as they are read next."""
         read = position + self.offset + self.noise * self.rng.standard_normal(position.size)
-        coarse = np.where(self.resolution > 0.0, self.resolution, 1.0)
-        read = np.where(self.resolution > 0.0, np.round(read / coarse) * coarse, read)
+        read = quantized(read, self.resolution)
         if self.last is None:
             self.velocity = velocity.copy()
         else:
@@ -54,19 +59,13 @@ class ValveSensing:
         seed: Sequence[int],
         voltage: Callable[[int, float, float, float], float],
     ) -> None:
-        self.noise = (sensor.noise, of.pressure_noise, of.pressure_noise)
-        self.resolution = (sensor.resolution, of.pressure_resolution, of.pressure_resolution)
-        self.rng, self.voltage, self.offset = np.random.default_rng([*seed, 43]), voltage, (sensor.offset, 0.0, 0.0)
+        self.noise = np.array([sensor.noise, of.pressure_noise, of.pressure_noise])
+        self.resolution = np.array([sensor.resolution, of.pressure_resolution, of.pressure_resolution])
+        self.offset = np.array([sensor.offset, 0.0, 0.0])
+        self.rng, self.voltage = np.random.default_rng([*seed, 43]), voltage
 
     def __call__(self, k: int, *true: float) -> float:
         """Return what the controller asks for at step ``k``, V."""
-        drawn = self.rng.standard_normal(3).tolist()
-        read = [
-            value + offset + noise * own
-            for value, offset, noise, own in zip(true, self.offset, self.noise, drawn, strict=True)
-        ]
-        coarse = [
-            round(value / resolution) * resolution if resolution else value
-            for value, resolution in zip(read, self.resolution, strict=True)
-        ]
-        return self.voltage(k, coarse[0], coarse[1], coarse[2])
+        read = np.array(true) + self.offset + self.noise * self.rng.standard_normal(3)
+        position, head, rod = quantized(read, self.resolution).tolist()
+        return self.voltage(k, position, head, rod)

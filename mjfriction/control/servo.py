@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from mjfriction.body.inverse import mass_matrix_at
+from mjfriction.control.course import Course
 from mjfriction.control.feedforward import feedforward_friction, feedforward_rigid
-from mjfriction.control.observer import Observer
+from mjfriction.control.observer import Observer, ObserverFor
 from mjfriction.control.sensing import Sensing
 from mjfriction.control.valve import ValveControl
 from mjfriction.laws.law import Floats
@@ -19,9 +19,6 @@ from mjfriction.robot.rubbing import waves_along
 
 STEADY = 0.5  # of a joint's speed, that its damping may take within a step
 POSES = 50  # of a course, of which the heaviest sets a joint's gains
-
-ObserverFor = Callable[[float, float], Observer]
-"""(mass, step) → the observer of a joint that weighs so much, at steps of so many seconds."""
 
 
 @dataclass(frozen=True)
@@ -48,15 +45,6 @@ class Control:
     sensed: bool = False
     seed: int = 0
     valve: ValveControl | None = None
-
-
-@dataclass(frozen=True)
-class Course:
-    """What the joints are to do at every step: position, velocity, acceleration, each (n, joints)."""
-
-    position: Floats
-    velocity: Floats
-    acceleration: Floats
 
 
 class ServoDrives:

@@ -12,15 +12,14 @@ change before the piston has gone astray.  With K_a = 0 what is left is the PD t
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from mjfriction.body.inverse import inertia_at
-from mjfriction.control.feedforward import Wanted, feedforward_rigid
-from mjfriction.control.observer import Observer
+from mjfriction.control.course import Course
+from mjfriction.control.feedforward import feedforward_rigid
+from mjfriction.control.observer import ObserverFor
 from mjfriction.errors import ControlError
 from mjfriction.laws.ambient import ambient
 from mjfriction.laws.friction import Friction
@@ -43,17 +42,21 @@ class ValveGains:
                 raise ControlError(f"valve gain {name} = {value:g}; allowed is 0 or above")
 
 
+FrictionSource = tuple[Friction, ...] | ObserverFor
+"""Where a controller knows friction from: laws at the joint, or (mass, step) → an observer."""
+
+
 @dataclass(frozen=True)
 class ValveControl:
     """Gains while the wanted motion extends and while it retracts, and where the friction in â comes from.
 
-    ``friction``: ``"none"`` (F̂ = 0), laws at the joint (read at the pressures and the velocity measured), or a function
-    (mass, step) → observer.  ``velocity_bandwidth`` (Hz) is of the filtered derivative that gives v̂.
+    Laws are read at the pressures and the velocity measured; without ``friction`` F̂ is 0.  ``velocity_bandwidth`` (Hz)
+    is of the filtered derivative that gives v̂.
     """
 
     extending: ValveGains
     retracting: ValveGains
-    friction: Literal["none"] | tuple[Friction, ...] | Callable[[float, float], Observer] = "none"
+    friction: FrictionSource | None = None
     velocity_bandwidth: float = 40.0
 
 
@@ -108,7 +111,7 @@ class ValveDrive:
 
 
 def valve_drive(
-    robot: Robot, joint: int, control: ValveControl, course: Wanted, step: float, estimates: Floats
+    robot: Robot, joint: int, control: ValveControl, course: Course, step: float, estimates: Floats
 ) -> ValveDrive:
     """Return the controller of the valve that moves a joint along a motion whose rows lie ``step`` seconds apart.
 

@@ -2,27 +2,25 @@
 
 from __future__ import annotations
 
-import functools
 import warnings
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from mjfriction.body.inverse import inertia_at, inverse_dynamics
-from mjfriction.control.sensing import ValveSensing
-from mjfriction.control.servo import Control, Course, ServoDrives
-from mjfriction.control.valve import valve_drive
+from mjfriction.body.inverse import inertia_at
+from mjfriction.control.course import Course
+from mjfriction.control.servo import Control, ServoDrives
 from mjfriction.errors import RobotError, suggestion
 from mjfriction.laws.law import Floats
-from mjfriction.plant.cylinder import Cylinder, speed_per_volt
+from mjfriction.plant.cylinder import Cylinder
+from mjfriction.plant.oil import OilDrives
 from mjfriction.plant.passive import Passive, has_passive
 from mjfriction.plant.sensors import Recorder, record
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.plant.varying import Surrounding, Varying, varies, with_pressed_seals
-from mjfriction.record.log import SUPPLY_PRESSURE, VOLTAGE
+from mjfriction.record.log import VOLTAGE
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Hydraulics, Spring
+from mjfriction.robot.schema import Spring
 from mjfriction.robot.simulation import robot_laws, robot_spec
 from mjfriction.sim.closed_loop import Drive, Played, couple_drive, drop_actuators, play, split_transmission
 from mjfriction.sim.spec import Spec
@@ -97,22 +95,14 @@ def run_machine(
     time = np.arange(trajectory.time[0], trajectory.time[-1] + 0.5 * step, step)
     course = _course(trajectory, robot, time)
     surrounding = Surrounding(robot, trajectory, time)
-    start = course.position[:1]
-    load = inverse_dynamics(body, start, 0.0 * start, 0.0 * start)[0]
     servo = ServoDrives(robot, model, control, course, step)
-    cylinders = {
-        joint.name: _cylinder(
-            robot, model, i, trajectory, course, control, time, step, float(load[i]), servo.estimates[:, i]
-        )
-        for i, joint in enumerate(robot.table.joint)
-        if joint.hydraulics is not None
-    }
     drive: Drive = servo
-    if cylinders:
-        at = [(robot.joints.index(name), cylinder) for name, cylinder in cylinders.items()]
-        drive = functools.partial(_pushed_by_oil, drive, surrounding, at)
+    cylinders: dict[str, Cylinder] = {}
+    if any(joint.hydraulics for joint in robot.table.joint):
+        oil = OilDrives(robot, model, servo, control, trajectory, time, surrounding)
+        drive, cylinders = oil, oil.cylinders
     played = play(
-        _spec(robot, step, inertia_at(body, start[0]) - body.armature),
+        _spec(robot, step, inertia_at(body, course.position[0]) - body.armature),
         robot.joints,
         robot_laws(robot),
         np.array([course.position[0], course.velocity[0]]),
@@ -203,69 +193,6 @@ def _course(trajectory: Trajectory, robot: Robot, time: Floats) -> Course:
         whole[:, columns] = values
         out.append(whole)
     return Course(*out)
-
-
-def _cylinder(
-    robot: Robot,
-    model: Robot,
-    joint: int,
-    trajectory: Trajectory,
-    course: Course,
-    control: Control,
-    time: Floats,
-    step: float,
-    load: float,
-    estimates: Floats,
-) -> Cylinder:
-    table = robot.table.joint[joint]
-    of = table.hydraulics
-    assert of is not None
-    supply = trajectory.ambient.get(SUPPLY_PRESSURE)
-    pressure = np.full(time.size, of.supply_pressure) if supply is None else np.interp(time, trajectory.time, supply)
-    given = None if table.name in trajectory.joints else trajectory.ambient.get(f"{VOLTAGE}.{table.name}")
-    voltage: Callable[[int, float, float, float], float]
-    if given is not None:
-        volts = np.interp(time, trajectory.time, given)
-
-        def voltage(k: int, *_: float) -> float:
-            return float(volts[k])
-
-    elif control.valve is not None:
-        voltage = valve_drive(model, joint, control.valve, course, step, estimates)
-    else:
-        voltage = _followed_at_its_speed(of, course.position[:, joint], course.velocity[:, joint], control.bandwidth)
-    if control.sensed:
-        voltage = ValveSensing(table.position_sensor, of, (control.seed, joint), voltage)
-    return Cylinder(of, voltage, pressure, step, float(course.position[0, joint]), load)
-
-
-def _followed_at_its_speed(
-    of: Hydraulics, place: Floats, speed: Floats, bandwidth: float
-) -> Callable[[int, float, float, float], float]:
-    # Speeds are asked of the valve as if nothing stood against the piston, the error of its place as a speed.
-    out, back = speed_per_volt(of)
-    gain = 2.0 * np.pi * bandwidth
-
-    def voltage(k: int, position: float, *_: float) -> float:
-        wanted = float(speed[k] + gain * (place[k] - position))
-        return wanted / (out if wanted > 0.0 else back)
-
-    return voltage
-
-
-def _pushed_by_oil(
-    servo: Drive,
-    surrounding: Surrounding,
-    cylinders: list[tuple[int, Cylinder]],
-    k: int,
-    position: Floats,
-    velocity: Floats,
-) -> Floats:
-    torque = servo(k, position, velocity).copy()
-    for i, cylinder in cylinders:
-        torque[i] = cylinder.force(k, float(position[i]), float(velocity[i]))
-        surrounding.pressure_head[k, i], surrounding.pressure_rod[k, i] = cylinder.p1[k], cylinder.p2[k]
-    return torque
 
 
 def _without_springs(robot: Robot) -> Robot:

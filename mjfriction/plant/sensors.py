@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import lfilter
 
+from mjfriction.control.sensing import quantized
 from mjfriction.plant.cylinder import Cylinder
 from mjfriction.record.log import (
     CURRENT,
@@ -60,7 +61,7 @@ def record(
     for i, joint in enumerate(robot.table.joint):
         sensor, drive = joint.position_sensor, joint.effort_sensor
         read = at(played.position[:, i], instants) + sensor.offset + sensor.noise * rng.standard_normal(instants.size)
-        read = _quantized(read, sensor.resolution)
+        read = quantized(read, sensor.resolution)
         columns[f"{POSITION}.{joint.name}"] = read
         if recorder.velocity:
             noise = sensor.velocity_noise * rng.standard_normal(instants.size)
@@ -75,7 +76,7 @@ def record(
         # The torque of a step is held through it: a reading is of the step its instant lies in.
         held = np.searchsorted(time, instants - drive.delay + 1e-9 * step, side="right") - 1
         reported = drive.scale * played.torque[np.clip(held, 0, time.size - 1), i] + drive.offset
-        reported = _quantized(reported + drive.noise * rng.standard_normal(instants.size), drive.resolution)
+        reported = quantized(reported + drive.noise * rng.standard_normal(instants.size), drive.resolution)
         unit = effort_per_reported(joint, CURRENT if recorder.quantity == CURRENT else EFFORT, robot.name)
         columns[f"{recorder.quantity}.{joint.name}"] = reported / unit
     return columns
@@ -88,7 +89,7 @@ def _of_cylinder(
     pressures = []
     for values in (cylinder.p1, cylinder.p2):
         read = np.interp(instants - drive.delay, time, values) + of.pressure_noise * rng.standard_normal(instants.size)
-        pressures.append(_quantized(read, of.pressure_resolution))
+        pressures.append(quantized(read, of.pressure_resolution))
     return {
         f"{EFFORT}.{joint.name}": drive.scale * (of.head_area * pressures[0] - of.rod_area * pressures[1])
         + drive.offset,
@@ -106,7 +107,3 @@ def _estimated(position: Floats, instants: Floats, bandwidth: float) -> Floats:
     difference = np.diff(position, prepend=position[0]) / np.median(np.diff(instants))
     share = -np.expm1(-2.0 * np.pi * bandwidth * float(np.median(np.diff(instants))))
     return np.asarray(lfilter([share], [1.0, share - 1.0], difference))
-
-
-def _quantized(values: Floats, resolution: float) -> Floats:
-    return np.round(values / resolution) * resolution if resolution > 0.0 else values

@@ -2,23 +2,31 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
 from mjfriction.control.chattering import chattering
+from mjfriction.control.course import Course
 from mjfriction.control.disturbance import DisturbanceObserver
 from mjfriction.control.feedforward import feedforward_friction
 from mjfriction.control.friedland import Tafazoli
+from mjfriction.control.observe import OBSERVERS
+from mjfriction.control.observer import Observer
 from mjfriction.control.sensing import Sensing
-from mjfriction.control.servo import Control, Course
-from mjfriction.control.valve import ValveControl, ValveGains
+from mjfriction.control.servo import Control
+from mjfriction.control.valve import FrictionSource, ValveControl, ValveGains
 from mjfriction.errors import ControlError
 from mjfriction.laws.ambient import ambient
+from mjfriction.laws.catalog import LAWS
+from mjfriction.laws.portrait import typical_values
 from mjfriction.plant.machine import Run, run_machine
 from mjfriction.plant.motions import inner_loops, sine
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
+from mjfriction.robot.schema import FrictionTerm
 
 
 @pytest.fixture(scope="module")
@@ -88,6 +96,51 @@ def test_friction_fed_forward_is_the_law_along_the_wanted_motion(table: Robot) -
     assert not np.any(feedforward_friction(table, "none", course, step))
 
 
+@pytest.mark.parametrize("name", LAWS)
+def test_every_law_is_fed_forward_as_it_rubs(table: Robot, name: str) -> None:
+    # The same law in the machine: what was fed forward along the wanted motion is what then rubs along the real one,
+    # so that the slide follows as one without friction does.
+    term = FrictionTerm(law=name, parameters=typical_values(LAWS[name]))
+    slide = table.joint("axis").model_copy(update={"cogging": (), "friction": ()})
+    smooth = table.with_joint(slide)
+    rubbed = table.with_joint(slide.model_copy(update={"friction": (term,)}))
+    course = sine("axis", 0.0, 0.05, 0.5, 2.0)
+
+    def followed_by(machine: Robot, what: str) -> Run:
+        return run_machine(machine, course, 1000.0, Control(bandwidth=20.0, friction=what), machine)
+
+    free, fed, none = followed_by(smooth, "none"), followed_by(rubbed, "law"), followed_by(rubbed, "none")
+    left, whole = (np.std((done.played.position - free.played.position)[:, 0]) for done in (fed, none))
+    assert left < 0.2 * whole
+
+
+@pytest.mark.parametrize("name", [name for name in OBSERVERS if name != "balance"])
+def test_every_observer_works_live_at_every_joint_of_an_arm(name: str) -> None:
+    arm = read_robot("ur5")
+    for joint in arm.table.joint:
+        (term,) = joint.friction or ()
+        level = {"coulomb": term.value("coulomb"), "viscous": term.value("viscous")}
+        bristle = {"bristle_stiffness": 1e3 * level["coulomb"], "shape_exponent": 1.0}
+        dahl = FrictionTerm(law="dahl", parameters={**level, **bristle})
+        arm = arm.with_joint(joint.model_copy(update={"friction": (dahl,)}))
+    time = np.arange(0.0, 6.0, 0.004)
+    swell = np.clip(np.minimum(time, 6.0 - time), 0.0, 1.0) ** 2
+    phases = 2.0 * np.pi * (0.25 * time[:, None] + np.arange(6) / 6.0)
+    course = Trajectory(arm.joints, time, 0.3 * swell[:, None] * np.sin(phases))
+    make, friction = OBSERVERS[name], 60.0  # N·m, more than any of these joints has
+    assert make is not None
+    places = itertools.cycle(arm.table.joint)
+
+    def observed(mass: float, step: float) -> Observer:
+        return make(next(places), mass, step, 2.0 * np.pi * 4.0, friction)
+
+    plain = run_machine(arm, course, 1000.0, Control(bandwidth=8.0, friction="none"), arm)
+    with_it = run_machine(arm, course, 1000.0, Control(bandwidth=8.0, friction="none", observer=observed), arm)
+    for i in range(6):
+        rms = [np.sqrt(np.mean(np.square(done.wanted - done.played.position)[:, i])) for done in (plain, with_it)]
+        assert rms[1] < 0.7 * rms[0], arm.joints[i]
+
+
 def test_six_axes_follow_better_with_levels_with_laws_and_with_observers() -> None:
     arm = read_robot("comau_ns12")
     time = np.arange(0.0, 6.0, 0.004)
@@ -134,7 +187,7 @@ def cylinder() -> Robot:
     return read_robot("hydraulic_cylinder")
 
 
-def piston(cylinder: Robot, gains: ValveGains, friction: object = "none", *, sensed: bool = False) -> Run:
+def piston(cylinder: Robot, gains: ValveGains, friction: FrictionSource | None = None, *, sensed: bool = False) -> Run:
     control = Control(
         friction="none",
         feedforward="none",

@@ -10,7 +10,8 @@ import pytest
 from scipy.linalg import expm
 
 from mjfriction.body.inverse import inverse_dynamics
-from mjfriction.control.servo import Control, Course, ServoDrives
+from mjfriction.control.course import Course
+from mjfriction.control.servo import Control, ServoDrives
 from mjfriction.plant.machine import run_machine, simulate
 from mjfriction.plant.motions import excitation, sine
 from mjfriction.plant.sensors import Recorder

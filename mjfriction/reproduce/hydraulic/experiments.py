@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from mjfriction.control.observer import Observer
-from mjfriction.control.valve import ValveGains
-from mjfriction.laws.friction import Friction
+from mjfriction.control.valve import FrictionSource, ValveGains
 from mjfriction.reproduce.hydraulic.identified import (
     Identified,
     identify_cylinder,
@@ -27,14 +25,12 @@ from mjfriction.reproduce.hydraulic.machine import (
 
 LAW = "identified law"
 
-Source = tuple[Friction, ...] | Callable[[float, float], Observer] | None
-
 
 @dataclass(frozen=True)
 class Compared:
     """One controller: where its friction comes from, its equal gains, and its runs by name."""
 
-    friction: Source
+    friction: FrictionSource | None
     gains: ValveGains
     runs: dict[str, Tracked]
 
@@ -48,7 +44,7 @@ def run_cylinder(
     """
     progress("identifying the cylinder")
     identified = identify_cylinder(seed)
-    sources: dict[str, Source] = {"PD": None, LAW: identified.law(), **OBSERVERS}
+    sources: dict[str, FrictionSource | None] = {"PD": None, LAW: identified.law(), **OBSERVERS}
     heavy, compared = cylinder(mass=HEAVY), {}
     for name, source in sources.items():
         progress(f"tuning {name}")

@@ -10,8 +10,7 @@ import pyarrow as pa
 from scipy.optimize import minimize
 
 from mjfriction.control.chattering import chattering
-from mjfriction.control.observer import Observer
-from mjfriction.control.valve import ValveGains
+from mjfriction.control.valve import FrictionSource, ValveGains
 from mjfriction.identify.pressure import SteadyPoints, Variant, choose_variant, pressure_law, steady_points
 from mjfriction.laws.friction import Friction, friction
 from mjfriction.laws.law import Floats
@@ -78,9 +77,7 @@ def tuned_pd(seed: int = 0) -> ValveGains:
     return ValveGains(position, position * ratio)
 
 
-def tuned_acceleration(
-    friction: tuple[Friction, ...] | Callable[[float, float], Observer], seed: int = 0
-) -> ValveGains:
+def tuned_acceleration(friction: FrictionSource, seed: int = 0) -> ValveGains:
     """Return position and acceleration gains of least error with the friction of a law or an observer."""
     position, ratio = _tuned(FIRST_ACCELERATION, lambda p, r: ValveGains(p, 0.0, p * r), friction, seed)
     return ValveGains(position, 0.0, position * ratio)
@@ -89,7 +86,7 @@ def tuned_acceleration(
 def _tuned(
     first: tuple[float, float],
     gains: Callable[[float, float], ValveGains],
-    friction: tuple[Friction, ...] | Callable[[float, float], Observer] | None,
+    friction: FrictionSource | None,
     seed: int,
 ) -> tuple[float, float]:
     # The same for all: from a first guess, two numbers by Nelder and Mead for the least error that the valve can bear.
@@ -110,9 +107,7 @@ def fast_voltage(tracked: Tracked) -> float:
     return chattering(tracked.voltage, RATE, FAST)
 
 
-def separate_gains(
-    equal: ValveGains, friction: tuple[Friction, ...] | Callable[[float, float], Observer], seed: int = 0
-) -> tuple[ValveGains, ValveGains]:
+def separate_gains(equal: ValveGains, friction: FrictionSource, seed: int = 0) -> tuple[ValveGains, ValveGains]:
     """Return gains extending and retracting, each scaled alone from equal ones for the least error of both."""
     own = [equal, equal]
     for way in (0, 1):

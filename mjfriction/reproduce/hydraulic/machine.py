@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from mjfriction.control.friedland import FriedlandMentzelopoulou, Tafazoli
-from mjfriction.control.observer import Observer
+from mjfriction.control.observer import ObserverFor
 from mjfriction.control.servo import Control
-from mjfriction.control.valve import ValveControl, ValveGains
+from mjfriction.control.valve import FrictionSource, ValveControl, ValveGains
 from mjfriction.control.variable_structure import VariableStructure
-from mjfriction.laws.friction import Friction
 from mjfriction.laws.law import Floats
 from mjfriction.plant.machine import Run, run_machine
 from mjfriction.plant.trajectory import Trajectory
@@ -62,11 +60,11 @@ def known_cylinder() -> Robot:
     return robot.with_joint(robot.joint(JOINT).model_copy(update={"friction": ()}))
 
 
-def _learning(kind: type[FriedlandMentzelopoulou | Tafazoli]) -> Callable[[float, float], Observer]:
+def _learning(kind: type[FriedlandMentzelopoulou | Tafazoli]) -> ObserverFor:
     return lambda mass, _: kind(mass, LEVEL_RATE, VELOCITY_RATE)
 
 
-def _sliding(smoothing: float) -> Callable[[float, float], Observer]:
+def _sliding(smoothing: float) -> ObserverFor:
     return lambda mass, _: VariableStructure.with_rate(mass, SLIDING_RATE, SLIDING_SPEED, smoothing)
 
 
@@ -81,11 +79,12 @@ SHARP = _sliding(0.0)
 
 @dataclass(frozen=True)
 class Tracked:
-    """One run along the reference, after it has swelled: ``time``, ``error`` (mm), ``voltage``, friction ``true`` and
-    as the controller ``estimated`` it (N), each (n,), and which samples extend.
+    """One run along the reference, after it has swelled: ``time``, the ``wanted`` place and the ``error`` (mm),
+    ``voltage``, friction ``true`` and as the controller ``estimated`` it (N), each (n,), and which samples extend.
     """
 
     time: Floats
+    wanted: Floats
     error: Floats
     voltage: Floats
     true: Floats
@@ -100,7 +99,7 @@ class Tracked:
 
 def follow(
     gains: tuple[ValveGains, ValveGains],
-    friction: tuple[Friction, ...] | Callable[[float, float], Observer] | None,
+    friction: FrictionSource | None,
     *,
     machine: Robot | None = None,
     supply: float = NOMINAL_SUPPLY,
@@ -113,7 +112,7 @@ def follow(
         feedforward="none",
         sensed=True,
         seed=seed,
-        valve=ValveControl(*gains, "none" if friction is None else friction),
+        valve=ValveControl(*gains, friction),
     )
     trajectory = reference(periods, supply)
     run = run_machine(machine or cylinder(), trajectory, RATE, control, known_cylinder())
@@ -135,6 +134,7 @@ def _judged(run: Run) -> Tracked:
     wanted = run.wanted[:, 0]
     return Tracked(
         run.time[own] - WARM,
+        1e3 * wanted[own],
         1e3 * (wanted - run.played.position[:, 0])[own],
         run.cylinders[JOINT].volts[own],
         run.played.friction[own, 0],

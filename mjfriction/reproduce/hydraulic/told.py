@@ -10,6 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from mjfriction.control.chattering import spectrum
+from mjfriction.laws.ambient import ambient
 from mjfriction.laws.law import Floats
 from mjfriction.reproduce.hydraulic.experiments import LAW, Compared, run_cylinder
 from mjfriction.reproduce.hydraulic.identified import (
@@ -64,23 +65,13 @@ def _pictures(identified: Identified, compared: dict[str, Compared]) -> tuple[Pi
         run = compared[name].runs[case]
         return Line(name if case == "nominal" else f"{name}, {case}", run.time[THIN], value(run)[THIN])
 
-    law = identified.chosen
     speeds = points.speed[order]
-    fitted = np.array(
-        [
-            np.sign(v)
-            * (
-                law[way].values["level"]
-                + law[way].values.get("rod_pressure", 0.0) * points.rod[i]
-                + law[way].values["viscous"] * abs(v)
-            )
-            for i, v in zip(order, speeds, strict=True)
-            for way in ["extending" if v > 0.0 else "retracting"]
-        ]
-    )
+    around = ambient(speeds.size, pressure_head=points.head[order], pressure_rod=points.rod[order])
+    fitted = np.sum([law.steady(speeds, around) for law in identified.law()], axis=0)
     best = compared["variable structure"].runs
     sharp, smooth = (spectrum(best[name].voltage, RATE) for name in ("sharp", "nominal"))
     names = [name for name in compared if name != "PD"]
+    law = compared[LAW].runs["nominal"]
     return (
         Picture(
             f"Friction at constant speeds, supplies of {' and '.join(f'{1e-5 * s:g}' for s in SUPPLIES)} bar",
@@ -93,11 +84,21 @@ def _pictures(identified: Identified, compared: dict[str, Compared]) -> tuple[Pi
             "figures 2 and 3",
         ),
         Picture(
+            "The reference, and the piston with the identified law",
+            "time, s",
+            "position, mm",
+            (
+                Line("reference", law.time[THIN], law.wanted[THIN]),
+                Line(LAW, law.time[THIN], (law.wanted - law.error)[THIN]),
+            ),
+            "figure 4",
+        ),
+        Picture(
             "Tracking error with the identified law and with observers",
             "time, s",
             "error, mm",
             tuple(against_time(name, lambda run: run.error) for name in names),
-            "figures 4 and 5",
+            "figure 5",
         ),
         Picture(
             "Tracking error with and without compensation",
@@ -117,21 +118,24 @@ def _pictures(identified: Identified, compared: dict[str, Compared]) -> tuple[Pi
             "figure 7",
         ),
         Picture(
-            "Tracking error with the same and with different gains for the two directions",
+            "Control with the same and with different gains for the two directions",
             "time, s",
-            "error, mm",
+            "voltage, V",
             tuple(
-                against_time("variable structure", lambda run: run.error, case)
+                against_time("variable structure", lambda run: run.voltage, case)
                 for case in ("nominal", "separate gains")
             ),
             "figure 8",
         ),
-        Picture(
-            "Tracking error at 20 bar",
-            "time, s",
-            "error, mm",
-            tuple(against_time(name, lambda run: run.error, "20 bar") for name in names),
-            "figure 9",
+        *(
+            Picture(
+                f"Tracking error {case}",
+                "time, s",
+                "error, mm",
+                tuple(against_time(name, lambda run: run.error, case.partition(" ")[2]) for name in names),
+                "figure 9",
+            )
+            for case in ("at 20 bar", "with 96 kg")
         ),
         Picture(
             "What the valve is asked for, switched sharply and smoothly",

@@ -9,8 +9,9 @@ import numpy as np
 import pyarrow as pa
 
 from mjfriction.body.gravity_pose import gravity_pose
+from mjfriction.control.course import Course
 from mjfriction.control.feedforward import feedforward_friction, feedforward_rigid
-from mjfriction.control.servo import Control, Course
+from mjfriction.control.servo import Control
 from mjfriction.errors import LogError
 from mjfriction.identify.friction_map import FrictionMap, friction_maps
 from mjfriction.identify.map_fit import MapFit, arctan_procedure, fit_map, on_side

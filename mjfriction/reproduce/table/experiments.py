@@ -9,7 +9,6 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from mjfriction.laws.law import Floats
-from mjfriction.laws.rules import Values
 from mjfriction.plant.machine import Run, run_machine
 from mjfriction.plant.motions import inner_loops
 from mjfriction.plant.trajectory import Trajectory
@@ -28,6 +27,7 @@ from mjfriction.reproduce.table.machine import (
     weak_control,
 )
 from mjfriction.robot.robot import Robot
+from mjfriction.robot.schema import FrictionTerm
 
 TUNED = {"gms": "attraction", "lugre": "bristle_damping", "leuven": "bristle_damping"}
 BETWEEN = {"attraction": (1.0, 1e4), "bristle_damping": (1e2, 3e5)}  # N/s, N·s/m
@@ -72,8 +72,8 @@ def run_table(progress: Callable[[str], None], seed: int = 0) -> tuple[Identifie
     follow("PD", known, friction=False, observer=False)
     follow("observer", known, friction=False, observer=True)
     follow("observer, ten times faster", known, friction=False, observer=True, period=PERIOD / FASTER)
-    for law, values in laws.items():
-        model = with_law(known, law.partition(" ")[0], values)
+    for law, term in laws.items():
+        model = with_law(known, term)
         follow(law, model, friction=True, observer=False)
         follow(f"observer and {law}", model, friction=True, observer=True)
     identified = replace(identified, laws=laws)
@@ -94,18 +94,21 @@ def _tracked(
     return Tracked(run.time[last] - run.time[last][0], error, run)
 
 
-def _tuned(machine: Robot, identified: Identified, law: str, seed: int) -> Values:
+def _tuned(machine: Robot, identified: Identified, law: str, seed: int) -> FrictionTerm:
     # As in the document, what slow turns do not show is set for the least maximum error along the reference.
-    values, plain = identified.laws[law], law.partition(" ")[0]
-    name = TUNED.get(plain)
+    term = identified.laws[law]
+    name = TUNED.get(term.law)
     if name is None:
-        return values
+        return term
     known = identified.robot_without_friction()
 
+    def changed(exponent: float) -> FrictionTerm:
+        return term.model_copy(update={"parameters": {**term.parameters, name: float(np.exp(exponent))}})
+
     def worst(exponent: float) -> float:
-        model = with_law(known, plain, {**values, name: float(np.exp(exponent))})
+        model = with_law(known, changed(exponent))
         tracked = _tracked(machine, model, friction=True, observer=False, seed=seed)
         return float(np.max(np.abs(tracked.error)))
 
     found = minimize_scalar(worst, bounds=np.log(BETWEEN[name]), method="bounded", options={"maxiter": EVALUATIONS})
-    return {**values, name: float(np.exp(found.x))}
+    return changed(found.x)

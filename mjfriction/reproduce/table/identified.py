@@ -17,7 +17,6 @@ from mjfriction.identify.phases import Phase, constant_speed_phases
 from mjfriction.laws.ambient import ambient
 from mjfriction.laws.catalog import find_law
 from mjfriction.laws.law import Floats
-from mjfriction.laws.rules import Values
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import KNOTS, forward_backward, move, sawtooth
 from mjfriction.plant.sensors import Recorder
@@ -38,32 +37,28 @@ TURN_SPEED = 15e-6  # m/s
 PASS_RATE, TURN_RATE, BAND = 500.0, 200.0, 10.0  # Hz
 ATTRACTION, BRISTLE_DAMPING = 65.0, 1e4  # N/s, N·s/m of the document, where tuning begins
 PRINTED_SHAPE = 10.0  # the document's δ_l = 0.1 read as 1/δ_l; as it stands it would hold z still almost throughout
+TRAVEL_ELEMENTS = (12,)  # over the bristle's travel: the document's number
 SHAPES = np.geomspace(0.5, 20.0, 16)  # exponents of the Leuven law that are tried
 
 
 @dataclass(frozen=True)
 class Identified:
-    """What the experiments gave: the map and its Stribeck curve, cogging, loops, and every law's parameters."""
+    """What the experiments gave: the map and its Stribeck curve, cogging, loops, and laws by what they are called."""
 
     points: FrictionMap
     stribeck: MapFit
     cogging: tuple[Wave, ...]
     turns: FrictionCourse
     elements: Elements
-    laws: dict[str, Values]
-
-    def robot(self, law: str) -> Robot:
-        """Return the table as a controller knows it, with one of the laws."""
-        return with_law(self.robot_without_friction(), law.partition(" ")[0], self.laws[law])
+    laws: dict[str, FrictionTerm]
 
     def robot_without_friction(self) -> Robot:
         """Return the table as a controller knows it, with its cogging alone."""
         return _with_cogging(blank_table(), self.cogging)
 
 
-def with_law(robot: Robot, law: str, parameters: Values) -> Robot:
+def with_law(robot: Robot, term: FrictionTerm) -> Robot:
     """Return the table with a law in the place of its friction."""
-    term = FrictionTerm(law=law, parameters=dict(parameters))
     return robot.with_joint(robot.joint(JOINT).model_copy(update={"friction": (term,)}))
 
 
@@ -133,17 +128,17 @@ def _curve(stribeck: MapFit) -> dict[str, float]:
     }
 
 
-def _dahl(loops: FrictionCourse, stribeck: MapFit) -> Values:
+def _dahl(loops: FrictionCourse, stribeck: MapFit) -> FrictionTerm:
     level = {"coulomb": stribeck.values["static"], "viscous": stribeck.values["viscous"]}
     return _curve_fitted("dahl", loops, level, {"bristle_stiffness": 1e6, "shape_exponent": 1.0})
 
 
-def _lugre(loops: FrictionCourse, stribeck: MapFit) -> Values:
+def _lugre(loops: FrictionCourse, stribeck: MapFit) -> FrictionTerm:
     known = {**_curve(stribeck), "bristle_damping": BRISTLE_DAMPING}
     return _curve_fitted("lugre", loops, known, {"bristle_stiffness": 1e6})
 
 
-def _curve_fitted(law: str, loops: FrictionCourse, known: dict[str, float], free: dict[str, float]) -> Values:
+def _curve_fitted(law: str, loops: FrictionCourse, known: dict[str, float], free: dict[str, float]) -> FrictionTerm:
     # Logarithms of what is free; the first of the largest turns has erased where the law began.
     found, names = find_law(law), list(free)
     after = int(np.argmax(loops.position >= 0.99 * np.max(loops.position)))
@@ -157,75 +152,70 @@ def _curve_fitted(law: str, loops: FrictionCourse, known: dict[str, float], free
         return (force - loops.friction)[after:]
 
     fitted = least_squares(left, np.log(list(free.values())), x_scale=0.1, diff_step=1e-4)
-    return values(fitted.x)
+    return FrictionTerm(law=law, parameters=values(fitted.x))
 
 
-def _leuven(loops: FrictionCourse, stribeck: MapFit) -> Values:
+def _leuven(loops: FrictionCourse, stribeck: MapFit) -> FrictionTerm:
     # Position is converted to z for every exponent tried; the one is taken whose law then follows the loops best.
     curve = _curve(stribeck)
     tried = []
     for shape in SHAPES.tolist():
         level = np.full(loops.position.size, curve["static"])
         travel = bristle_travel(loops.position, loops.velocity, loops.friction, level, shape)
-        tried.append(_leuven_of(curve, elements_of_travel(loops, travel), shape))
-    errors = [_following(loops, "leuven", values) for values in tried]
+        tried.append(_leuven_of(curve, elements_of(travel, loops.friction, TRAVEL_ELEMENTS), shape))
+    errors = [_following(loops, term) for term in tried]
     return tried[int(np.argmin(errors))]
 
 
-def elements_of_travel(loops: FrictionCourse, travel: Floats) -> Elements:
-    """Return the elements that draw the loops over the bristle's travel in the place of position."""
-    return elements_of(travel, loops.friction, (12,))
-
-
-def _leuven_over_position(stribeck: MapFit, elements: Elements) -> Values:
+def _leuven_over_position(stribeck: MapFit, elements: Elements) -> FrictionTerm:
     # The document's own way: its exponent, and the elements found over position.
     return _leuven_of(_curve(stribeck), elements, PRINTED_SHAPE)
 
 
-def _leuven_of(curve: dict[str, float], elements: Elements, shape: float) -> Values:
+def _leuven_of(curve: dict[str, float], elements: Elements, shape: float) -> FrictionTerm:
     level = elements.level.copy()
     # The bristle stops where the elements reach the Stribeck level; the last ones' own levels never show.
     level[-1] += max(0.0, 1.001 * curve["static"] - float(np.sum(level)))
     travel = level / elements.stiffness
     order = np.argsort(travel)
-    return {
+    values = {
         **curve,
         "bristle_damping": BRISTLE_DAMPING,
         "shape_exponent": shape,
         "stiffness": tuple(elements.stiffness[order].tolist()),
         "level": tuple(level[order].tolist()),
     }
+    return FrictionTerm(law="leuven", parameters=values)
 
 
-def _gms(stribeck: MapFit, elements: Elements) -> Values:
+def _gms(stribeck: MapFit, elements: Elements) -> FrictionTerm:
     # Shares of the static level: the loops were drawn slowly, where the Stribeck level is that.  The last elements slip
     # only past the turns seen, so that the rest of the level is theirs.
     share = elements.level / stribeck.values["static"]
     share[-1] = max(1.0 - float(np.sum(share[:-1])), 1e-3)
     share /= np.sum(share)
     order = np.argsort(share / elements.stiffness)
-    return {
+    values = {
         **_curve(stribeck),
         "attraction": ATTRACTION,
         "stiffness": tuple(elements.stiffness[order].tolist()),
         "share": tuple(share[order].tolist()),
     }
+    return FrictionTerm(law="gms", parameters=values)
 
 
-def _following(loops: FrictionCourse, law: str, values: Values) -> float:
-    found = find_law(law)
-    force, _ = found.follow(loops.velocity, ambient(loops.friction.size), 1.0 / loops.motion.rate, found.pack(values))
+def _following(loops: FrictionCourse, term: FrictionTerm) -> float:
+    force, _ = term.friction(1.0).follow(loops.velocity, ambient(loops.friction.size), 1.0 / loops.motion.rate)
     after = int(np.argmax(loops.position >= 0.99 * np.max(loops.position)))
     return float(np.sqrt(np.mean(np.square((force - loops.friction)[after:]))))
 
 
 def following_errors(identified: Identified) -> dict[str, float]:
     """Return the RMS, N, that every law leaves of the loops it was fitted to."""
-    return {law: _following(identified.turns, law.partition(" ")[0], values) for law, values in identified.laws.items()}
+    return {name: _following(identified.turns, term) for name, term in identified.laws.items()}
 
 
-def loop_of(identified: Identified, law: str, position: Floats, rate: float) -> Floats:
+def loop_of(term: FrictionTerm, position: Floats, rate: float) -> Floats:
     """Return the force of a law along a wanted course of positions (n,) at a rate (Hz)."""
-    found = find_law(law.partition(" ")[0])
     velocity = np.gradient(position) * rate
-    return found.follow(velocity, ambient(position.size), 1.0 / rate, found.pack(identified.laws[law]))[0]
+    return term.friction(1.0).follow(velocity, ambient(position.size), 1.0 / rate)[0]

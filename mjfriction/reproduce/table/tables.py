@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mjfriction.laws.catalog import find_law
-from mjfriction.laws.rules import array, scalar
+from mjfriction.laws.rules import array
 from mjfriction.reproduce.outcome import Row, Table
 from mjfriction.reproduce.table.experiments import Tracked
 from mjfriction.reproduce.table.identified import (
@@ -67,7 +66,7 @@ def parameters_found(identified: Identified) -> Table:
     def true(name: str) -> float:
         return float(truth.value(name))
 
-    found, there = array(gms, "stiffness"), array(truth.parameters, "stiffness")
+    found, there = array(gms.parameters, "stiffness"), array(truth.parameters, "stiffness")
     rows = [
         Row("F_s, N", (curve["static"], true("static"), 54.0)),
         Row("F_c, N", (curve["coulomb"], true("coulomb"), 39.2)),
@@ -79,11 +78,11 @@ def parameters_found(identified: Identified) -> Table:
             "stiffness at rest, N/µm",
             (1e-6 * float(np.sum(found)), 1e-6 * float(np.sum(there)), None),
         ),
-        Row("Dahl σ₀, N/µm", (1e-6 * scalar(dahl, "bristle_stiffness"), None, 1.4)),
-        Row("Dahl δ_d", (scalar(dahl, "shape_exponent"), None, 5.14)),
-        Row("LuGre σ₁, N·s/µm", (1e-6 * scalar(identified.laws["lugre"], "bristle_damping"), None, 0.01)),
-        Row("GMS C, N/s", (scalar(gms, "attraction"), true("attraction"), 65.0)),
-        Row("Leuven exponent", (scalar(identified.laws["leuven"], "shape_exponent"), None, PRINTED_SHAPE)),
+        Row("Dahl σ₀, N/µm", (1e-6 * dahl.value("bristle_stiffness"), None, 1.4)),
+        Row("Dahl δ_d", (dahl.value("shape_exponent"), None, 5.14)),
+        Row("LuGre σ₁, N·s/µm", (1e-6 * identified.laws["lugre"].value("bristle_damping"), None, 0.01)),
+        Row("GMS C, N/s", (gms.value("attraction"), true("attraction"), 65.0)),
+        Row("Leuven exponent", (identified.laws["leuven"].value("shape_exponent"), None, PRINTED_SHAPE)),
     ]
     return Table(
         "Parameters identified from the table's own experiments", ("identified", "true", "printed"), tuple(rows)
@@ -108,10 +107,9 @@ def loops_left(identified: Identified) -> Table:
 def numbers_stored(identified: Identified) -> Table:
     """Return how many numbers every law keeps."""
     rows = []
-    for law, values in identified.laws.items():
-        found = find_law(law.partition(" ")[0])
-        packed = found.pack(values)
-        rows.append(Row(law, (float(packed.size), float(found.state_count(packed)))))
+    for name, term in identified.laws.items():
+        packed = term.friction(1.0)
+        rows.append(Row(name, (float(packed.values.size), float(packed.state_count))))
     return Table(
         "Table I: numbers that each law keeps",
         ("parameters", "state"),

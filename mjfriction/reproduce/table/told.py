@@ -93,7 +93,7 @@ def _pictures(runs: dict[str, Tracked], identified: Identified) -> tuple[Picture
                 Line(
                     "gms",
                     1e6 * turns.position[THIN],
-                    loop_of(identified, "gms", turns.position, turns.motion.rate)[THIN],
+                    loop_of(identified.laws["gms"], turns.position, turns.motion.rate)[THIN],
                 ),
             ),
             "figure 4B",
@@ -103,7 +103,7 @@ def _pictures(runs: dict[str, Tracked], identified: Identified) -> tuple[Picture
             "Friction that the laws feed forward along the reference",
             "position, µm",
             "friction, N",
-            tuple(Line(law, wanted[THIN], loop_of(identified, law, smooth, RATE)[THIN]) for law in LAWS),
+            tuple(Line(law, wanted[THIN], loop_of(identified.laws[law], smooth, RATE)[THIN]) for law in LAWS),
             "figure 6",
         ),
         Picture(
@@ -161,6 +161,7 @@ def _claims(runs: dict[str, Tracked]) -> tuple[Claim, ...]:
 
 
 def _how(identified: Identified) -> tuple[str, ...]:
+    elements = len(array(identified.laws["gms"].parameters, "stiffness"))
     return (
         "The machine is simulated in MuJoCo and richer than every law under test: 61 Maxwell-slip elements of two "
         "kinds of contact slipping towards the published Stribeck curve, a level that varies by 3.6 % along the "
@@ -168,7 +169,7 @@ def _how(identified: Identified) -> tuple[str, ...]:
         "noise, 10 nm position.",
         "Everything that a controller knows was identified from the machine's own logs: cogging and the Stribeck curve "
         "from 12 speeds forward and backward, elements from slow turns by bounded least squares "
-        f"({len(array(identified.laws['gms'], 'stiffness'))} of them, the number chosen on turns not fitted), "
+        f"({elements} of them, the number chosen on turns not fitted), "
         "Dahl and LuGre by curve fitting.",
         "As in the document, what slow turns do not show (C of GMS, σ₁ of LuGre and Leuven) is set for the least "
         "maximum error along the reference, with feedforward alone.",
