@@ -11,7 +11,7 @@ from numba.extending import intrinsic
 from numba.np import arrayobj
 
 _arrays: Any = arrayobj
-VECTOR, INTEGERS = types.float64[::1], types.int32[::1]
+VECTOR, INTEGERS, MATRIX = types.float64[::1], types.int32[::1], types.float64[:, ::1]
 
 
 def built(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -76,3 +76,20 @@ def integers_at(typing_context: Any, address: Any, count: Any) -> Any:
         return _view(context, builder, INTEGERS, pointer, arguments[1])
 
     return INTEGERS(types.intp, types.intp), generate
+
+
+@built
+def matrix_at(typing_context: Any, address: Any, rows: Any, columns: Any) -> Any:
+    """Return the ``rows`` by ``columns`` float64 numbers that begin at an address, row after row."""
+    del typing_context, address, rows, columns
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        del signature
+        pointer = builder.inttoptr(arguments[0], ir.DoubleType().as_pointer())
+        size = context.get_constant(types.intp, 8)
+        shape, strides = list(arguments[1:]), [builder.mul(arguments[2], size), size]
+        view = _arrays.make_array(MATRIX)(context, builder)
+        _arrays.populate_array(view, data=pointer, shape=shape, strides=strides, itemsize=size, meminfo=None)
+        return view._getvalue()
+
+    return MATRIX(types.intp, types.intp, types.intp), generate

@@ -65,8 +65,12 @@ def advance_wrapped(
     The level's factor s multiplies all but the linear damping: s·(τ − F_v·v) + F_v·v.  A two-way law runs one copy for
     each direction, each with its own state, and is max(τ⁺, 0) + min(τ⁻, 0): continuous, and as steep as either.
     """
-    number, count, at = int(w[NUMBER]), int(w[COUNT]), HEADER + 3 * int(w[WAVES])
-    ratio = w[RATIO]
+    number, count, ratio = int(w[NUMBER]), int(w[COUNT]), w[RATIO]
+    if ratio == 1.0 and w[LEVELLED] == 0.0 and w[TWO_WAY] == 0.0:  # nothing wrapped: the common case, and the fast one
+        return advance_of(
+            number, v, address(ambient, 0), address(z, 0), z.shape[0], h, address(w, HEADER), count, address(z_next, 0)
+        )
+    at = HEADER + 3 * int(w[WAVES])
     around = ambient
     if ratio != 1.0:
         through_gear(ambient, ratio, near)

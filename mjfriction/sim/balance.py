@@ -54,7 +54,7 @@ def bend(
                 slope[i] = max(seen, -0.5 * s[i, i] / h)
 
 
-@routine
+@kernel
 def balance(
     s: Floats, b: Floats, start: Floats, block: int, terms: int, count: int, around: int, z: int,
     h: float, z_next: int, near: int, v: Floats, change: Floats, work: Floats, torque: Floats, slope: Floats,

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mjfriction.laws.ambient import AMBIENT_SIZE
 from mjfriction.laws.law import Floats, kernel
-from mjfriction.laws.window import integers_at, window, window_at
+from mjfriction.laws.window import integers_at, matrix_at, window, window_at
 from mjfriction.sim import block as at
 from mjfriction.sim.layout import Field
 from mjfriction.sim.native import offset_of, stack_numbers, word_at
@@ -74,18 +74,22 @@ class Kept(NamedTuple):
 
 
 class Desk(NamedTuple):
-    """Room to work in, on MuJoCo's stack: over touched (n), rubbing (k) and all dofs (nv)."""
+    """Room to work in, on MuJoCo's stack: over touched (n), rubbing (k) and all dofs (nv).
+
+    ``now`` (n,) are the velocities as the step begins; ``start`` (k,) is its end, those of the rubbing dofs.
+    """
 
     a: Floats
     s: Floats
     j: Floats
     f: Floats
     end_velocity: Floats
+    now: Floats
+    start: Floats
     v: Floats
     change: Floats
     trial: Floats
     slope: Floats
-    start: Floats
     v_before: Floats
     torque_before: Floats
     around: Floats
@@ -135,10 +139,12 @@ def find_block(model: int) -> int:
 
 
 @kernel
-def open_block(address: int) -> Block:
-    """Return the model's block that begins at an address."""
+def open_block(address: int, nv: int, n: int, k: int) -> Block:
+    """Return the model's block that begins at an address, of ``nv`` dofs, ``n`` touched and ``k`` rubbing.
+
+    The sizes come from the caller, for whom they may be constants of the compiled code.
+    """
     head = window_at(address, at.HEADER)
-    n, k, nv = int(head[at.H_TOUCHED]), int(head[at.H_RUBBING]), int(head[at.H_DOFS])
     return Block(
         address,
         nv,
@@ -197,25 +203,26 @@ def open_kept(data: int, block: Block) -> Kept:
 def open_desk(data: int, block: Block) -> Desk:
     """Take room from MuJoCo's stack, which the caller has marked."""
     n, k, nv = block.touched, block.rubbing, block.nv
-    size = n * n + 2 * k * k + 2 * n + (7 + AMBIENT_SIZE) * k + nv + AMBIENT_SIZE
-    work = window_at(stack_numbers(data, size), size)
-    o = n * n + 2 * k * k
-    r = o + 2 * n
-    e = r + (7 + AMBIENT_SIZE) * k
+    matrices = n * n + 2 * k * k
+    work = stack_numbers(data, matrices + 3 * n + (6 + AMBIENT_SIZE) * k + nv + AMBIENT_SIZE)
+    o = work + 8 * matrices
+    r = o + 24 * n
+    e = r + 8 * (6 + AMBIENT_SIZE) * k
     return Desk(
-        window(work, 0, n * n).reshape((n, n)),
-        window(work, n * n, k * k).reshape((k, k)),
-        window(work, n * n + k * k, k * k).reshape((k, k)),
-        window(work, o, n),
-        window(work, o + n, n),
-        window(work, r, k),
-        window(work, r + k, k),
-        window(work, r + 2 * k, k),
-        window(work, r + 3 * k, k),
-        window(work, r + 4 * k, k),
-        window(work, r + 5 * k, k),
-        window(work, r + 6 * k, k),
-        window(work, r + 7 * k, AMBIENT_SIZE * k).reshape((k, AMBIENT_SIZE)),
-        window(work, e, nv),
-        window(work, e + nv, AMBIENT_SIZE),
+        matrix_at(work, n, n),
+        matrix_at(work + 8 * n * n, k, k),
+        matrix_at(work + 8 * (n * n + k * k), k, k),
+        window_at(o, n),
+        window_at(o + 8 * n, n),
+        window_at(o + 16 * n, n),
+        window_at(o + 16 * n + 8 * (n - k), k),
+        window_at(r, k),
+        window_at(r + 8 * k, k),
+        window_at(r + 16 * k, k),
+        window_at(r + 24 * k, k),
+        window_at(r + 32 * k, k),
+        window_at(r + 40 * k, k),
+        matrix_at(r + 48 * k, k, AMBIENT_SIZE),
+        window_at(e, nv),
+        window_at(e + 8 * nv, AMBIENT_SIZE),
     )

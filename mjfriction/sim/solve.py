@@ -41,15 +41,20 @@ def solve_spd(a: Floats, x: Floats) -> None:
     """
     k = x.shape[0]
     for i in range(k):
-        inverse = 1.0 / max(a[i, i], TINY)
-        a[i, i] = inverse
-        for j in range(i + 1, k):
-            factor = a[j, i] * inverse
-            for c in range(i + 1, j + 1):
-                a[j, c] -= factor * a[c, i]
-            x[j] -= factor * x[i]
+        for j in range(i):
+            entry = a[i, j]
+            for c in range(j):
+                entry -= a[i, c] * a[j, c]
+            a[i, j] = entry
+        pivot, value = a[i, i], x[i]
+        for j in range(i):
+            factor = a[i, j] * a[j, j]
+            pivot -= factor * a[i, j]
+            value -= factor * x[j]
+            a[i, j] = factor
+        a[i, i], x[i] = 1.0 / max(pivot, TINY), value
+    for i in range(k):
+        x[i] *= a[i, i]
     for i in range(k - 1, -1, -1):
-        value = x[i]
-        for j in range(i + 1, k):
-            value -= a[j, i] * x[j]
-        x[i] = value * a[i, i]
+        for j in range(i):
+            x[j] -= a[i, j] * x[i]

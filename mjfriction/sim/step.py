@@ -13,7 +13,7 @@ import math
 
 from mjfriction.laws.ambient import LOAD, POSITION, PRESSURE_HEAD, PRESSURE_ROD, ROOM_TEMPERATURE, SLIDING, TEMPERATURE
 from mjfriction.laws.law import Floats, kernel, routine
-from mjfriction.laws.window import address, window
+from mjfriction.laws.window import address, window, window_at
 from mjfriction.sim import block as at
 from mjfriction.sim import memory as mem
 from mjfriction.sim.balance import balance
@@ -41,12 +41,12 @@ BAD_FORCE = 6  # mjWARN_BADCTRL, the warning for a number that would have spoilt
 
 
 @kernel
-def look_back(block: Block, kept: Kept, a: Floats, velocity: Floats, time: float, missed: Floats) -> bool:
+def look_back(block: Block, kept: Kept, a: Floats, now: Floats, time: float, missed: Floats) -> bool:
     """Find out what happened since the last call, and return whether a step was made.
 
     After a step: accelerations from the change of velocity, and the constraints' force of that step, which is the one
     that was counted on and what the velocity shows to have come on top.  After a jump in time both are forgotten.
-    ``missed`` (n,) is room to work in.
+    ``now`` (n,) are the velocities of the touched dofs; ``missed`` (n,) is room to work in.
     """
     then, step = kept.stamp[at.U_TIME], kept.stamp[at.U_STEP]
     if time == then:
@@ -60,10 +60,9 @@ def look_back(block: Block, kept: Kept, a: Floats, velocity: Floats, time: float
         return False
     as_predicted, per_step = True, 1.0 / step
     for p in range(block.touched):
-        now = velocity[int(block.dofs[p])]
-        missed[p] = now - kept.predicted[p]
-        kept.moved[p] = (now - kept.before[p]) * per_step
-        as_predicted &= abs(missed[p]) <= SAME * abs(now) + STILL
+        missed[p] = now[p] - kept.predicted[p]
+        kept.moved[p] = (now[p] - kept.before[p]) * per_step
+        as_predicted &= abs(missed[p]) <= SAME * abs(now[p]) + STILL
     if not as_predicted:
         for p in range(block.touched):
             kept.unknown[p] += symmetric(a, missed, p) * per_step
@@ -90,13 +89,11 @@ def look_around(data: int, block: Block, kept: Kept, a: Floats, around: Floats) 
 
 
 @kernel
-def guess(block: Block, kept: Kept, velocity: Floats, h: float, desk: Desk) -> None:
-    """Write the velocities now and a first guess of those at the end of the step: each joint goes on as it did."""
+def guess(block: Block, kept: Kept, h: float, desk: Desk) -> None:
+    """Write a first guess of the velocities at the end of the step: each joint goes on as it did, but not past rest."""
     first = block.touched - block.rubbing
     for i in range(block.rubbing):
-        p = first + i
-        desk.start[i] = velocity[int(block.dofs[p])]
-        desk.v[i] = desk.start[i] + h * kept.moved[p]
+        desk.v[i] = desk.start[i] + h * kept.moved[first + i]
         if desk.v[i] * desk.start[i] <= 0.0:
             desk.v[i] = 0.0
 
@@ -129,9 +126,9 @@ def apply(data: int, block: Block, kept: Kept, h: float, desk: Desk) -> None:
     So MuJoCo lands on the velocity that was found, to rounding, even in the rare step in which no balance was.
     """
     passive = numbers(data, mem.F_PASSIVE, block.nv)
-    first = block.touched - block.rubbing
+    first, per_step = block.touched - block.rubbing, 1.0 / h
     for i in range(block.rubbing):
-        force = desk.trial[i] + desk.change[i] / h
+        force = desk.trial[i] + desk.change[i] * per_step
         if not math.isfinite(force):
             kept.stamp[at.U_FAILED] = i + 1
             warning(data, BAD_FORCE, i)
@@ -149,7 +146,18 @@ def friction_step(model: int, data: int) -> None:
     where = find_block(model)
     if where == 0:
         return
-    block = open_block(where)
+    head = window_at(where, at.HEADER)
+    nv, n, k = int(head[at.H_DOFS]), int(head[at.H_TOUCHED]), int(head[at.H_RUBBING])
+    if nv == 6 and n == 6 and k == 6:
+        step_of_size(model, data, where, 6, 6, 6)  # the usual arm: loops of known length unroll, a fifth of the time
+    else:
+        step_of_size(model, data, where, nv, n, k)
+
+
+@kernel
+def step_of_size(model: int, data: int, where: int, nv: int, n: int, k: int) -> None:
+    """Step a model of ``nv`` dofs, of which ``n`` are touched and ``k`` rub."""
+    block = open_block(where, nv, n, k)
     if not has_room(model, block):
         warning(data, BAD_FORCE, 0)
         return
@@ -162,10 +170,12 @@ def friction_step(model: int, data: int) -> None:
     time, h = scalar(data, mem.F_TIME), scalar(model, mem.F_TIMESTEP)
     velocity = numbers(data, mem.F_QVEL, block.nv)
 
+    for p in range(block.touched):
+        desk.now[p] = velocity[int(block.dofs[p])]
     gather_inertia(model, data, block.dofs, block.local, desk.a)
-    stepped = look_back(block, kept, desk.a, velocity, time, desk.end_velocity)
+    stepped = look_back(block, kept, desk.a, desk.now, time, desk.end_velocity)
     look_around(data, block, kept, desk.a, desk.around)
-    guess(block, kept, velocity, h, desk)
+    guess(block, kept, h, desk)
     if stepped:
         commit(block, kept, kept.stamp[at.U_STEP], desk)
     for i in range(block.rubbing):
@@ -191,6 +201,6 @@ def friction_step(model: int, data: int) -> None:
     apply(data, block, kept, h, desk)
     restore(desk.a, desk.f, desk.end_velocity, first)
     for p in range(block.touched):
-        kept.before[p] = velocity[int(block.dofs[p])]
-        kept.predicted[p] = kept.before[p] + desk.end_velocity[p]
+        kept.before[p] = desk.now[p]
+        kept.predicted[p] = desk.now[p] + desk.end_velocity[p]
     free_stack(data)

@@ -21,6 +21,7 @@ from mjfriction.sim.callback import friction_active, install, remove
 from mjfriction.sim.forces import AFFINE, BIAS_SIZE, EULER, NO_DAMPER, NO_EULER_DAMPING
 from mjfriction.sim.reading import ensure_sound, read_friction, torques, write_candidates
 from mjfriction.sim.step import BAD_FORCE, RUNGE_KUTTA
+from scripts.sim_accuracy import six_axis_case
 from tests.contract.draws import named
 from tests.sim.models import LUGRE, PENDULUM, ROTOR, TWO_ARMS, arm_laws, controls, lugre, spec
 
@@ -202,6 +203,26 @@ def test_joints_may_stand_in_any_order() -> None:
     turned = dict(reversed(laws.items()))
     one, other = run(attach(spec(TWO_ARMS), laws), 100), run(attach(spec(TWO_ARMS), turned), 100)
     assert one.qpos.tolist() == other.qpos.tolist()
+
+
+def test_six_joints_are_stepped_as_any_number_is() -> None:
+    """Six joints have machine code of their own; a weight that swings apart from them sends them through the other."""
+    case = six_axis_case()
+    laws = {name: friction("lugre", law) for name, law in case.laws.items()}
+    beside = case.spec.copy()
+    weight = beside.worldbody.add_body(name="weight", pos=[5.0, 0.0, 0.0])
+    weight.add_geom(size=[0.1, 0.0, 0.0], contype=0, conaffinity=0)
+    weight.add_joint(name="weight", type=mujoco.mjtJoint.mjJNT_SLIDE)
+    ends = []
+    for model in (attach(case.spec, laws), attach(beside, laws)):
+        data = mujoco.MjData(model)
+        for k in range(300):
+            data.ctrl[:] = 10.0 * np.sin(10e-3 * k + np.arange(6))
+            mujoco.mj_step(model, data)
+        assert np.min(np.abs(data.qpos[:6])) > 1e-9
+        assert np.max(np.abs(data.qvel[:6])) > 1.0
+        ends.append(np.concatenate([data.qpos[:6], data.qvel[:6], list(torques(model, data).values())]))
+    assert ends[1] == pytest.approx(ends[0], rel=1e-12)
 
 
 def test_two_models_with_different_laws_share_the_callback() -> None:
