@@ -15,7 +15,7 @@ from mjfriction.diagnose.tangent import straightened
 from mjfriction.diagnose.trial import Trial, try_out
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.proof import gain_at
-from mjfriction.identify.regression import Columns
+from mjfriction.identify.regression import UNSEEN, Columns
 from mjfriction.record.log import Floats
 
 # These two were loosened (from 0.01 and 0.03) with the EMPS log in hand, whose offset stands at their edge; no other
@@ -125,8 +125,8 @@ def fairly(model: Model, trials: list[Trial]) -> list[Trial]:
 def _bent(model: Model, trial: Trial) -> Trial:
     if not trial.chosen.cause.curved:
         return trial
-    fitted = straightened(build_model(model.gap, model.nuisance, (*model.chosen, trial.chosen)))
     # What the curved causes chosen before have come to is left as it was: only the newcomer bends.
+    fitted = straightened(build_model(model.gap, model.nuisance, (*model.chosen, trial.chosen)), trial.chosen)
     return try_out(model, fitted.chosen[-1]) or trial
 
 
@@ -162,10 +162,11 @@ def contenders(model: Model, field: Field) -> list[Trial]:
         order = _present(model, entrant)
         if order >= entrant.times:
             continue
-        strengths, gains = model.system.screen(_screening(model.gap, entrant, every), every)
+        columns = _screening(model.gap, entrant, every)
+        strengths, gains = model.system.screen(columns, every)
         for i in np.argsort(-gains):
             if entrant.cause.admissible(model.gap, entrant.sites[i], strengths[i]):
-                gain = float(gains[i]) - _price(model.gap, strengths.shape[1] + len(entrant.sites[i].shape))
+                gain = float(gains[i]) - _price(model.gap, _shown(columns, int(i)) + len(entrant.sites[i].shape))
                 best.append((gain, Chosen(entrant.cause, replace(entrant.sites[i], order=order))))
                 break
     ranked = sorted(best, key=lambda entry: -entry[0])[:SHORT_LIST]
@@ -190,6 +191,12 @@ def _screening(gap: Gap, entrant: Entrant, every: int) -> Columns:
     if key not in gap.kept:
         gap.kept[key] = dict(entrant.cause.screening(gap, entrant.sites, every))
     return gap.kept[key]
+
+
+def _shown(columns: Columns, site: int) -> int:
+    # How many of a candidate's strengths the motion shows at all.
+    size = sum(np.mean(np.square(values[:, site]), axis=0) for values in columns.values())
+    return int(np.count_nonzero(size > UNSEEN**2 * np.max(size)))
 
 
 def _price(gap: Gap, freedoms: int) -> float:

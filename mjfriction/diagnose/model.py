@@ -23,10 +23,13 @@ BACKWARD_VISCOUS = 0.3  # and its damping, which errors of the links' inertias r
 
 @dataclass(frozen=True)
 class Tangent:
-    """A curved effect around a point: effort = ``columns`` · strengths + ``bend`` (rows, joints)."""
+    """A curved effect around a point: effort = ``columns`` · strengths + ``bend`` (rows, joints), with the slopes as
+    they were at strengths ``drawn_at``.
+    """
 
     columns: Columns
     bend: Floats
+    drawn_at: Floats
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ import numpy as np
 
 from mjfriction.diagnose.model import Chosen, Model, Tangent, build_model
 from mjfriction.identify.gap import Gap
+from mjfriction.identify.regression import Columns
 from mjfriction.record.log import Floats
 from mjfriction.robot.effort import predict_effort
 from mjfriction.robot.robot import Robot
@@ -19,16 +20,21 @@ from mjfriction.robot.robot import Robot
 ROUNDS = 4
 SETTLED = 1e-3  # relative change of the strengths at which the rounds end
 STEP = 1e-3  # of a strength's own size, for its difference quotient
+NEAR = 0.1  # relative change of the strengths below which slopes are kept: where the curve itself runs is found anew
 
 
-def straightened(model: Model) -> Model:
-    """Return the model with every curved cause refitted on what the extended robot predicts."""
+def straightened(model: Model, newcomer: Chosen | None = None) -> Model:
+    """Return the model with every curved cause refitted on what the extended robot predicts.
+
+    With a ``newcomer`` of the model's, it alone is drawn anew, and the others keep the tangents that they have.
+    """
     for _ in range(ROUNDS):
         strengths = [model.strengths[place] for place in model.places]
         pairs = list(zip(model.chosen, strengths, strict=True))
         if not any(_bends(model, *pair) for pair in pairs) or not all(_admissible(model, *pair) for pair in pairs):
             return model
-        chosen = _tangents(model, strengths)
+        drawn = [c for c in model.chosen if c.cause.curved and (newcomer is None or c.key == newcomer.key)]
+        chosen = _tangents(model, strengths, drawn)
         model = build_model(model.gap, model.nuisance, chosen)
         moved = [model.strengths[place] for place in model.places]
         steps = [(a, b) for c, a, b in zip(chosen, strengths, moved, strict=True) if c.cause.curved]
@@ -46,35 +52,52 @@ def _admissible(model: Model, choice: Chosen, strengths: Floats) -> bool:
     return not choice.cause.curved or choice.cause.admissible(model.gap, choice.site, strengths)
 
 
-def _tangents(model: Model, strengths: list[Floats]) -> tuple[Chosen, ...]:
-    gap = model.gap
+def _tangents(model: Model, strengths: list[Floats], drawn: list[Chosen]) -> tuple[Chosen, ...]:
+    gap, keys = model.gap, [choice.key for choice in drawn]
     curved = [(c, own) for c, own in zip(model.chosen, strengths, strict=True) if c.cause.curved]
     stated = gap.chain.rows(gap.effort.reported)
     whole = _predicted(gap, curved)
-    effects, columns = {}, {}
+    effects, slopes = {}, {}
     for i, (choice, own) in enumerate(curved):
+        if choice.key not in keys:
+            continue
         others = [*curved[:i], *curved[i + 1 :]]
         effects[choice.key] = whole - (_predicted(gap, others) if others else stated)
-        parts = []
-        for k in range(own.size):
-            step = np.zeros(own.size)
-            step[k] = STEP * max(abs(own[k]), 0.1 * float(np.linalg.norm(own)))
-            parts.append((_predicted(gap, [*others, (choice, own + step)]) - whole) / step[k])
-        slopes = np.stack(parts, axis=2)
-        columns[choice.key] = {joint: slopes[:, joint] for joint in gap.examined}
-    # What they do together, beyond what each does among the others, is shared out.
-    together = (whole - stated - sum(effects.values())) / len(curved)
+        slopes[choice.key] = _near(choice, own) or _slopes(gap, others, choice, own, whole)
+    # What they do together, beyond what each does among the others, is shared out; one alone leaves it to the others.
+    together = (whole - stated - sum(effects.values())) / len(curved) if len(drawn) == len(curved) else 0.0
     out = []
     for choice, own in zip(model.chosen, strengths, strict=True):
-        if not choice.cause.curved:
+        if choice.key not in keys:
             out.append(choice)
             continue
+        columns, drawn_at = slopes[choice.key]
         bend = effects[choice.key] + together
-        for joint, slope in columns[choice.key].items():
+        for joint, slope in columns.items():
             bend[:, joint] -= slope @ own
         site = replace(choice.site, around=float(own[0])) if choice.site.around else choice.site
-        out.append(replace(choice, site=site, tangent=Tangent(columns[choice.key], bend)))
+        out.append(replace(choice, site=site, tangent=Tangent(columns, bend, drawn_at)))
     return tuple(out)
+
+
+def _near(choice: Chosen, own: Floats) -> tuple[Columns, Floats] | None:
+    # The slopes there are, where they were drawn near enough.
+    old = choice.tangent
+    if old is None or np.linalg.norm(own - old.drawn_at) > NEAR * np.linalg.norm(old.drawn_at):
+        return None
+    return old.columns, old.drawn_at
+
+
+def _slopes(
+    gap: Gap, others: list[tuple[Chosen, Floats]], choice: Chosen, own: Floats, whole: Floats
+) -> tuple[Columns, Floats]:
+    parts = []
+    for k in range(own.size):
+        step = np.zeros(own.size)
+        step[k] = STEP * max(abs(own[k]), 0.1 * float(np.linalg.norm(own)))
+        parts.append((_predicted(gap, [*others, (choice, own + step)]) - whole) / step[k])
+    slopes = np.stack(parts, axis=2)
+    return {joint: slopes[:, joint] for joint in gap.examined}, own
 
 
 def _predicted(gap: Gap, curved: list[tuple[Chosen, Floats]]) -> Floats:

@@ -91,10 +91,13 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
         covariances.append(normal.white_covariance())
     own = slice(-precision.size, None)
     walds = [strengths @ np.linalg.pinv(covariance[own, own]) @ strengths for covariance in covariances]
-    wald = float(min(walds)) / precision.size
+    # What no motion shows, three of a payload's four numbers on a sliding axis, is no freedom.
+    shown = np.any([np.any(values != 0.0, axis=0) for values in columns.values()], axis=0)
+    count = max(1, int(np.count_nonzero(shown)))
+    wald = float(min(walds)) / count
     relief = _strain(model, model.strengths) - _strain(model, fitted)
     own_effect = effect(gap, choice, strengths)
-    return Trial(choice, before - after, before, relief, own_effect, wald, precision.size, int(groups[-1]))
+    return Trial(choice, before - after, before, relief, own_effect, wald, count, int(groups[-1]))
 
 
 def effect(gap: Gap, choice: Chosen, strengths: Floats) -> float:

@@ -12,6 +12,7 @@ from mjfriction.body.inverse import motion_derivatives
 from mjfriction.body.model import Body
 from mjfriction.body.regressor import link_and_moment_torques
 from mjfriction.identify.blocks import Blocks, cut_blocks
+from mjfriction.identify.blows import blows
 from mjfriction.identify.effort_band import effort_band
 from mjfriction.identify.rows import Chain, make_chain
 from mjfriction.record.log import Floats, Log, check_joints
@@ -168,9 +169,12 @@ def _held_against(log: Log, robot: Robot, body: Body, motion: Motion, effort: Ef
     )
     touched = _touched(robot, motion, chain, doubt_speed)
     doubt = touched * _friction_level(motion, effort, residual, doubt_speed)
-    spoilt = _unusable(log, motion, chain)
+    felt, struck = blows(body, motion, chain, doubt_speed)
+    doubt = doubt + felt
+    spoilt = _unusable(log, motion, chain) | struck
     doubt = np.where(spoilt, HOPELESS * np.nanmax(np.abs(measured)), doubt)
-    clear = (touched < CLEAR) & ~spoilt
+    floor = np.array(noise) * chain.noise_gain
+    clear = (touched < CLEAR) & (felt <= floor) & ~spoilt
     clear[:, (np.mean(clear, axis=0) < FEWEST_CLEAR) & (np.sum(clear, axis=0) < ENOUGH_CLEAR)] = True
     return Gap(
         robot=robot,
@@ -181,7 +185,7 @@ def _held_against(log: Log, robot: Robot, body: Body, motion: Motion, effort: Ef
         chain=chain,
         measured=measured,
         residual=residual,
-        noise_floor=np.array(noise) * chain.noise_gain,
+        noise_floor=floor,
         doubt=doubt,
         clear=clear,
         doubt_speed=doubt_speed,

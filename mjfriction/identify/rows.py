@@ -57,8 +57,12 @@ class Chain:
 
     def touched(self, mask: NDArray[np.bool_]) -> Floats:
         """Return how much of each row's window a mask (n,) covers, from 0 to 1."""
+        return self.averaged(mask.astype(np.float64))
+
+    def averaged(self, sizes: Floats) -> Floats:
+        """Return the mean over each row's window of sizes (n,) that are nowhere negative."""
         weight = np.abs(self.taps)
-        return self._through(weight / np.sum(weight), mask.astype(np.float64))
+        return self._through(weight / np.sum(weight), sizes)
 
     def _through(self, taps: Floats, samples: Floats) -> Floats:
         first = -(-(taps.size - 1) // self.thinning)

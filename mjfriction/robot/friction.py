@@ -12,7 +12,7 @@ from mjfriction.laws.load_dependent import LOAD_DEPENDENT
 from mjfriction.laws.rules import SumReaches, Values, array, scalar
 from mjfriction.laws.stribeck import STRIBECK
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import FrictionTerm, Joint
+from mjfriction.robot.schema import FrictionTerm, Joint, LevelTable, Wave
 
 LEVELS = (
     "coulomb",
@@ -92,20 +92,26 @@ def raised_levels(robot: Robot, joint: str, coulomb: float, viscous: float) -> R
     changed = []
     for stated in terms(table):
         level, rate = reflection(stated, table)
-        step = max(coulomb / level, -min([coulomb_level(stated), *_scalars(stated, LEVELS)]))
+        step, left = _taken(coulomb, level, [coulomb_level(stated), *_scalars(stated, LEVELS)])
         raised = _level_raised(stated, step)
         if raised is not None:
-            coulomb -= step * level
+            coulomb = left
         damped = raised or stated
         dampings = _scalars(stated, DAMPINGS)
         if dampings:
-            step = max(viscous / rate, -min(dampings))
-            damped, viscous = _changed(damped, dict.fromkeys(DAMPINGS, step)), viscous - step * rate
+            step, viscous = _taken(viscous, rate, dampings)
+            damped = _changed(damped, dict.fromkeys(DAMPINGS, step))
         changed.append(damped)
     if coulomb > 0.0 or viscous > 0.0:
         rest = {"coulomb": max(coulomb, 0.0), "viscous": max(viscous, 0.0)}
         changed.append(FrictionTerm(law=COULOMB_VISCOUS.name, parameters=rest))
     return robot.with_joint(table.model_copy(update={"friction": tuple(changed)}))
+
+
+def _taken(change: float, per_step: float, values: list[float]) -> tuple[float, float]:
+    # The step of values that none of them takes below 0, and what it leaves of the change: nothing at all, or below 0.
+    step, lowest = change / per_step, -min(values)
+    return (step, 0.0) if step >= lowest else (lowest, change - lowest * per_step)
 
 
 def _scalars(term: FrictionTerm, names: tuple[str, ...]) -> list[float]:
@@ -146,6 +152,24 @@ def with_term(robot: Robot, joint: str, law: str, parameters: Mapping[str, float
     table = robot.joint(joint)
     term = FrictionTerm(law=law, parameters=dict(parameters))
     return robot.with_joint(table.model_copy(update={"friction": (*terms(table), term)}))
+
+
+def with_friction_wave(robot: Robot, joint: str, wave: Wave) -> Robot:
+    """Return the robot with one more wave on a joint's friction level.
+
+    Where no plain Coulomb-viscous law at the joint can carry it, one of no level is added.
+    """
+    carried = any(
+        term.law == COULOMB_VISCOUS.name
+        and term.side == "joint"
+        and term.negative is None
+        and term.level == LevelTable()
+        for term in terms(robot.joint(joint))
+    )
+    if not carried:
+        robot = with_term(robot, joint, COULOMB_VISCOUS.name, {"coulomb": 0.0, "viscous": 0.0})
+    table = robot.joint(joint)
+    return robot.with_joint(table.model_copy(update={"friction_waves": (*table.friction_waves, wave)}))
 
 
 def with_asymmetric_damping(robot: Robot, joint: str, asymmetry: float) -> Robot:

@@ -12,9 +12,16 @@ from hypothesis import strategies as st
 from mjfriction.errors import RobotError
 from mjfriction.laws.ambient import ambient
 from mjfriction.robot.files import read_robot, write_robot
-from mjfriction.robot.friction import raised_levels, stated_levels, with_asymmetric_damping, with_term
+from mjfriction.robot.friction import (
+    raised_levels,
+    stated_levels,
+    with_asymmetric_damping,
+    with_friction_wave,
+    with_term,
+)
 from mjfriction.robot.robot import Robot, bundled_robots
-from mjfriction.robot.schema import RobotTable
+from mjfriction.robot.schema import RobotTable, Wave
+from mjfriction.robot.simulation import robot_laws
 from tests.hidden.machine import UR5
 
 TEXT = f"""
@@ -176,3 +183,22 @@ def test_taking_over_the_damping_changes_no_torque_by_itself(ratio: float, side:
     np.testing.assert_allclose(torque(taken), torque(robot), rtol=1e-9)
     more = with_asymmetric_damping(robot, "elbow_joint", 0.05)
     np.testing.assert_allclose(torque(more) - torque(robot), 0.05 * np.abs(velocity), atol=1e-9)
+
+
+def test_levels_that_fall_need_no_law_of_their_own() -> None:
+    robot = read_robot("comau_ns12")
+    before = robot.joint("joint_2")
+    after = raised_levels(robot, "joint_2", -0.04, -0.21).joint("joint_2")
+    assert len(after.friction or ()) == len(before.friction or ())
+    assert stated_levels(after)[1] == pytest.approx(stated_levels(before)[1] - 0.21)
+
+
+@pytest.mark.parametrize("name", ["comau_ns12", "ur5"])
+def test_a_wave_of_friction_is_carried_by_a_law_whatever_the_joint_has(name: str) -> None:
+    robot = read_robot(name)
+    joint = robot.joints[1]
+    for _ in range(2):
+        robot = with_friction_wave(robot, joint, Wave(wavenumber=20.0, cosine=0.3, sine=0.1))
+    laws = [law.law.name for law in robot_laws(robot)[joint]]
+    assert laws.count("position_dependent") == 1
+    assert len(robot.joint(joint).friction_waves) == 2

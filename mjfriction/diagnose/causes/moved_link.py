@@ -23,7 +23,7 @@ OFFSET = Parameter("offset", "{length}", "what the sensor reads where the joint 
 COMPLIANCE = Parameter("compliance", "{length}/{force}", "how far the transmission gives per load", lower=0.0)
 BACKLASH = Parameter("backlash", "{length}", "play of the transmission, from stop to stop", lower=0.0)
 FARTHEST = 0.5  # rad or m that a zero may be off
-PLAYS = (1e-3, 2e-3, 4e-3, 8e-3, 16e-3, 32e-3, 64e-3)  # rad or m
+PLAYS = tuple(6.4e-2 * 0.5**k for k in range(13))  # rad or m: from 64 mrad to 16 µm
 FINER = 1.5  # half of a step of these
 NEAR = (0.6, 1.6)  # times the play that the columns were drawn for
 WIDEST = 0.2  # rad or m of play or of give

@@ -12,6 +12,7 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
+from mjfriction.robot.friction import with_friction_wave
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Wave
 
@@ -118,10 +119,7 @@ class PositionFriction(_Waves):
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Add a wave to the joint's friction level."""
-        joint = robot.joints[site.joint]
-        table = robot.joint(joint)
-        waves = (*table.friction_waves, _wave(strengths, site.shape))
-        return robot.with_joint(table.model_copy(update={"friction_waves": waves}))
+        return with_friction_wave(robot, robot.joints[site.joint], _wave(strengths, site.shape))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give amplitude and period."""
