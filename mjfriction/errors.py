@@ -9,7 +9,8 @@
     │   ├── LawError          a friction law's name or parameters
     │   ├── SimulationError   a MuJoCo model or simulation that cannot carry friction
     │   ├── ControlError      an observer or a controller that cannot work as it is set
-    │   └── OutputError       a place where results cannot be written
+    │   ├── OutputError       a place where results cannot be written
+    │   └── BenchmarkError    a tool that the benchmark was to score and that failed
     └── InternalError         a failure of our own (exit status 1)
 
 Every message is one line: what was given, what is allowed, what to do.
@@ -51,6 +52,10 @@ class ControlError(InputError):
 
 class OutputError(InputError):
     """Results cannot be written where they were asked for."""
+
+
+class BenchmarkError(InputError):
+    """A tool that was to be scored failed."""
 
 
 class InternalError(MjfrictionError):

@@ -17,8 +17,8 @@ from mjfriction.plant.oil import OilDrives
 from mjfriction.plant.passive import Passive, has_passive
 from mjfriction.plant.sensors import Recorder, record
 from mjfriction.plant.trajectory import Trajectory
-from mjfriction.plant.varying import Surrounding, Varying, varies, with_pressed_seals
-from mjfriction.record.log import VOLTAGE
+from mjfriction.plant.varying import Surrounding, Varying, varies, with_pressed_seals, with_room_to_vary
+from mjfriction.record.log import PUSH, VOLTAGE
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Spring
 from mjfriction.robot.simulation import robot_laws, robot_spec
@@ -70,6 +70,8 @@ def log_columns(robot: Robot, trajectory: Trajectory, recorder: Recorder, run: R
     """Return the columns of the log that a robot's sensors make of a run."""
     columns = record(robot, recorder, run.time, run.played, run.cylinders, seed)
     for name, values in trajectory.ambient.items():
+        if name.startswith(f"{PUSH}."):
+            continue  # no drive measures what pushes from outside
         columns.setdefault(name, np.interp(columns["time"], trajectory.time, values))
     return columns
 
@@ -90,7 +92,7 @@ def run_machine(
     _check(robot, trajectory)
     control, body = control or Control(), robot.body()
     model = _controller(robot, controller_robot or robot)
-    robot = with_pressed_seals(robot.with_stated_friction(body))
+    robot = with_room_to_vary(with_pressed_seals(robot.with_stated_friction(body)))
     step = 1.0 / rate / np.ceil(1.0 / rate / _longest_step(robot) - 1e-9)
     time = np.arange(trajectory.time[0], trajectory.time[-1] + 0.5 * step, step)
     course = _course(trajectory, robot, time)
@@ -138,6 +140,8 @@ def _check(robot: Robot, trajectory: Trajectory) -> None:
             raise RobotError(f"robot '{robot.name}' has no joint '{name}'{suggestion(name, robot.joints)}")
     for name in trajectory.ambient:
         quantity, _, place = name.partition(".")
+        if quantity == PUSH and place not in robot.joints:
+            raise RobotError(f"robot '{robot.name}' has no joint '{place}' to push{suggestion(place, robot.joints)}")
         if quantity == VOLTAGE and (place not in robot.joints or robot.joint(place).hydraulics is None):
             raise RobotError(f"robot '{robot.name}': the trajectory has '{name}', but no cylinder moves such a joint")
 

@@ -13,6 +13,7 @@ from mjfriction.errors import LogError
 from mjfriction.record.log import (
     HEAD_PRESSURE,
     POSITION,
+    PUSH,
     ROD_PRESSURE,
     SUPPLY_PRESSURE,
     TEMPERATURE,
@@ -21,7 +22,7 @@ from mjfriction.record.log import (
 )
 from mjfriction.record.readers import read_table
 
-AHEAD = (*(f"{name}." for name in (TEMPERATURE, HEAD_PRESSURE, ROD_PRESSURE, VOLTAGE)), SUPPLY_PRESSURE)
+AHEAD = (*(f"{name}." for name in (TEMPERATURE, HEAD_PRESSURE, ROD_PRESSURE, VOLTAGE, PUSH)), SUPPLY_PRESSURE)
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,8 @@ class Trajectory:
     """Positions of joints over time, (n, joints), smooth in between; ``ambient`` are columns that pass into the log.
 
     Joints that it does not name stay at zero, but those whose ``voltage.<joint>`` is among the columns: it goes to the
-    valve of a cylinder as it is.  ``supply_pressure`` is what valves are supplied with.
+    valve of a cylinder as it is.  ``supply_pressure`` is what valves are supplied with; ``push.<joint>`` pushes the
+    joint from outside (N·m or N), and no sensor of the log measures it.
     """
 
     joints: tuple[str, ...]

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from mjfriction.laws.ambient import ROOM_TEMPERATURE
+from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
 from mjfriction.laws.friction import Friction
 from mjfriction.laws.law import Floats
 from mjfriction.laws.pressure import PRESSURE
 from mjfriction.plant.trajectory import Trajectory
-from mjfriction.record.log import HEAD_PRESSURE, ROD_PRESSURE, TEMPERATURE
+from mjfriction.record.log import HEAD_PRESSURE, PUSH, ROD_PRESSURE, TEMPERATURE
 from mjfriction.robot.friction import raised_levels, with_term
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import warmed
@@ -27,6 +28,18 @@ def varies(joint: Joint) -> bool:
         or bool(joint.events)
         or any(joint.thermal.model_dump(exclude={"reference_temperature"}).values())
     )
+
+
+def with_room_to_vary(robot: Robot) -> Robot:
+    """Return the robot with a Coulomb-viscous law of no level where levels vary and no law of the joint can take that.
+
+    So every step has the same laws, at other levels.
+    """
+    for joint in filter(varies, robot.table.joint):
+        raised = raised_levels(robot, joint.name, 1.0, 1.0).joint(joint.name)
+        if len(raised.friction or ()) > len(joint.friction or ()):
+            robot = with_term(robot, joint.name, COULOMB_VISCOUS.name, {"coulomb": 0.0, "viscous": 0.0})
+    return robot
 
 
 class Varying:
@@ -64,7 +77,9 @@ class Varying:
 
 
 class Surrounding:
-    """What surrounds the joints along a trajectory, for the laws that read it; cylinders put their own pressures in."""
+    """What surrounds the joints along a trajectory: what laws read, where cylinders put their own pressures in, and
+    what pushes from outside.
+    """
 
     def __init__(self, robot: Robot, trajectory: Trajectory, time: Floats) -> None:
         def along(quantity: str, otherwise: float) -> Floats:
@@ -78,10 +93,11 @@ class Surrounding:
         self.warmth = along(TEMPERATURE, ROOM_TEMPERATURE) - ROOM_TEMPERATURE
         self.pressure_head = along(HEAD_PRESSURE, 0.0)
         self.pressure_rod = along(ROD_PRESSURE, 0.0)
+        self.push = along(PUSH, 0.0)
 
     def __call__(self, k: int) -> Around:
         """Return what surrounds the joints at step ``k``."""
-        return Around(self.warmth[k], self.pressure_head[k], self.pressure_rod[k])
+        return Around(self.warmth[k], self.pressure_head[k], self.pressure_rod[k], self.push[k])
 
 
 def with_pressed_seals(robot: Robot) -> Robot:

@@ -18,6 +18,7 @@ Integers = NDArray[np.int64]
 POSITION, VELOCITY, EFFORT, CURRENT = "position", "velocity", "effort", "current"
 SUPPLY_PRESSURE = "supply_pressure"
 TEMPERATURE, HEAD_PRESSURE, ROD_PRESSURE, VOLTAGE = "temperature", "pressure_head", "pressure_rod", "voltage"
+PUSH = "push"
 KNOWN = (
     *(POSITION, VELOCITY, EFFORT, CURRENT),
     *(TEMPERATURE, "position_ref", "velocity_ref", HEAD_PRESSURE, ROD_PRESSURE),

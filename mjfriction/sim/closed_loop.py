@@ -38,11 +38,14 @@ class Played:
 
 
 class Around(NamedTuple):
-    """What friction laws read besides the motion, (joints,) each: kelvin above 25 °C, Pa in the chambers."""
+    """What surrounds the joints, (joints,) each: kelvin above 25 °C and Pa in the chambers, which friction laws read,
+    and what pushes from outside, N·m or N.
+    """
 
     warmth: Floats
     pressure_head: Floats
     pressure_rod: Floats
+    push: Floats
 
 
 Drive = Callable[[int, Floats, Floats], Floats]
@@ -104,8 +107,10 @@ def play(
                 out.link_position[k, i] += data.qpos[place]
             applied[dofs] = torque if passive is None else torque - passive(position, velocity, torque)
             data.qfrc_applied[:] = applied
-            if reader is not None and around is not None:
-                now = around(k)
+            now = None if around is None else around(k)
+            if now is not None:
+                data.qfrc_applied[dofs] += now.push
+            if now is not None and reader is not None:
                 data.userdata[reader.warmth] = now.warmth[rubbing]
                 data.userdata[reader.pressure_head] = now.pressure_head[rubbing]
                 data.userdata[reader.pressure_rod] = now.pressure_rod[rubbing]

@@ -16,9 +16,10 @@ from mjfriction.plant.sensors import Recorder
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
+from mjfriction.robot.friction import stated_levels
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Coupling, Event, Spring, Transmission
+from mjfriction.robot.schema import Coupling, Event, Spring, Transmission, WarmUp
 from mjfriction.sim.closed_loop import GIVE_DAMPING
 from tests.plant.bare import frictionless
 
@@ -121,6 +122,40 @@ def test_an_event_steps_the_friction_at_its_moment(ur5: Robot) -> None:
     fast = (np.abs(speed) > 5e-4) & (np.arange(changed.size) > 4500)
     fast = fast[: changed.size]
     assert np.mean((changed - plain)[fast] * np.sign(speed[fast])) == pytest.approx(6.0, rel=0.1)
+
+
+def test_what_pushes_from_outside_is_held_by_the_drive_and_logged_by_none(ur5: Robot) -> None:
+    course = motion(ur5)
+    push = 20.0 * np.sin(0.8 * course.time)
+    alone, pushed = (
+        run(ur5, Trajectory(course.joints, course.time, course.position, ambient))
+        for ambient in ({}, {"push.elbow_joint": push})
+    )
+    added = (pushed.played.torque - alone.played.torque)[:, ELBOW]
+    late = (alone.time > 1.0) & (np.abs(alone.played.velocity[:, ELBOW]) > 0.1)
+    wanted = -np.interp(alone.time, course.time, push)
+    assert np.sqrt(np.mean(np.square(added - wanted)[late])) < 0.05 * 20.0
+    log = simulate(ur5, Trajectory(course.joints, course.time, course.position, {"push.elbow_joint": push}))
+    assert not any(name.startswith("push") for name in log)
+    with pytest.raises(RobotError, match="has no joint 'elbow' to push"):
+        simulate(ur5, Trajectory(course.joints, course.time, course.position, {"push.elbow": push}))
+
+
+@pytest.mark.parametrize("name", ["comau_ns12", "machine_table"])
+def test_levels_vary_whatever_the_laws_of_the_joint(name: str) -> None:
+    robot = read_robot(name)
+    joint = robot.joints[-1]
+    level = stated_levels(robot.joint(joint))[0]
+    table = robot.joint(joint).model_copy(
+        update={
+            "warm_up": WarmUp(coulomb=-0.2 * level, viscous=-0.1, time_constant=2.0),
+            "events": (Event(time=1.0, coulomb=0.3 * level, viscous=0.0),),
+        }
+    )
+    course = sine(joint, 0.0, 0.02, 1.0, 2.0)
+    whole = np.zeros((course.time.size, len(robot.joints)))
+    whole[:, -1] = course.position[:, 0]
+    run(robot.with_joint(table), Trajectory(robot.joints, course.time, whole))
 
 
 def test_the_same_seed_says_the_same_and_another_does_not(ur5: Robot) -> None:
