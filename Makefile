@@ -20,8 +20,12 @@ docs: $(READY)
 	$(BIN)/python -m scripts.law_pages
 	MUJOCO_GL=egl $(BIN)/python -m scripts.robot_pages
 
+# Over an hour: two hundred cases, three tools.
 bench: $(READY)
+	$(BIN)/python -m pip install --quiet --require-hashes -r requirements-bench.lock
 	$(BIN)/python -m scripts.bench
+	$(BIN)/python -m scripts.hidden_effects --cases 200 --beside
+	$(BIN)/python -m scripts.five_cases
 
 # The lock carries hashes and no index address: pip takes the packages from wherever this machine is set up to.
 $(READY): requirements.lock pyproject.toml
@@ -35,6 +39,9 @@ $(READY): requirements.lock pyproject.toml
 lock:
 	uv pip compile pyproject.toml --group dev --universal --python-version 3.11 --generate-hashes \
 	  --no-emit-index-url --no-emit-find-links --no-header --no-annotate --output-file requirements.lock
+	uv pip compile --group pyproject.toml:bench --constraint requirements.lock --universal --python-version 3.11 \
+	  --generate-hashes --no-emit-index-url --no-emit-find-links --no-header --no-annotate \
+	  --output-file requirements-bench.lock
 
 clean:
 	rm -rf .venv demo_out .pytest_cache .mypy_cache .ruff_cache .hypothesis

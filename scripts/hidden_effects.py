@@ -1,7 +1,8 @@
-"""The hidden-effect benchmark: make cases, run a tool on them, score it, and write docs/hidden_effects.md.
+"""The hidden-effect benchmark: make cases, run tools on them, score them, and write docs/hidden_effects.md.
 
-Run: python -m scripts.hidden_effects --cases 80
+Run: python -m scripts.hidden_effects --cases 200 --beside
 Any command with the verbs ``diagnose`` and ``predict`` can be scored: --command "other-tool".
+Every case that is done stands in the results file, so that a run that was broken off can go on: --resume.
 """
 
 from __future__ import annotations
@@ -9,52 +10,63 @@ from __future__ import annotations
 import argparse
 import json
 import shlex
-import subprocess
 import sys
 import tempfile
-import time
 from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-import pyarrow.parquet
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 
-from mjfriction.benchmark.cases import SEVERITY, Setting, make_case, write_case
-from mjfriction.benchmark.effects.catalog import EFFECTS
-from mjfriction.benchmark.score import Finding, Outcome, reliability, removed_share, score
+from mjfriction.benchmark.drawing import draw_case
+from mjfriction.benchmark.score import Finding, Outcome, reliability, score
+from mjfriction.benchmark.tool import FAINT, run_tool
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE, PICTURE = ROOT / "docs/hidden_effects.md", ROOT / "docs/images/hidden_effects.png"
-ROBOTS = ("ur5", "ur5", "ur10", "z1")
-FAINT = 0.5  # of the noise, that an effect must add where it shows most for a tool to be asked for it
-OURS = f"{shlex.quote(sys.executable)} -c 'from mjfriction.cli.main import run; run()'"
-
+RESULTS = ROOT / "hidden_effects.jsonl"
+OURS = "mjfriction"
+PYTHON = shlex.quote(sys.executable)
+TOOLS = {
+    OURS: f"{PYTHON} -c 'from mjfriction.cli.main import run; run()'",
+    "every term, t-test": f"{PYTHON} -m scripts.naive_baseline",
+    "mujoco.sysid": f"{PYTHON} -m scripts.sysid_baseline",
+}
 
 PAGE_TEXT = """# Hidden effects: how often the cause is named
 
-Made by `{command} --cases {count} --first {first}`; seeds make cases, so anybody can make the same ones.
+Made by `{command} --cases {count} --first {first}{beside}`; seeds make cases, so anybody can make the same ones.
+[Five of them, from the picture to the cause](hidden_effects_five.md).
 
-Each case is a machine in closed loop in MuJoCo (70 s of motion of all joints, noise of 5 to 20 % of each joint's
-Coulomb level, encoders of 15 to 19 bit, 250 or 500 Hz) with none, one or two effects hidden in it, a robot file that
-knows nothing of them, and a second log of another motion. The severity of an effect is the RMS it adds at the joint
-where it shows most over that joint's noise: about 1.5 is medium, 4 is large; some effects cannot reach that much within
-what is physical. One that adds less than {faint} of the noise ({drawn} were drawn here) is asked of no tool and held
-against none. The effects are the plant's own parts, but friction laws and rigid bodies are the ones that the diagnosis
-knows: logs of other physics will be harder.
+Each case is a machine in closed loop in MuJoCo: an arm of six axes, a linear axis, a table or a cylinder, 70 s of sums
+of sines or of moves from pose to pose, noise of 5 to 20 % of each joint's Coulomb level, encoders of 15 to 19 bit, 250
+or 500 Hz, efforts or currents, velocity measured or not. None, one, two or three effects are hidden in it, sometimes
+one that no cause of the table is; the robot file knows nothing of them, and its masses and levels may be 3 % off. A
+second log is of another motion. The severity of an effect is the RMS it adds at the joint where it shows most over
+that joint's noise: about 1.5 is medium, 4 is large; some effects cannot reach that much within what is physical. One
+that adds less than {faint} of the noise ({drawn} were drawn here) is asked of no tool and held against none. The
+effects are the plant's own parts, but friction laws and rigid bodies are the ones that the diagnosis knows: logs of
+other physics will be harder.
 
-*Exact*: just what was hidden was found. *Hit*: every hidden cause is, at its joint, a finding or an alternative of one.
-*False alarm*: a finding of something else, changed friction levels aside. *Error removed*: the share of the avoidable
-prediction error on the other motion that the extended robot takes away (median). Seconds are of the whole command,
-report page and recording included, two at a time on a machine of two cores.
+*Exact*: just what was hidden was found, and what no cause fits was left open. *Hit*: every hidden cause is, at its
+joint, a finding or an alternative of one. *False alarm*: a finding of something else, changed friction levels aside.
+*Error removed*: the share of the avoidable prediction error on the other motion that the extended robot takes away
+(median). Seconds are of the whole command, two at a time on a machine of two cores; mjfriction's include its report
+page and recording.
+
+{tools}
 
 {table}
+
+{outside}
 
 {causes}
 
@@ -63,85 +75,87 @@ report page and recording included, two at a time on a machine of two cores.
 ## Your own tool
 
 `{command} --command other-tool` runs any command that has the verbs `diagnose LOG --robot R --out DIR` and
-`predict LOG --robot R --out P.parquet` and scores it alike. `mjfriction.benchmark.cases.write_case` writes a case as a
+`predict LOG --robot R --out P.parquet` and scores it alike; of `DIR/report.json` it reads `verdict`, and `cause`,
+`joint`, `confidence` and `alternatives` of the `findings`. `mjfriction.benchmark.cases.write_case` writes a case as a
 folder: `log.parquet` and `robot.toml` for the tool; what was hidden, the machine itself and the other log apart, in
 `truth/`.
 """
 
 
-def draw(seed: int) -> tuple[Setting, tuple, str]:
-    """Draw the setting, the effects and the severity of a case."""
-    rng = np.random.default_rng([seed, 51])
-    setting = Setting(
-        robot=str(rng.choice(ROBOTS)),
-        seconds=70.0,
-        rate=float(rng.choice([250.0, 500.0])),
-        noise=float(rng.choice([0.05, 0.1, 0.2])),
-        encoder=float(2.0 * np.pi / 2 ** rng.integers(15, 20)),
-        off=float(rng.choice([0.0, 0.03])),
-        velocity=bool(rng.random() < 0.3),
-    )
-    count = int(rng.choice([0, 1, 1, 1, 1, 2]))
-    effects = tuple(EFFECTS[i] for i in rng.choice(len(EFFECTS), count, replace=False))
-    return setting, effects, str(rng.choice(["medium", "large"]))
+@dataclass(frozen=True)
+class Row:
+    """One case as it came out: what was drawn, the severities reached, and the outcome of every tool."""
+
+    seed: int
+    setting: dict[str, Any]
+    severity: str
+    reached: dict[str, float]
+    outcomes: dict[str, Outcome]
+
+    @property
+    def ours(self) -> Outcome:
+        """The outcome of the first tool."""
+        return next(iter(self.outcomes.values()))
+
+    def line(self) -> str:
+        """Return the row as a line of JSON."""
+        return json.dumps({**vars(self), "outcomes": {name: asdict(one) for name, one in self.outcomes.items()}})
+
+    @staticmethod
+    def read(line: str) -> Row:
+        """Read a line of JSON."""
+        table = json.loads(line)
+        table["outcomes"] = {name: _outcome(one) for name, one in table["outcomes"].items()}
+        return Row(**table)
 
 
-def run_case(seed: int, command: list[str]) -> tuple[int, Setting, str, Outcome, list[float]]:
-    """Make one case, run the tool on it, and say what came of it."""
-    setting, effects, severity = draw(seed)
-    case = make_case(seed, setting, effects, SEVERITY[severity])
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        write_case(case, folder)
-        start = time.perf_counter()
-        words = ["diagnose", folder / "log.parquet", "--robot", folder / "robot.toml", "--out", folder / "out"]
-        subprocess.run([*command, *map(str, words)], check=True, capture_output=True)
-        seconds = time.perf_counter() - start
-        report = json.loads((folder / "out/report.json").read_text())
-        predicted = []
-        for k, robot in enumerate((folder / "robot.toml", folder / "out/robot.toml", folder / "truth/robot.toml")):
-            out = folder / f"predicted{k}.parquet"
-            words = ["predict", folder / "truth/other.parquet", "--robot", robot, "--out", out]
-            subprocess.run([*command, *map(str, words)], check=True, capture_output=True)
-            table = pyarrow.parquet.read_table(out)
-            predicted.append(np.column_stack([table[f"effort.{joint}"] for joint in case.stated.joints]))
-        measured = np.column_stack([case.other[f"effort.{joint}"] for joint in case.stated.joints])
-    found = tuple(
-        Finding(f["cause"], f["joint"], f["confidence"], tuple(f["alternatives"])) for f in report["findings"]
-    )
-    hidden = tuple((one.cause, one.joint) for one in case.hidden if one.severity >= FAINT)
-    faint = tuple((one.cause, one.joint) for one in case.hidden if one.severity < FAINT)
-    removed = removed_share(measured, *predicted) if hidden else None
-    reached = [one.severity for one in case.hidden]
-    return seed, setting, severity, Outcome(hidden, found, report["verdict"], removed, seconds, faint), reached
+def _outcome(table: dict[str, Any]) -> Outcome:
+    for name in ("hidden", "faint", "outside"):
+        table[name] = tuple((cause, joint) for cause, joint in table[name])
+    found = [{**one, "alternatives": tuple(one["alternatives"])} for one in table["found"]]
+    table["found"] = tuple(Finding(**one) for one in found)
+    return Outcome(**table)
+
+
+def run_case(seed: int, tools: dict[str, str]) -> Row:
+    """Make one case, run the tools on it, and say what came of it."""
+    drawn = draw_case(seed)
+    case = drawn.case()
+    outcomes = {}
+    for name, command in tools.items():
+        with tempfile.TemporaryDirectory() as folder:
+            outcomes[name] = run_tool(shlex.split(command), case, Path(folder))
+    reached = {f"{one.cause} {one.joint or ''}".strip(): one.severity for one in case.hidden}
+    return Row(seed, asdict(drawn.setting), drawn.severity, reached, outcomes)
 
 
 def picture(outcomes: list[Outcome]) -> None:
     """Draw who was taken for whom, and how far confidence can be trusted."""
     causes = sorted(
-        {cause for one in outcomes for cause, _ in one.hidden} | {f.cause for o in outcomes for f in o.found}
+        {cause for one in outcomes for cause, _ in (*one.hidden, *one.outside)}
+        | {f.cause for o in outcomes for f in o.found}
     )
-    counts = np.zeros((len(causes) + 1, len(causes) + 1))
+    counts = np.zeros((len(causes) + 1, len(causes) + 2))
     for one in outcomes:
         found = [(f.cause, f.joint) for f in one.found]
-        for cause, joint in one.hidden:
-            row = causes.index(cause)
-            if (cause, joint) in found:
-                counts[row, row] += 1
-            else:
-                counts[row, -1] += 1
+        alike = {(cause, f.joint) for f in one.found for cause in f.alternatives}
+        for named in one.hidden:
+            row = causes.index(named[0])
+            column = row if named in found else -2 if named in alike else -1
+            counts[row, column] += 1
+        for cause, _ in one.outside:
+            counts[causes.index(cause), causes.index(cause) if one.left_open else -1] += 1
         for f in one.false_alarms:
             counts[-1, causes.index(f.cause)] += 1
-    figure, (left, right) = plt.subplots(1, 2, figsize=(15, 8), width_ratios=[2, 1], layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(16, 9), width_ratios=[2, 1], layout="constrained")
     left.imshow(counts, cmap="Blues", vmin=0)
     for (i, k), count in np.ndenumerate(counts):
         if count:
-            left.text(
-                k, i, f"{count:.0f}", ha="center", va="center", color="black" if count < counts.max() / 2 else "white"
-            )
-    left.set_xticks(range(len(causes) + 1), [*causes, "(missed)"], rotation=90)
+            dark = count >= counts.max() / 2
+            left.text(k, i, f"{count:.0f}", ha="center", va="center", color="white" if dark else "black")
+    left.set_xticks(range(len(causes) + 2), [*causes, "(as an alternative)", "(missed)"], rotation=90)
     left.set_yticks(range(len(causes) + 1), [*causes, "(nothing there)"])
-    left.set_xlabel("found")
+    left.set_xlabel("found; of what is outside all causes: left open")
     left.set_ylabel("hidden")
     points = reliability(outcomes)
     right.plot([0, 1], [0, 1], color="0.7")
@@ -151,65 +165,112 @@ def picture(outcomes: list[Outcome]) -> None:
     right.set_xlabel("confidence said")
     right.set_ylabel("share of findings that were right")
     right.set_aspect("equal")
-    figure.savefig(PICTURE, dpi=80)
+    figure.savefig(PICTURE, dpi=80, metadata={"Software": None})
+    plt.close(figure)
 
 
-def page(rows: list[tuple[int, Setting, str, Outcome, list[float]]], first: int) -> str:
-    """Return the page."""
-    groups = {
-        "all": rows,
-        "stated model right": [r for r in rows if r[1].off == 0.0],
-        "stated model 3 % off": [r for r in rows if r[1].off > 0.0],
-        "nothing hidden": [r for r in rows if not r[3].hidden and not r[3].faint],
-        "one effect": [r for r in rows if len(r[3].hidden) == 1],
-        "two effects": [r for r in rows if len(r[3].hidden) == 2],
-        **{name: [r for r in rows if r[1].robot == name] for name in sorted(set(ROBOTS))},
-        "medium": [r for r in rows if r[2] == "medium" and r[3].hidden],
-        "large": [r for r in rows if r[2] == "large" and r[3].hidden],
-    }
-    table = ["| cases | number | exact | hit | false alarm | error removed | seconds |", f"|---|{'---:|' * 6}"]
-    for name, chosen in groups.items():
+HEAD = ["| {} | number | exact | hit | false alarm | error removed | seconds |", f"|---|{'---:|' * 6}"]
+
+
+def scores(first: str, groups: Iterable[tuple[str, Sequence[Outcome]]]) -> str:
+    """Return a table of the scores of groups of outcomes."""
+    lines = [HEAD[0].format(first), HEAD[1]]
+    for name, chosen in groups:
         if chosen:
-            s = score([r[3] for r in chosen])
+            s = score(chosen)
             removed = "" if np.isnan(s.removed) else f"{s.removed:.2f}"
-            table.append(
+            lines.append(
                 f"| {name} | {s.cases} | {100 * s.exact:.0f} % | {100 * s.hit:.0f} % | {100 * s.false_alarm:.0f} % | "
                 f"{removed} | {s.seconds:.1f} |"
             )
-    missed = Counter(c for r in rows for c, j in r[3].hidden if (c, j) not in {(f.cause, f.joint) for f in r[3].found})
-    asked = Counter(c for r in rows for c, _ in r[3].hidden)
-    causes = ["| cause | hidden | named |", "|---|---:|---:|"]
-    causes += [f"| `{cause}` | {count} | {count - missed[cause]} |" for cause, count in sorted(asked.items())]
+    return "\n".join(lines)
+
+
+def grouped(rows: list[Row]) -> Iterable[tuple[str, list[Outcome]]]:
+    """Return the groups of cases that the page tells apart, by name."""
+
+    def those(holds: Callable[[Row], bool]) -> list[Outcome]:
+        return [row.ours for row in rows if holds(row)]
+
+    yield "all", [row.ours for row in rows]
+    yield "stated model right", those(lambda r: r.setting["off"] == 0.0)
+    yield "stated model 3 % off", those(lambda r: r.setting["off"] > 0.0)
+    yield "nothing hidden", those(lambda r: not (r.ours.hidden or r.ours.faint or r.ours.outside))
+    for count, word in ((1, "one effect"), (2, "two effects"), (3, "three effects")):
+        yield word, those(lambda r, n=count: len(r.ours.hidden) == n and not r.ours.outside)
+    yield "an effect outside all causes", those(lambda r: bool(r.ours.outside))
+    for severity in ("medium", "large"):
+        yield severity, those(lambda r, s=severity: r.severity == s and bool(r.ours.hidden))
+    for key in ("robot", "motion", "quantity"):
+        for value in sorted({row.setting[key] for row in rows}):
+            yield f"`{value}`", those(lambda r, k=key, v=value: r.setting[k] == v)
+
+
+def page(rows: list[Row], beside: bool) -> str:
+    """Return the page."""
+    outcomes = [row.ours for row in rows]
+    missed, alike = Counter(), Counter()
+    for one in outcomes:
+        found = {(f.cause, f.joint) for f in one.found}
+        told = {(cause, f.joint) for f in one.found for cause in f.alternatives}
+        missed.update(cause for cause, joint in one.hidden if (cause, joint) not in found)
+        alike.update(c for c, joint in one.hidden if (c, joint) not in found and (c, joint) in told)
+    asked = Counter(c for one in outcomes for c, _ in one.hidden)
+    causes = ["| cause | hidden | named | as an alternative |", "|---|---:|---:|---:|"]
+    causes += [f"| `{c}` | {n} | {n - missed[c]} | {alike[c] or ''} |" for c, n in sorted(asked.items())]
+    outside = ["| outside all causes | hidden | left open | with a false alarm |", "|---|---:|---:|---:|"]
+    for cause in sorted({c for one in outcomes for c, _ in one.outside}):
+        own = [one for one in outcomes if cause in {c for c, _ in one.outside}]
+        open_, false = sum(one.left_open for one in own), sum(bool(one.false_alarms) for one in own)
+        outside.append(f"| {cause.partition('.')[2].replace('_', ' ')} | {len(own)} | {open_} | {false} |")
+    names = [name for name in TOOLS if all(name in row.outcomes for row in rows)]
+    tools = scores("tool", [(name, [row.outcomes[name] for row in rows]) for name in names])
     return PAGE_TEXT.format(
         count=len(rows),
-        first=first,
+        first=rows[0].seed,
+        beside=" --beside" if beside else "",
         faint=FAINT,
-        drawn=sum(len(r[3].faint) for r in rows),
-        table="\n".join(table),
+        drawn=sum(len(one.faint) for one in outcomes),
+        tools=tools if len(names) > 1 else "",
+        table=scores("cases", grouped(rows)),
+        outside="\n".join(outside) if len(outside) > 2 else "",
         causes="\n".join(causes),
         command="python -m scripts.hidden_effects",
     )
 
 
+def done_before(results: Path, seeds: range, tools: dict[str, str]) -> dict[int, Row]:
+    """Return the rows of a results file that a run need not make again."""
+    if not results.is_file():
+        return {}
+    rows = map(Row.read, results.read_text(encoding="utf-8").splitlines())
+    return {row.seed: row for row in rows if row.seed in seeds and set(tools) <= set(row.outcomes)}
+
+
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--cases", type=int, default=80)
-    parser.add_argument("--first", type=int, default=50_000, help="seed of the first case")
-    parser.add_argument("--command", default=OURS)
-    parser.add_argument("--results", type=Path, help="write every case as JSON here")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--cases", type=int, default=200)
+    parser.add_argument("--first", type=int, default=200_000, help="seed of the first case")
+    parser.add_argument("--command", help="a tool of your own to score in mjfriction's place")
+    parser.add_argument("--beside", action="store_true", help="two other tools on the same cases")
+    parser.add_argument("--results", type=Path, default=RESULTS, help="every case as a line of JSON")
+    parser.add_argument("--resume", action="store_true", help="keep the cases that the results file has")
     asked = parser.parse_args()
-    command = shlex.split(asked.command)
-    with ProcessPoolExecutor(2) as pool:
-        rows = list(pool.map(partial(run_case, command=command), range(asked.first, asked.first + asked.cases)))
-    if asked.results:
-        listed = [
-            {"seed": r[0], "setting": asdict(r[1]), "severity": r[2], "reached": r[4], **asdict(r[3])} for r in rows
-        ]
-        asked.results.write_text(json.dumps(listed, indent=1) + "\n", encoding="utf-8")
-    if asked.command == OURS and asked.cases >= 40:
-        picture([r[3] for r in rows])
-        PAGE.write_text(page(rows, asked.first), encoding="utf-8")
-    print(page(rows, asked.first))
+    tools = {asked.command: asked.command} if asked.command else TOOLS if asked.beside else {OURS: TOOLS[OURS]}
+    seeds = range(asked.first, asked.first + asked.cases)
+    rows = done_before(asked.results, seeds, tools) if asked.resume else {}
+    left = [seed for seed in seeds if seed not in rows]
+    with ProcessPoolExecutor(2) as pool, asked.results.open("a" if asked.resume else "w", encoding="utf-8") as file:
+        for row in pool.map(partial(run_case, tools=tools), left):
+            rows[row.seed] = row
+            file.write(row.line() + "\n")
+            file.flush()
+    ordered = [rows[seed] for seed in seeds]
+    text = page(ordered, asked.beside)
+    if not asked.command and asked.cases >= 40:
+        picture([row.ours for row in ordered])
+        PAGE.write_text(text, encoding="utf-8")
+    print(text)
 
 
 if __name__ == "__main__":

@@ -67,6 +67,13 @@ def test_imports_go_down_only() -> None:
     assert not wrong
 
 
+def test_the_benchmark_and_the_diagnosis_know_nothing_of_each_other() -> None:
+    judges, judged = {"benchmark"}, {"diagnose", "identify"}
+    seen = {(room(path), name.split(".")[1]) for path, name in imports() if name.startswith("mjfriction.")}
+    assert {pair for pair in seen if pair[0] in judged and pair[1] in judges} == set()
+    assert {pair for pair in seen if pair[0] in judges and pair[1] in judged} == set()
+
+
 def test_heavy_libraries_stay_in_their_rooms() -> None:
     wrong = [
         f"{path.relative_to(PACKAGE)} imports {name}"

@@ -5,19 +5,21 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet
 
 from mjfriction.benchmark.effects.catalog import EFFECTS, Draw
-from mjfriction.benchmark.effects.effect import Effect, Place
+from mjfriction.benchmark.effects.effect import OUTSIDE_NAME, Effect, Place
 from mjfriction.control.servo import Control
 from mjfriction.laws.law import Floats
 from mjfriction.plant.machine import simulate
-from mjfriction.plant.motions import excitation
+from mjfriction.plant.motions import KNOTS, excitation, pick_and_place
 from mjfriction.plant.sensors import Recorder
 from mjfriction.plant.trajectory import Trajectory
+from mjfriction.record.log import HEAD_PRESSURE, PUSH, ROD_PRESSURE
 from mjfriction.record.motion import estimate_motion
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.effort import predict_effort
@@ -28,13 +30,16 @@ from mjfriction.robot.robot import Robot
 SEVERITY = {"small": 0.6, "medium": 1.5, "large": 4.0}  # residual the effect makes at its joint, over the noise
 SCALINGS = 12
 CLOSE = 0.05  # of the severity asked
+POSES = 24
 LEAST_REACHED = 0.5  # of it, else the effect is drawn at another joint: a tilted axis of gravity has no zero to be off
 
 
 @dataclass(frozen=True)
 class Setting:
     """How cases are recorded: seconds, rate (Hz), ``noise`` of the effort (of each joint's Coulomb level), ``encoder``
-    (rad), how far stated values are ``off`` (one standard deviation, relative), and whether velocity is measured.
+    (rad a count; a sliding joint has as many counts over a metre as a turning one over a turn), how far
+    stated values are ``off`` (one standard deviation, relative), whether velocity is measured, what the drives report,
+    and how the log's ``motion`` is made: sums of sines, or moves from pose to pose with rests.
     """
 
     robot: str = "ur5"
@@ -44,6 +49,8 @@ class Setting:
     encoder: float = 2.0 * np.pi / 2**19
     off: float = 0.0
     velocity: bool = False
+    quantity: Literal["effort", "current"] = "effort"
+    motion: Literal["excitation", "pick_and_place"] = "excitation"
 
 
 @dataclass(frozen=True)
@@ -54,6 +61,11 @@ class Hidden:
     joint: str | None
     strength: float
     severity: float
+
+    @property
+    def outside(self) -> bool:
+        """Whether no cause of the table is what was hidden."""
+        return self.cause.startswith(OUTSIDE_NAME)
 
 
 @dataclass(frozen=True)
@@ -76,24 +88,32 @@ def make_case(seed: int, setting: Setting, draws: tuple[Draw, ...], severity: fl
     rng = np.random.default_rng([seed, 31])
     machine = _equipped(read_robot(setting.robot), setting)
     joints = machine.joints
-    motions = [_motion(machine, setting.seconds, int(rng.integers(1 << 30))) for _ in range(2)]
+    motions = [_motion(machine, setting, int(rng.integers(1 << 30))) for _ in range(2)]
+    oil = _chamber_pressures(machine, motions[0])
     hidden: list[Hidden] = []
     ambient: dict[str, Floats] = {}
+    pushes: dict[str, Floats] = {}
     places = rng.permutation(len(joints))
     for i, draw in enumerate(draws):
         for j in range(len(joints)):
             effect = draw(rng, _place(machine, joints[int(places[(i + j) % len(joints)])], motions[0]))
+            effect = replace(effect, ambient={**effect.ambient, **oil})
             hiding, found = _hide(machine, effect, motions[0], severity)
             if found.severity > LEAST_REACHED * severity:
                 break
         machine = hiding
         hidden.append(found)
-        ambient |= effect.ambient
+        if not oil:
+            ambient |= effect.ambient
+        if effect.push is not None:
+            pushes[f"{PUSH}.{effect.joint}"] = found.strength * effect.push
     stated = _stated(read_robot(setting.robot), setting.off, rng)
-    recorder = Recorder(rate=setting.rate, velocity=setting.velocity)
+    recorder = Recorder(rate=setting.rate, velocity=setting.velocity, quantity=setting.quantity)
     logs = []
     for k, motion in enumerate(motions):
         around = {name: np.interp(motion.time, motions[0].time, values) for name, values in ambient.items()}
+        if k == 0:
+            around |= pushes
         logs.append(
             simulate(
                 machine,
@@ -129,16 +149,18 @@ _ALIAS = {"event.change": "step", "sensor.delay": "delay"}
 
 
 def _equipped(robot: Robot, setting: Setting) -> Robot:
-    robot = robot.with_stated_friction(robot.body())
-    for joint in robot.table.joint:
+    body = robot.body()
+    robot = robot.with_stated_friction(body)
+    for joint, slides in zip(robot.table.joint, body.sliding, strict=True):
         coulomb = stated_levels(joint)[0]
-        position = joint.position_sensor.model_copy(update={"resolution": setting.encoder, "velocity_noise": 0.01})
+        resolution, noise = (setting.encoder / (2.0 * np.pi), 3e-4) if slides else (setting.encoder, 0.01)
+        position = joint.position_sensor.model_copy(update={"resolution": resolution, "velocity_noise": noise})
         effort = joint.effort_sensor.model_copy(update={"noise": setting.noise * coulomb})
         robot = robot.with_joint(joint.model_copy(update={"position_sensor": position, "effort_sensor": effort}))
     return robot
 
 
-def _motion(robot: Robot, seconds: float, seed: int) -> Trajectory:
+def _motion(robot: Robot, setting: Setting, seed: int) -> Trajectory:
     body = robot.body()
     low = np.where(np.isfinite(body.lower), body.lower, -np.pi)
     high = np.where(np.isfinite(body.upper), body.upper, np.pi)
@@ -146,15 +168,29 @@ def _motion(robot: Robot, seconds: float, seed: int) -> Trajectory:
     low, high = np.maximum(low, -2.6), np.minimum(high, 2.6)
     reach = np.minimum(0.35 * (high - low), 1.0)
     centre = rng.uniform(low + 1.1 * reach, high - 1.1 * reach)
-    slide = np.array(body.sliding)
-    top = np.where(slide, 0.5, rng.uniform(0.8, 1.8, reach.size))
-    return excitation(robot.joints, centre, reach, top, seconds, seed=seed)
+    stated = np.where(np.isfinite(body.top_speed), body.top_speed, np.inf)
+    top = np.where(np.array(body.sliding), np.minimum(0.5, 0.8 * stated), rng.uniform(0.8, 1.8, reach.size))
+    if setting.motion == "excitation":
+        return excitation(robot.joints, centre, reach, top, setting.seconds, seed=seed)
+    poses = centre + reach * rng.uniform(-1.0, 1.0, (POSES, reach.size))
+    made = pick_and_place(robot.joints, poses, top, 4.0 * top)
+    rows = made.time <= setting.seconds
+    return Trajectory(made.joints, made.time[rows], made.position[rows])
+
+
+def _chamber_pressures(robot: Robot, motion: Trajectory) -> dict[str, Floats]:
+    # What the chambers of a cylinder press with along the motion, before anything is hidden; nothing without one.
+    if all(joint.hydraulics is None for joint in robot.table.joint):
+        return {}
+    log = simulate(robot, motion, recorder=Recorder(rate=KNOTS))
+    names = [name for name in log if name.startswith((HEAD_PRESSURE, ROD_PRESSURE))]
+    return {name: np.interp(motion.time, log["time"], log[name]) for name in names}
 
 
 def _place(robot: Robot, joint: str, motion: Trajectory) -> Place:
     course = motion.position[:, motion.joints.index(joint)]
     speed = float(np.quantile(np.abs(np.gradient(course, motion.time)), 0.9))
-    return Place(robot, joint, float(np.mean(course)), float(np.ptp(course)), speed, motion.time)
+    return Place(robot, joint, float(np.mean(course)), float(np.ptp(course)), speed, motion.time, course)
 
 
 def _hide(machine: Robot, effect: Effect, motion: Trajectory, severity: float) -> tuple[Robot, Hidden]:
@@ -166,9 +202,13 @@ def _hide(machine: Robot, effect: Effect, motion: Trajectory, severity: float) -
     before = predict_effort(machine, machine.body(), course).reported
     moving = np.abs(course.velocity) > 0.05 * np.max(np.abs(course.velocity), axis=0)
 
+    push = None if effect.push is None else np.interp(course.time, motion.time, effect.push)
+
     def standing_out(strength: float) -> float:
         changed = effect.change(machine, strength)
         after = predict_effort(changed, changed.body(), course).reported
+        if push is not None:
+            after[:, machine.joints.index(str(effect.joint))] -= strength * push
         power = np.sum(np.where(moving, np.square(after - before), 0.0), axis=0) / np.sum(moving, axis=0)
         return float(np.max(np.sqrt(power) / noise))
 

@@ -9,6 +9,7 @@ import numpy as np
 
 Named = tuple[str, str | None]
 
+UNEXPLAINED = "unexplained"
 AVOIDABLE = 0.02  # of the error as stated, relative to the machine's own, below which there was nothing to remove
 BINS = 5
 
@@ -22,6 +23,12 @@ class Finding:
     confidence: float
     alternatives: tuple[str, ...] = ()
 
+    def names(self, cause: str, joint: str | None) -> bool:
+        """Whether this names a cause at its joint, or as an alternative, whose joint may be any in the whole arm's."""
+        if (self.cause, self.joint) == (cause, joint):
+            return True
+        return cause in self.alternatives and (self.joint == joint or None in (self.joint, joint))
+
 
 @dataclass(frozen=True)
 class Outcome:
@@ -29,6 +36,7 @@ class Outcome:
     there was none), and the seconds it took.
 
     ``faint`` was hidden too, but adds so little to the log that it is asked of no tool, and held against none.
+    ``outside`` is what was hidden and is none of the causes: the verdict should be that structure is left.
     """
 
     hidden: tuple[Named, ...]
@@ -37,23 +45,34 @@ class Outcome:
     removed: float | None
     seconds: float
     faint: tuple[Named, ...] = ()
+    outside: tuple[Named, ...] = ()
+
+    @property
+    def left_open(self) -> bool:
+        """Whether the verdict is that structure remains which no cause fits."""
+        return self.verdict == UNEXPLAINED
 
     @property
     def exact(self) -> bool:
-        """Whether just what was hidden was found."""
+        """Whether just what was hidden was found, and what no cause fits was left open."""
+        if self.outside and not self.left_open:
+            return False
         return set(self.hidden) == {(finding.cause, finding.joint) for finding in self.found} - set(self.faint)
 
     @property
     def hit(self) -> bool:
         """Whether every hidden cause is, at its joint, a finding or an alternative of one."""
-        said = {(cause, f.joint) for f in self.found for cause in (f.cause, *f.alternatives)}
-        return set(self.hidden) <= said
+        return all(any(f.names(*named) for f in self.found) for named in self.hidden)
 
     @property
     def false_alarms(self) -> tuple[Finding, ...]:
-        """Findings of what was not hidden, the stated levels of friction aside."""
+        """Findings of what was not hidden, nor is an alternative; the stated levels of friction aside."""
         there = {*self.hidden, *self.faint}
-        return tuple(f for f in self.found if (f.cause, f.joint) not in there and f.cause != "friction.coulomb_viscous")
+        return tuple(
+            f
+            for f in self.found
+            if f.cause != "friction.coulomb_viscous" and not any(f.names(*named) for named in there)
+        )
 
 
 @dataclass(frozen=True)
@@ -79,7 +98,7 @@ def score(outcomes: Sequence[Outcome]) -> Score:
         hit=float(np.mean([one.hit for one in outcomes])),
         false_alarm=float(np.mean([bool(one.false_alarms) for one in outcomes])),
         removed=float(np.median(removed)) if removed else float("nan"),
-        seconds=float(np.median([one.seconds for one in outcomes])),
+        seconds=float(np.nanmedian([one.seconds for one in outcomes])),
     )
 
 

@@ -90,6 +90,36 @@ def test_what_is_no_cause_ends_as_unexplained() -> None:
     assert {entry.joint for entry in diagnosis.remaining} == {"elbow_joint"}
 
 
+def test_play_is_told_from_a_delay_by_the_blows_with_which_links_land() -> None:
+    setting = Setting("comau_ns12", rate=250.0, noise=0.1)
+    case = make_case(1003, setting, (draw_of("drive.backlash"),), SEVERITY["large"])
+    assert named(diagnosed(case)) == {("drive.backlash", "joint_2")}
+
+
+def test_seals_under_pressure_are_named_on_a_cylinder() -> None:
+    setting = Setting("hydraulic_cylinder", seconds=20.0, rate=250.0, noise=0.1)
+    case = make_case(10, setting, (draw_of("hydraulic.pressure"),), SEVERITY["large"])
+    assert named(diagnosed(case)) == {("hydraulic.pressure", "piston")}
+
+
+def test_an_alternative_is_a_hit_and_no_false_alarm() -> None:
+    arm = Finding("body.link_inertia", None, 0.5, ("drive.rotor_inertia",))
+    told = Outcome((("drive.rotor_inertia", "elbow"),), (arm,), "ambiguous", 1.0, 1.0)
+    assert told.hit
+    assert told.false_alarms == ()
+    assert not told.exact
+    elsewhere = Finding("friction.load", "wrist", 0.5, ("drive.rotor_inertia",))
+    wrong = Outcome((("drive.rotor_inertia", "elbow"),), (elsewhere,), "ambiguous", 1.0, 1.0)
+    assert not wrong.hit
+    assert wrong.false_alarms == (elsewhere,)
+
+
+def test_what_no_cause_is_must_be_left_open() -> None:
+    hum = (("outside.hum", "elbow"),)
+    assert Outcome((), (), "unexplained", None, 1.0, outside=hum).exact
+    assert not Outcome((), (), "explained", None, 1.0, outside=hum).exact
+
+
 def test_what_is_too_faint_is_asked_of_no_tool_and_held_against_none() -> None:
     found = (Finding("drive.elasticity", "elbow", 0.9), Finding("friction.load", "elbow", 0.9))
     seen = Outcome((("friction.load", "elbow"),), found, "explained", 1.0, 1.0, faint=(("drive.elasticity", "elbow"),))

@@ -20,7 +20,7 @@ def cogging(rng: np.random.Generator, place: Place) -> Effect:
     wave = wave_along(rng, place, 12.0)
 
     def change(robot: Robot, a: float) -> Robot:
-        return updated(robot, place.joint, cogging=(wave(a),))
+        return updated(robot, place.joint, cogging=(*robot.joint(place.joint).cogging, wave(a)))
 
     return on_joint("drive.cogging", place, change, 0.3, 2.0)
 

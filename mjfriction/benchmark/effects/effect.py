@@ -18,11 +18,15 @@ from mjfriction.robot.schema import Joint, Wave
 
 Change = Callable[[Robot, float], Robot]
 
+OUTSIDE_NAME = "outside."  # begins the names of effects that no cause of the table is
+
 
 @dataclass(frozen=True)
 class Effect:
     """One hidden effect: its ``cause``, its ``joint`` (None for the whole arm), the ``change`` it makes at a strength,
     the strength to ``begin`` with and the ``most`` there may be of it, and columns the log gains by it.
+
+    ``push`` (n,) is what an effect outside all causes pushes its joint with along the log's motion at strength 1.
     """
 
     cause: str
@@ -31,11 +35,14 @@ class Effect:
     begin: float
     most: float
     ambient: Mapping[str, Floats]
+    push: Floats | None = None
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where an effect is drawn: the robot, a joint of it, that joint's stroke, centre and usual speed, and the time."""
+    """Where an effect is drawn: the robot, a joint of it, that joint's stroke, centre and usual speed, the time (n,)
+    and the joint's ``course`` (n,).
+    """
 
     robot: Robot
     joint: str
@@ -43,6 +50,7 @@ class Place:
     stroke: float
     speed: float
     time: Floats
+    course: Floats
 
     @property
     def coulomb(self) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mjfriction.benchmark.effects.effect import Effect, Place, on_joint, sign, updated, wave_along
-from mjfriction.robot.friction import raised_levels, with_asymmetric_damping, with_term
+from mjfriction.robot.friction import raised_levels, with_asymmetric_damping, with_friction_wave, with_term
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import (
     Event,
@@ -101,7 +101,7 @@ def position(rng: np.random.Generator, place: Place) -> Effect:
     wave = wave_along(rng, place, 10.0)
 
     def change(robot: Robot, a: float) -> Robot:
-        return updated(robot, place.joint, friction_waves=(wave(a),))
+        return with_friction_wave(robot, place.joint, wave(a))
 
     return on_joint("friction.position", place, change, 0.3, 0.95)
 
