@@ -91,13 +91,13 @@ def test_what_is_no_cause_ends_as_unexplained() -> None:
 
 
 def test_play_is_told_from_a_delay_by_the_blows_with_which_links_land() -> None:
-    setting = Setting("comau_ns12", rate=250.0, noise=0.1)
+    setting = Setting("comau_ns12", seconds=40.0, rate=250.0, noise=0.1)
     case = make_case(1003, setting, (draw_of("drive.backlash"),), SEVERITY["large"])
     assert named(diagnosed(case)) == {("drive.backlash", "joint_2")}
 
 
 def test_seals_under_pressure_are_named_on_a_cylinder() -> None:
-    setting = Setting("hydraulic_cylinder", seconds=20.0, rate=250.0, noise=0.1)
+    setting = Setting("hydraulic_cylinder", seconds=14.0, rate=250.0, noise=0.1)
     case = make_case(10, setting, (draw_of("hydraulic.pressure"),), SEVERITY["large"])
     assert named(diagnosed(case)) == {("hydraulic.pressure", "piston")}
 
