@@ -11,7 +11,6 @@ chosen: all terms of a joint are fitted together, and what is significant is a f
 
 from __future__ import annotations
 
-import argparse
 import json
 from pathlib import Path
 
@@ -23,13 +22,13 @@ from scipy.stats import t as student
 from mjfriction.body.regressor import tip_link
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.laws.law import Floats
-from mjfriction.record.log import Log
 from mjfriction.record.motion import back_to_log
 from mjfriction.record.readers import read_log
 from mjfriction.robot.effort import predict_effort
 from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Payload
+from scripts.verbs import run_verbs
 
 LEVEL = 1e-3  # two-sided, of the t-test
 WAVES = 10  # periods over the stroke
@@ -143,8 +142,8 @@ def said_of(name: str, joint: str) -> tuple[str, str | None]:
     return cause, which if cause == "sensor.encoder_offset" else joint
 
 
-def diagnose(log: Log, stated: Path, out: Path) -> None:
-    gap = measure_gap(log, read_robot(stated))
+def diagnose(log: Path, stated: Path, out: Path) -> None:
+    gap = measure_gap(read_log(log), read_robot(stated))
     wide, findings, kept = wide_terms(gap), {}, {}
     for joint in gap.examined:
         name = gap.robot.joints[joint]
@@ -171,12 +170,13 @@ def diagnose(log: Log, stated: Path, out: Path) -> None:
     (out / "report.json").write_text(json.dumps(report), encoding="utf-8")
 
 
-def predict(log: Log, stated: Path, out: Path) -> None:
-    gap = measure_gap(log, read_robot(stated))
+def predict(log: Path, stated: Path, out: Path) -> None:
+    recorded = read_log(log)
+    gap = measure_gap(recorded, read_robot(stated))
     beside = stated.parent / COEFFICIENTS
     kept = json.loads(beside.read_text()) if beside.is_file() else {}
     wide = wide_terms(gap)
-    columns = {"time": log.time}
+    columns = {"time": recorded.time if recorded.recorded is None else recorded.recorded}
     for joint in gap.examined:
         name = gap.robot.joints[joint]
         told = gap.effort.reported[:, joint].copy()
@@ -184,19 +184,11 @@ def predict(log: Log, stated: Path, out: Path) -> None:
             own = terms(gap, joint, wide, kept[name]["frame"])
             told += sum(value * own[term] for term, value in kept[name]["values"].items() if term in own)
         quantity = gap.motion.quantity[joint]
-        columns[f"{quantity}.{name}"] = log.as_recorded(back_to_log(gap.motion, log, told / gap.per_reported[joint]))
+        columns[f"{quantity}.{name}"] = recorded.as_recorded(
+            back_to_log(gap.motion, recorded, told / gap.per_reported[joint])
+        )
     pyarrow.parquet.write_table(pa.table(columns), out)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("verb", choices=["diagnose", "predict"])
-    parser.add_argument("log", type=Path)
-    parser.add_argument("--robot", type=Path, required=True)
-    parser.add_argument("--out", type=Path, required=True)
-    asked = parser.parse_args()
-    {"diagnose": diagnose, "predict": predict}[asked.verb](read_log(asked.log), asked.robot, asked.out)
-
-
 if __name__ == "__main__":
-    main()
+    run_verbs(__doc__, diagnose, predict)

@@ -10,7 +10,6 @@ against the measured ones.  The fit is written as a robot file.  Needs the packa
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import json
 import os
@@ -33,6 +32,7 @@ from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import FrictionTerm
 from mjfriction.robot.simulation import robot_spec
+from scripts.verbs import run_verbs
 
 LONGEST_STEP, STRETCH = 0.01, 0.5  # s; finer steps and other stretches came to the same errors within a percent
 ROUNDS = 8
@@ -203,17 +203,7 @@ def predict(log: Path, stated: Path, out: Path) -> None:
     pyarrow.parquet.write_table(pa.table(predict_log(read_log(log), read_robot(stated))), out)
 
 
-def main() -> None:
-    if not hasattr(sysid, "optimize"):
-        sys.exit("mujoco.sysid is not complete: python -m pip install --require-hashes -r requirements-bench.lock")
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("verb", choices=["diagnose", "predict"])
-    parser.add_argument("log", type=Path)
-    parser.add_argument("--robot", type=Path, required=True)
-    parser.add_argument("--out", type=Path, required=True)
-    asked = parser.parse_args()
-    {"diagnose": diagnose, "predict": predict}[asked.verb](asked.log, asked.robot, asked.out)
-
-
 if __name__ == "__main__":
-    main()
+    if not hasattr(sysid, "optimize"):  # it swallows that packages are missing
+        sys.exit("mujoco.sysid is not complete: python -m pip install --require-hashes -r requirements-bench.lock")
+    run_verbs(__doc__, diagnose, predict)

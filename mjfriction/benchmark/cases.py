@@ -174,8 +174,9 @@ def _motion(robot: Robot, setting: Setting, seed: int) -> Trajectory:
         return excitation(robot.joints, centre, reach, top, setting.seconds, seed=seed)
     poses = centre + reach * rng.uniform(-1.0, 1.0, (POSES, reach.size))
     made = pick_and_place(robot.joints, poses, top, 4.0 * top)
-    rows = made.time <= setting.seconds
-    return Trajectory(made.joints, made.time[rows], made.position[rows])
+    resting = np.append(np.all(np.diff(made.position, axis=0) == 0.0, axis=1), True)
+    last = int(np.flatnonzero(resting & (made.time <= setting.seconds))[-1])
+    return Trajectory(made.joints, made.time[: last + 1], made.position[: last + 1])
 
 
 def _chamber_pressures(robot: Robot, motion: Trajectory) -> dict[str, Floats]:

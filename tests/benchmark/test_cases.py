@@ -14,6 +14,7 @@ from mjfriction.benchmark.effects.catalog import EFFECTS
 from mjfriction.benchmark.score import Finding, Outcome
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.identify import blows
 from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
@@ -90,10 +91,22 @@ def test_what_is_no_cause_ends_as_unexplained() -> None:
     assert {entry.joint for entry in diagnosis.remaining} == {"elbow_joint"}
 
 
-def test_play_is_told_from_a_delay_by_the_blows_with_which_links_land() -> None:
-    setting = Setting("comau_ns12", seconds=40.0, rate=250.0, noise=0.1)
-    case = make_case(1003, setting, (draw_of("drive.backlash"),), SEVERITY["large"])
-    assert named(diagnosed(case)) == {("drive.backlash", "joint_2")}
+def test_play_is_a_delay_unless_the_blows_with_which_links_land_are_kept_out(monkeypatch) -> None:
+    setting = Setting("ur5", rate=500.0, noise=0.1, encoder=2.0 * np.pi / 2**17, quantity="current")
+    case = make_case(1009, setting, (draw_of("drive.backlash"),), SEVERITY["medium"])
+    assert named(diagnosed(case)) == {("drive.backlash", "wrist_2_joint")}
+    monkeypatch.setattr(blows, "BLOW", np.inf)
+    assert named(diagnosed(case)) == {("sensor.delay", "wrist_2_joint")}
+
+
+def test_a_play_of_a_third_of_a_millimetre_is_found() -> None:
+    setting = Setting("linear_axis", seconds=40.0, rate=500.0, noise=0.05, off=0.03)
+    case = make_case(9, setting, (draw_of("drive.backlash"),), SEVERITY["large"])
+    (hidden,) = case.hidden
+    (finding,) = diagnosed(case).findings
+    assert (finding.cause, finding.joint) == ("drive.backlash", "axis")
+    assert finding.parameters[0].value == pytest.approx(hidden.strength, rel=0.1)
+    assert hidden.strength < 0.5e-3
 
 
 def test_seals_under_pressure_are_named_on_a_cylinder() -> None:

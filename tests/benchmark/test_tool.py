@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from mjfriction.benchmark.cases import Case, Setting, draw_of, make_case
+from mjfriction.benchmark.row import Row
 from mjfriction.benchmark.score import Outcome
 from mjfriction.benchmark.tool import run_tool
 
@@ -32,6 +33,9 @@ def test_ours_names_the_cause_and_removes_what_can_be_removed(case: Case, tmp_pa
     assert found.false_alarms == ()
     assert found.removed == pytest.approx(1.0, abs=0.05)
     assert found.seconds > 0.0
+    row = Row(12, {"robot": "linear_axis"}, "large", {"drive.cogging axis": 4.0}, {"ours": found})
+    assert Row.read(row.line()) == row
+    assert row.ours is found
 
 
 def test_the_naive_tool_is_scored_alike(case: Case, tmp_path: Path, monkeypatch) -> None:

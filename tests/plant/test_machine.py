@@ -141,21 +141,27 @@ def test_what_pushes_from_outside_is_held_by_the_drive_and_logged_by_none(ur5: R
         simulate(ur5, Trajectory(course.joints, course.time, course.position, {"push.elbow": push}))
 
 
-@pytest.mark.parametrize("name", ["comau_ns12", "machine_table"])
-def test_levels_vary_whatever_the_laws_of_the_joint(name: str) -> None:
+@pytest.mark.parametrize(("name", "amplitude"), [("comau_ns12", 0.8), ("machine_table", 0.02)])
+def test_levels_vary_whatever_the_laws_of_the_joint(name: str, amplitude: float) -> None:
     robot = read_robot(name)
-    joint = robot.joints[-1]
+    joint = robot.joints[0]
     level = stated_levels(robot.joint(joint))[0]
-    table = robot.joint(joint).model_copy(
-        update={
-            "warm_up": WarmUp(coulomb=-0.2 * level, viscous=-0.1, time_constant=2.0),
-            "events": (Event(time=1.0, coulomb=0.3 * level, viscous=0.0),),
-        }
-    )
-    course = sine(joint, 0.0, 0.02, 1.0, 2.0)
+    falls = WarmUp(coulomb=-0.2 * level, viscous=0.0, time_constant=2.0)
+    steps = Event(time=2.0, coulomb=0.5 * level, viscous=0.0)
+    table = robot.joint(joint).model_copy(update={"warm_up": falls, "events": (steps,)})
+    course = sine(joint, 0.0, amplitude, 0.5, 3.0)
     whole = np.zeros((course.time.size, len(robot.joints)))
-    whole[:, -1] = course.position[:, 0]
-    run(robot.with_joint(table), Trajectory(robot.joints, course.time, whole))
+    whole[:, 0] = course.position[:, 0]
+    trajectory = Trajectory(robot.joints, course.time, whole)
+    plain, varied = (run(own, trajectory) for own in (robot, robot.with_joint(table)))
+    speed = np.abs(plain.played.velocity[:, 0])
+    sliding = speed > 0.8 * np.max(speed)
+    changed = (np.abs(varied.played.friction) - np.abs(plain.played.friction))[:, 0]
+    wanted = level * (-0.2 * -np.expm1(-plain.time / 2.0) + 0.5 * (plain.time >= 2.0))
+    before, after = (sliding & (plain.time > start) & (plain.time < start + 1.0) for start in (1.0, 4.0))
+    for part in (before, after):  # half a stroke after each change, where the bristles have met it
+        assert np.any(part)
+        assert changed[part] == pytest.approx(wanted[part], abs=0.03 * level)
 
 
 def test_the_same_seed_says_the_same_and_another_does_not(ur5: Robot) -> None:

@@ -1,0 +1,168 @@
+"""The page of the hidden-effect benchmark: its tables, and the picture of who was taken for whom."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+
+mpl.use("Agg")
+import matplotlib.pyplot as plt
+
+from mjfriction.benchmark.row import Row
+from mjfriction.benchmark.score import Outcome, reliability, score
+from mjfriction.benchmark.tool import FAINT
+
+PAGE_TEXT = """# Hidden effects: how often the cause is named
+
+Made by `{command} --cases {count} --first {first}{beside}`; seeds make cases, so anybody can make the same ones.
+[Five of them, from the picture to the cause](hidden_effects_five.md).
+
+Each case is a machine in closed loop in MuJoCo: an arm of six axes, a linear axis, a table or a cylinder, 70 s of sums
+of sines or of moves from pose to pose, noise of 5 to 20 % of each joint's Coulomb level, encoders of 15 to 19 bit, 250
+or 500 Hz, efforts or currents, velocity measured or not. None, one, two or three effects are hidden in it, sometimes
+one that no cause of the table is; the robot file knows nothing of them, and its masses and levels may be 3 % off. A
+second log is of another motion. The severity of an effect is the RMS it adds at the joint where it shows most over
+that joint's noise: about 1.5 is medium, 4 is large; some effects cannot reach that much within what is physical. One
+that adds less than {faint} of the noise ({drawn} were drawn here) is asked of no tool and held against none. The
+effects are the plant's own parts, but friction laws and rigid bodies are the ones that the diagnosis knows: logs of
+other physics will be harder.
+
+*Exact*: just what was hidden was found, and what no cause fits was left open. *Hit*: every hidden cause is, at its
+joint, a finding or an alternative of one. *False alarm*: a finding of something else
+that has nothing hidden among its alternatives, changed friction levels aside.
+*Error removed*: the share of the avoidable prediction error on the other motion that the extended robot takes away
+(median). Seconds are of the whole command, two at a time on a machine of two cores; mjfriction's include its report
+page and recording.
+
+{tools}
+
+{table}
+
+{outside}
+
+{causes}
+
+![confusion and reliability](images/hidden_effects.png)
+
+## Your own tool
+
+`{command} --command other-tool` runs any command that has the verbs `diagnose LOG --robot R --out DIR` and
+`predict LOG --robot R --out P.parquet` and scores it alike; of `DIR/report.json` it reads `verdict`, and `cause`,
+`joint`, `confidence` and `alternatives` of the `findings`. `mjfriction.benchmark.cases.write_case` writes a case as a
+folder: `log.parquet` and `robot.toml` for the tool; what was hidden, the machine itself and the other log apart, in
+`truth/`.
+"""
+
+
+def picture(outcomes: list[Outcome], target: Path) -> None:
+    """Draw who was taken for whom, and how far confidence can be trusted."""
+    causes = sorted(
+        {cause for one in outcomes for cause, _ in (*one.hidden, *one.outside)}
+        | {f.cause for o in outcomes for f in o.found}
+    )
+    counts = np.zeros((len(causes) + 1, len(causes) + 2))
+    for one in outcomes:
+        found = [(f.cause, f.joint) for f in one.found]
+        alike = {(cause, f.joint) for f in one.found for cause in f.alternatives}
+        for named in one.hidden:
+            row = causes.index(named[0])
+            column = row if named in found else -2 if named in alike else -1
+            counts[row, column] += 1
+        for cause, _ in one.outside:
+            counts[causes.index(cause), causes.index(cause) if one.left_open else -1] += 1
+        for f in one.false_alarms:
+            counts[-1, causes.index(f.cause)] += 1
+    figure, (left, right) = plt.subplots(1, 2, figsize=(16, 9), width_ratios=[2, 1], layout="constrained")
+    left.imshow(counts, cmap="Blues", vmin=0)
+    for (i, k), count in np.ndenumerate(counts):
+        if count:
+            dark = count >= counts.max() / 2
+            left.text(k, i, f"{count:.0f}", ha="center", va="center", color="white" if dark else "black")
+    left.set_xticks(range(len(causes) + 2), [*causes, "(as an alternative)", "(missed)"], rotation=90)
+    left.set_yticks(range(len(causes) + 1), [*causes, "(nothing there)"])
+    left.set_xlabel("found; of what is outside all causes: left open")
+    left.set_ylabel("hidden")
+    points = reliability(outcomes)
+    right.plot([0, 1], [0, 1], color="0.7")
+    right.plot([p[0] for p in points], [p[1] for p in points], "o-")
+    for confidence, share, count in points:
+        right.annotate(f"{count}", (confidence, share), textcoords="offset points", xytext=(6, -10))
+    right.set_xlabel("confidence said")
+    right.set_ylabel("share of findings that were right")
+    right.set_aspect("equal")
+    figure.savefig(target, dpi=80, metadata={"Software": None})
+    plt.close(figure)
+
+
+HEAD = ["| {} | number | exact | hit | false alarm | error removed | seconds |", f"|---|{'---:|' * 6}"]
+
+
+def scores(first: str, groups: Iterable[tuple[str, Sequence[Outcome]]]) -> str:
+    """Return a table of the scores of groups of outcomes."""
+    lines = [HEAD[0].format(first), HEAD[1]]
+    for name, chosen in groups:
+        if chosen:
+            s = score(chosen)
+            removed = "" if np.isnan(s.removed) else f"{s.removed:.2f}"
+            lines.append(
+                f"| {name} | {s.cases} | {100 * s.exact:.0f} % | {100 * s.hit:.0f} % | {100 * s.false_alarm:.0f} % | "
+                f"{removed} | {s.seconds:.1f} |"
+            )
+    return "\n".join(lines)
+
+
+def grouped(rows: list[Row]) -> Iterable[tuple[str, list[Outcome]]]:
+    """Return the groups of cases that the page tells apart, by name."""
+
+    def those(holds: Callable[[Row], bool]) -> list[Outcome]:
+        return [row.ours for row in rows if holds(row)]
+
+    yield "all", [row.ours for row in rows]
+    yield "stated model right", those(lambda r: r.setting["off"] == 0.0)
+    yield "stated model 3 % off", those(lambda r: r.setting["off"] > 0.0)
+    yield "nothing hidden", those(lambda r: not (r.ours.hidden or r.ours.faint or r.ours.outside))
+    for count, word in ((1, "one effect"), (2, "two effects"), (3, "three effects")):
+        yield word, those(lambda r, n=count: len(r.ours.hidden) == n and not r.ours.outside)
+    yield "an effect outside all causes", those(lambda r: bool(r.ours.outside))
+    for severity in ("medium", "large"):
+        yield severity, those(lambda r, s=severity: r.severity == s and bool(r.ours.hidden))
+    for key in ("robot", "motion", "quantity"):
+        for value in sorted({row.setting[key] for row in rows}):
+            yield f"`{value}`", those(lambda r, k=key, v=value: r.setting[k] == v)
+
+
+def page(rows: list[Row]) -> str:
+    """Return the page."""
+    outcomes = [row.ours for row in rows]
+    missed, alike = Counter(), Counter()
+    for one in outcomes:
+        found = {(f.cause, f.joint) for f in one.found}
+        told = {(cause, f.joint) for f in one.found for cause in f.alternatives}
+        missed.update(cause for cause, joint in one.hidden if (cause, joint) not in found)
+        alike.update(c for c, joint in one.hidden if (c, joint) not in found and (c, joint) in told)
+    asked = Counter(c for one in outcomes for c, _ in one.hidden)
+    causes = ["| cause | hidden | named | as an alternative |", "|---|---:|---:|---:|"]
+    causes += [f"| `{c}` | {n} | {n - missed[c]} | {alike[c] or ''} |" for c, n in sorted(asked.items())]
+    outside = ["| outside all causes | hidden | left open | with a false alarm |", "|---|---:|---:|---:|"]
+    for cause in sorted({c for one in outcomes for c, _ in one.outside}):
+        own = [one for one in outcomes if cause in {c for c, _ in one.outside}]
+        open_, false = sum(one.left_open for one in own), sum(bool(one.false_alarms) for one in own)
+        outside.append(f"| {cause.partition('.')[2].replace('_', ' ')} | {len(own)} | {open_} | {false} |")
+    names = list(rows[0].outcomes)
+    tools = scores("tool", [(name, [row.outcomes[name] for row in rows]) for name in names])
+    return PAGE_TEXT.format(
+        count=len(rows),
+        first=rows[0].seed,
+        beside=" --beside" if len(names) > 1 else "",
+        faint=FAINT,
+        drawn=sum(len(one.faint) for one in outcomes),
+        tools=tools if len(names) > 1 else "",
+        table=scores("cases", grouped(rows)),
+        outside="\n".join(outside) if len(outside) > 2 else "",
+        causes="\n".join(causes),
+        command="python -m scripts.hidden_effects",
+    )
