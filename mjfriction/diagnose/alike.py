@@ -9,13 +9,16 @@ import numpy as np
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
-from mjfriction.diagnose.compete import Field, contenders, fairly, size
-from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.compete import Entrant, Field, contenders, fairly, size
+from mjfriction.diagnose.intervals import half_widths
+from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
 from mjfriction.diagnose.trial import Trial, try_out
 from mjfriction.record.log import Floats
 
 UNDECIDED = 0.05  # probability of a rival from which on it is named beside the chosen cause
 AS_GOOD = 1.25  # times the error that the chosen cause leaves, which a rival may leave
+ROOM = 0.5  # of an effect, that what a wider cause has besides may make up for within its 95 % interval
+SHARED = 1e-6  # of a column, beyond what it shares with a narrower cause's, from which on it is another
 MOST_CONFIDENT = 0.95  # no finding is surer: so many of the benchmark's were right that nothing spoke against
 
 
@@ -52,7 +55,7 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
         for entrant in field
         if (entrant.joint == joint or entrant.cause.whole_arm)
         and entrant.key != target.key[:2]
-        and target.cause.name not in entrant.cause.contains
+        and (target.cause.name not in entrant.cause.contains or _has_room(without, target, entrant))
     )
     repeated = redundancy(model.residual()[:, joint] * model.system.rows.weight[:, joint])
     rivals = fairly(without, [own, *contenders(without, here)])[1:]
@@ -68,6 +71,20 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
     alternatives = tuple(name for name, likelihood in odds.items() if likelihood / total > UNDECIDED)
     rival = rivals[-1].chosen if alternatives else None
     return Standing(alternatives, min(MOST_CONFIDENT, (1.0 - own.chance) / total), rival)
+
+
+def _has_room(without: Model, target: Chosen, wider: Entrant) -> bool:
+    # A cause that contains the chosen one always fits at least as well.  It is a rival where the motion leaves room for
+    # what it has besides: a stiffness that would make up for much of the offset, over a stroke too short to tell.
+    other = Chosen(wider.cause, wider.sites[0])
+    model = build_model(without.gap, without.nuisance, (*without.chosen, other))
+    strengths, half = model.strengths[model.places[-1]], half_widths(model).causes[-1]
+    own, columns = (cause_block(without.gap, one)[0][target.site.joint] for one in (target, other))
+    beyond = columns - own @ np.linalg.lstsq(own, columns, rcond=None)[0]
+    besides = np.linalg.norm(beyond, axis=0) > SHARED * np.linalg.norm(columns, axis=0)
+    most = np.linalg.norm(columns, axis=0) * (np.abs(strengths) + half[: strengths.size]) * besides
+    strength = build_model(without.gap, without.nuisance, (*without.chosen, target)).strengths[-own.shape[1] :]
+    return bool(np.max(most) > ROOM * np.linalg.norm(own @ strength))
 
 
 def redundancy(weighted: Floats) -> float:

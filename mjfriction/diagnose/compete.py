@@ -102,12 +102,23 @@ def _narrowed(field: Field, refused: list[Chosen]) -> Field:
 def _forward(gap: Gap, nuisance: Nuisance, field: Field, count: int) -> Model:
     model = build_model(gap, nuisance, ())
     while len(model.chosen) < MOST_CAUSES:
-        passing = [trial for trial in contenders(model, field) if trial.passes(count)]
+        passing = _passing(model, field, count)
         if not passing:
             break
         best = max(fairly(model, passing), key=lambda trial: trial.merit)
         model = straightened(reshaped(build_model(gap, nuisance, (*model.chosen, best.chosen))))
     return model
+
+
+def _passing(model: Model, field: Field, count: int) -> list[Trial]:
+    # The best of a short list that pass; where none does, of the next: what no cause fits at one joint may have a dozen
+    # candidates there rank before what is plain at another.
+    ranked = _ranked(model, field)
+    for first in range(0, len(ranked), SHORT_LIST):
+        passing = [trial for trial in _all_tried(model, ranked[first : first + SHORT_LIST]) if trial.passes(count)]
+        if passing:
+            return passing
+    return []
 
 
 def fairly(model: Model, trials: list[Trial]) -> list[Trial]:
@@ -155,7 +166,17 @@ def _dissolved(model: Model) -> list[Chosen]:
 
 
 def contenders(model: Model, field: Field) -> list[Trial]:
-    """Try every candidate not in the model yet, each at its best shape; return the short list, tried in full."""
+    """Screen every candidate not in the model yet, and return the trials of a short list, each at its best shape."""
+    return _all_tried(model, _ranked(model, field)[:SHORT_LIST])
+
+
+def _all_tried(model: Model, choices: list[Chosen]) -> list[Trial]:
+    trials = [_tried(model, choice) for choice in choices]
+    return [trial for trial in trials if trial is not None]
+
+
+def _ranked(model: Model, field: Field) -> list[Chosen]:
+    # Candidates by what they gain on a part of the rows, of which those that gain nothing are left out.
     every = max(1, model.gap.blocks.row.size // SCREENED_ROWS)
     best = []
     for entrant in field:
@@ -169,9 +190,7 @@ def contenders(model: Model, field: Field) -> list[Trial]:
                 gain = float(gains[i]) - _price(model.gap, _shown(columns, int(i)) + len(entrant.sites[i].shape))
                 best.append((gain, Chosen(entrant.cause, replace(entrant.sites[i], order=order))))
                 break
-    ranked = sorted(best, key=lambda entry: -entry[0])[:SHORT_LIST]
-    trials = [_tried(model, choice) for gain, choice in ranked if gain > 0.0]
-    return [trial for trial in trials if trial is not None]
+    return [choice for gain, choice in sorted(best, key=lambda entry: -entry[0]) if gain > 0.0]
 
 
 def _present(model: Model, entrant: Entrant) -> int:

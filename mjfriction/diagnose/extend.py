@@ -8,7 +8,7 @@ import numpy as np
 
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.intervals import half_widths
-from mjfriction.diagnose.model import Model
+from mjfriction.diagnose.model import Key, Model
 from mjfriction.diagnose.trial import told
 from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
 from mjfriction.robot.friction import raised_levels, stated_levels
@@ -52,8 +52,8 @@ def extend_robot(model: Model) -> Robot:
     return robot
 
 
-def adjustments(model: Model) -> list[Adjustment]:
-    """List the stated values that the fit moved."""
+def adjustments(model: Model, untold: frozenset[Key]) -> list[Adjustment]:
+    """List the stated values that the fit moved, those of causes that are no findings (small or ``untold``) too."""
     gap, strengths, widths = model.gap, model.strengths, half_widths(model)
     half = widths.nuisance
     out = []
@@ -70,7 +70,7 @@ def adjustments(model: Model) -> list[Adjustment]:
         fitted = stated_scale * (1.0 + float(strengths[k]))
         out.append(Adjustment("link_scale", link.name, "1", stated_scale, fitted, stated_scale * float(half[k])))
     for choice, place, width in zip(model.chosen, model.places, widths.causes, strict=True):
-        if told(model, choice, strengths[place]):
+        if choice.key not in untold and told(model, choice, strengths[place]):
             continue
         quantities = choice.cause.quantities(gap, choice.site)
         for quantity, value, own in zip(quantities, strengths[place], width[: len(quantities)], strict=True):

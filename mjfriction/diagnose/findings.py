@@ -2,42 +2,40 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from mjfriction.diagnose.alike import MOST_CONFIDENT, standing
+from mjfriction.diagnose.alike import standing
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.compete import Field
 from mjfriction.diagnose.intervals import half_widths
-from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.link_finding import link_finding
+from mjfriction.diagnose.model import Chosen, Key, Model, build_model
 from mjfriction.diagnose.outcome import Finding
 from mjfriction.diagnose.separate import Experiment, design_experiment
-from mjfriction.diagnose.stated import Settled, link_changes, without_links
+from mjfriction.diagnose.stated import Settled
 from mjfriction.diagnose.trial import told
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.proof import gain_at
 from mjfriction.record.log import Floats
 
-LINK_INERTIA = "body.link_inertia"
-LINK_FINDING = 0.10  # of a link's stated mass and inertia
-
 
 def make_findings(
-    settled: Settled, field: Field, heldout: Floats, seed: int
+    settled: Settled, untold: frozenset[Key], field: Field, heldout: Floats, seed: int
 ) -> tuple[list[Finding], Experiment | None]:
     """Return the findings, those that gain most first, and the motion that would settle the least certain of them.
 
-    ``heldout`` (rows, joints) is what the settled model leaves on motion not fitted; ``seed`` sets the resampling
-    behind the intervals of the gains.
+    ``untold`` are causes of the model that are none; ``heldout`` (rows, joints) is what the settled model leaves on
+    motion not fitted; ``seed`` sets the resampling behind the intervals of the gains.
     """
     model = settled.model
     strengths, widths = model.strengths, half_widths(model)
     found = []
     for choice, place, width in zip(model.chosen, model.places, widths.causes, strict=True):
-        if not told(model, choice, strengths[place]):
+        if choice.key in untold or not told(model, choice, strengths[place]):
             continue
         found.append((choice, model.without(choice), strengths[place], width))
     for choice in settled.levels:
+        if choice.key in untold:
+            continue
         joint = choice.site.joint
         i = [level.site.joint for level in model.nuisance.levels].index(joint)
         without = build_model(model.gap, model.nuisance.without_level(joint), model.chosen)
@@ -62,7 +60,7 @@ def make_findings(
             shown_at=model.gap.robot.joints[shown],
         )
         findings.append(finding)
-    links = _link_finding(model, widths.nuisance, heldout, seed)
+    links = link_finding(model, widths.nuisance, field, heldout, seed)
     if links is not None:
         findings.append(links)
     experiment = None
@@ -77,43 +75,6 @@ def _most_gained(model: Model, without: Model, heldout: Floats) -> int:
     before = without.heldout_residual()
     gap = model.gap
     return max(gap.examined, key=lambda j: gap.rms(before[:, j], j) / max(gap.rms(heldout[:, j], j), 1e-300))
-
-
-def _link_finding(model: Model, half: Floats, heldout: Floats, seed: int) -> Finding | None:
-    """Return the links' inertias as a finding when some are off by more than a stated inertia ever is."""
-    gap = model.gap
-    changes = link_changes(model)
-    if any(choice.cause.name == LINK_INERTIA for choice in model.chosen):
-        return None  # the link was named on its own; the others' few percent are refitted along
-    if not changes.size or np.max(np.abs(changes)) < LINK_FINDING:
-        return None
-    before = without_links(model).heldout_residual()
-    gains = {joint: gain_at(gap, before, heldout, joint, seed) for joint in gap.examined}
-    joint = max(gains, key=lambda place: gains[place].reduction)
-    first = 2 * len(model.nuisance.levels)
-    scales = [
-        Fitted(
-            f"link_scale.{link.name}",
-            "mass and inertia of the link that the joint moves, relative to what is stated",
-            "1",
-            1.0 + float(change),
-            1.0 + float(change - width),
-            1.0 + float(change + width),
-        )
-        for link, change, width in zip(model.nuisance.links, changes, half[first:], strict=True)
-        if abs(change) >= LINK_FINDING
-    ]
-    return Finding(
-        cause=LINK_INERTIA,
-        joint=None,
-        confidence=MOST_CONFIDENT,
-        alternatives=(),
-        parameters=tuple(scales),
-        gain=gains[joint],
-        evidence="masses and inertias of the links do not fit the efforts of all joints at once as they are stated",
-        covariate="effort",
-        shown_at=gap.robot.joints[joint],
-    )
 
 
 def _fitted(gap: Gap, choice: Chosen, strengths: Floats, half: Floats) -> list[Fitted]:

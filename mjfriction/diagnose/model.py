@@ -20,6 +20,8 @@ BACKWARD_COULOMB = 0.1  # of a joint's friction that its Coulomb level may seem 
 MOST_TAKEN = 1.25  # of a joint's Coulomb level, that its causes may move into laws of their own
 BACKWARD_VISCOUS = 0.3  # and its damping, which errors of the links' inertias reach too
 
+Key = tuple[str, int, int]  # a cause's name, its joint, and which of its kind it is there
+
 
 @dataclass(frozen=True)
 class Tangent:
@@ -41,7 +43,7 @@ class Chosen:
     tangent: Tangent | None = None
 
     @property
-    def key(self) -> tuple[str, int, int]:
+    def key(self) -> Key:
         """The cause's name, its joint, and which of its kind it is there."""
         return self.cause.name, self.site.joint, self.site.order
 

@@ -113,12 +113,14 @@ def told(model: Model, choice: Chosen, strengths: Floats) -> bool:
     What is next to nothing of the effort is not told, but for the other half of a cause on the same joint, which was
     asked for by name.
     """
-    asked = any(
-        choice.cause.name in other.cause.kin and other.site.joint == choice.site.joint for other in model.chosen
-    )
     if not choice.cause.noteworthy(model.gap, choice.site, strengths):
         return False
-    return asked or effect(model.gap, choice, strengths) >= LEAST_EFFECT
+    return asked_for(model, choice) or effect(model.gap, choice, strengths) >= LEAST_EFFECT
+
+
+def asked_for(model: Model, choice: Chosen) -> bool:
+    """Return whether a chosen cause is the other half of one on the same joint, which was asked for by name."""
+    return any(choice.cause.name in other.cause.kin and other.site.joint == choice.site.joint for other in model.chosen)
 
 
 def _strain(model: Model, strengths: Floats) -> float:

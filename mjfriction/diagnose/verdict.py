@@ -5,18 +5,22 @@ from __future__ import annotations
 import numpy as np
 
 from mjfriction.diagnose.outcome import Finding, Verdict
+from mjfriction.identify.colour import coloured_share
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.joint_error import JointError
 from mjfriction.identify.structure import Structure
 from mjfriction.record.faults import Fault
 from mjfriction.record.log import Floats
 
+NOTHING = "nothing that is known"  # what a course follows that is no noise, nor any covariate's
 STRUCTURED = 0.1  # share of what is left that a smooth curve may predict before it counts as unexplained
-LEAST_EFFORT = 0.01  # of a joint's RMS effort that unexplained structure must reach
+OUTWEIGHED = 0.5  # of what was explained that it must reach besides
+COLOURED = 0.5  # share of what is left that may stand above the noise in its spectrum before it counts
+OUTWEIGHED_COURSE = 0.25  # of what was explained that it must reach besides
+LEAST_EFFORT = 0.01  # of a joint's RMS effort that either must reach
 MUCH_LEFT = 0.1  # of a joint's effort; more than that left, and far above the noise, is never agreement
 FAR_ABOVE_NOISE = 5.0  # times the sensor's noise
 REFITTED = 0.8  # of an error that is left when refitted values are worth a word
-OUTWEIGHED = 0.5  # of what was explained that unexplained structure must reach
 
 
 def unexplained(gap: Gap, after: tuple[Structure, ...], heldout: Floats) -> list[Structure]:
@@ -27,18 +31,21 @@ def unexplained(gap: Gap, after: tuple[Structure, ...], heldout: Floats) -> list
     out = []
     for joint in gap.examined:
         name = gap.robot.joints[joint]
-        worst = max((entry for entry in after if entry.joint == name), key=lambda entry: entry.share, default=None)
+        curves = [entry for entry in after if entry.joint == name]
+        curve = max(curves, key=lambda entry: entry.share, default=Structure(name, NOTHING, 0.0))
+        course = Structure(name, NOTHING, coloured_share(gap, joint, heldout[:, joint]))
         left = gap.rms(heldout[:, joint], joint)
         effort = gap.rms(gap.measured[:, joint], joint)
-        if left > max(MUCH_LEFT * effort, FAR_ABOVE_NOISE * float(gap.noise_floor[joint])):
-            out.append(worst or Structure(name, "time", 0.0))
-            continue
-        if worst is None or worst.share < STRUCTURED:
-            continue
         explained = np.sqrt(max(0.0, gap.rms(gap.residual[:, joint], joint) ** 2 - left**2))
-        size = np.sqrt(worst.share) * left
-        if size > max(LEAST_EFFORT * effort, OUTWEIGHED * explained):
-            out.append(worst)
+        told = [
+            entry
+            for entry, least, outweighed in ((curve, STRUCTURED, OUTWEIGHED), (course, COLOURED, OUTWEIGHED_COURSE))
+            if entry.share >= least and np.sqrt(entry.share) * left > max(LEAST_EFFORT * effort, outweighed * explained)
+        ]
+        if told:
+            out.append(told[0])
+        elif left > max(MUCH_LEFT * effort, FAR_ABOVE_NOISE * float(gap.noise_floor[joint])):
+            out.append(curve)
     return out
 
 
@@ -107,5 +114,8 @@ def _refits(joints: tuple[JointError, ...]) -> str:
 
 def _left(entry: Structure, joints: tuple[JointError, ...]) -> str:
     error = next(error for error in joints if error.joint == entry.joint)
-    course = f", of which {100 * entry.share:.0f} % follow {entry.covariate}" if entry.share > STRUCTURED else ""
+    share = f"{100 * entry.share:.0f} %"
+    course = f", of which {share} follow {entry.covariate}" if entry.share > STRUCTURED else ""
+    if entry.covariate == NOTHING:
+        course = f", of which {share} are no noise, but follow {NOTHING}"
     return f"{error.rms_heldout_after:.3g} {error.unit} at {entry.joint}{course}"

@@ -27,7 +27,7 @@ from mjfriction.robot.effort import (
     without_offsets,
 )
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.rubbing import forward_share
+from mjfriction.robot.rubbing import forward_share, resting_level
 
 DOUBT_SPEED = 0.02  # of a joint's RMS speed: below it no law can be told from its own rounding at zero
 CLEAR = 0.1  # of a row's window that may be in doubt for the row to count as clear
@@ -168,7 +168,10 @@ def _held_against(log: Log, robot: Robot, body: Body, motion: Motion, effort: Ef
         3.0 * motion.velocity_noise, DOUBT_SPEED * np.sqrt(np.mean(np.square(motion.velocity), axis=0))
     )
     touched = _touched(robot, motion, chain, doubt_speed)
-    doubt = touched * _friction_level(motion, effort, residual, doubt_speed)
+    # What friction may be while its direction is unknown: what is stated, or, where that is not stated, as much as the
+    # residual leaves room for.
+    level = resting_level(robot, motion, effort.rigid, doubt_speed)
+    doubt = touched * np.maximum(level, np.sqrt(np.mean(np.square(np.nan_to_num(residual)), axis=0)))
     felt, struck = blows(body, motion, chain, doubt_speed)
     doubt = doubt + felt
     spoilt = _unusable(log, motion, chain) | struck
@@ -220,14 +223,3 @@ def _touched(robot: Robot, motion: Motion, chain: Chain, doubt_speed: Floats) ->
         sample = np.clip(np.arange(near.size) - late, 0, near.size - 1)
         out.append(chain.touched(near[sample]))
     return np.column_stack(out)
-
-
-def _friction_level(motion: Motion, effort: Effort, residual: Floats, doubt_speed: Floats) -> Floats:
-    # What friction may be while its direction is unknown: what is stated at slow speed, or, where that is not stated,
-    # as much as the residual leaves room for.
-    out = np.sqrt(np.mean(np.square(np.nan_to_num(residual)), axis=0))
-    for i, slow in enumerate(doubt_speed):
-        moving = np.abs(motion.velocity[:, i]) > slow
-        if np.any(moving):
-            out[i] = max(out[i], float(np.quantile(np.abs(effort.friction[moving, i]), 0.25)))
-    return np.asarray(out)

@@ -52,7 +52,7 @@ class Problem:
     @functools.cached_property
     def _turned(self) -> tuple[Floats, Floats]:
         motion = self.gap.motion
-        return direction(motion.velocity[:, self.joint], motion.velocity_noise[self.joint])
+        return direction(motion.velocity[:, self.joint], motion.sure_speed[:, self.joint])
 
     def left(self, term: FrictionTerm) -> Floats:
         """Return what a law leaves, in deviations, (rows,)."""

@@ -11,10 +11,13 @@ import numpy as np
 
 from mjfriction.errors import LawError
 from mjfriction.laws import wrapped
-from mjfriction.laws.ambient import AMBIENT_SIZE, ROOM_TEMPERATURE
+from mjfriction.laws.ambient import AMBIENT_SIZE, ROOM_TEMPERATURE, ambient
 from mjfriction.laws.catalog import LAWS, find_law
 from mjfriction.laws.law import Floats, Law
 from mjfriction.laws.rules import Values
+
+NUDGE = 1e-12  # rad or m, less than any spring in a joint yields at
+CREEP = 1e-3  # rad/s or m/s, at which friction has its level and next to no damping
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +104,18 @@ class Friction:
         near = np.empty(AMBIENT_SIZE)
         wrapped.advance_wrapped_along(_even(velocity), _even(ambient), h, self._writable, start, near, torque, states)
         return torque, states
+
+    @functools.cached_property
+    def travel(self) -> float:
+        """How far the joint moves until the law's springs have yielded (rad, m): its level at rest over its stiffness
+        there, at room temperature and without load; infinite where nothing is held, 0 for a law without a state.
+        """
+        if self.state_count == 0:
+            return 0.0
+        # Moved and left there, so that what damps the springs adds nothing.
+        held = self.follow(np.array([NUDGE, 0.0]), ambient(2), 1.0)[0][1]
+        level = self.steady(np.array([CREEP]), ambient(1))[0]
+        return float(NUDGE * level / held) if held > 0.0 else math.inf
 
     @functools.cached_property
     def _writable(self) -> Floats:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
 from scipy.signal import butter, sosfiltfilt
 
 from mjfriction.errors import LogError
@@ -21,6 +22,11 @@ EDGE_PERIODS = 3  # periods of the cutoff by which a piece is continued at both 
 SETTLING_PERIODS = 3.0  # periods of the cutoff at each end of a piece that the filter's start and end touch
 STILL = 1e-5  # rad or m; a joint that travels less does not move to speak of
 AGREEMENT = 0.03  # measured velocity is believed when its gain is within this of the derivative of position
+SURE = 3.0  # deviations of the velocity's noise beyond which the direction of motion is known
+LEAST_SPEED = 1e-12  # rad/s or m/s, for logs without any noise
+# A joint that stops from any steady deceleration seems to swing back by 1.8 % of its fastest speed within two periods
+# of the cutoff: so much does the zero-phase filter of fourth order ring.
+RINGING, RINGING_PERIODS = 0.02, 2.0
 LATEST = 0.1  # periods of the cutoff by which it may come late
 
 
@@ -55,6 +61,20 @@ class Motion:
     def pieces(self) -> tuple[NDArray[np.bool_], ...]:
         """Which samples belong to each piece, (n,) each."""
         return tuple(self.piece == piece for piece in np.unique(self.piece))
+
+    @property
+    def position_noise(self) -> Floats:
+        """Standard deviation of the estimated position, (joints,): that of the velocity, white in the filter's band."""
+        return np.asarray(self.velocity_noise * np.sqrt(3.0) / (2.0 * np.pi * self.cutoff))
+
+    @functools.cached_property
+    def sure_speed(self) -> Floats:
+        """Speed beyond which a joint's direction of motion is known, (n, joints): three deviations of the velocity's
+        noise, and what the position's filter rings by after a stop.
+        """
+        reach = 2 * int(np.ceil(RINGING_PERIODS * self.rate / self.cutoff)) + 1
+        fastest = np.concatenate([maximum_filter1d(np.abs(self.velocity[own]), reach, axis=0) for own in self.pieces])
+        return np.maximum(SURE * np.maximum(self.velocity_noise, LEAST_SPEED), RINGING * fastest)
 
     @functools.cached_property
     def moving(self) -> NDArray[np.bool_]:

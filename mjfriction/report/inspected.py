@@ -52,7 +52,7 @@ def inspected_table(log: Log, robot: Robot | None) -> dict[str, Any]:
 def _joint(log: Log, motion: Motion, index: int, gap: Gap | None) -> dict[str, Any]:
     name = motion.joints[index]
     position, velocity = motion.position[:, index], motion.velocity[:, index]
-    sure = np.abs(velocity) > 3.0 * motion.velocity_noise[index]
+    sure = np.abs(velocity) > motion.sure_speed[:, index]
     turns = int(np.count_nonzero(np.diff(np.sign(velocity[sure])) != 0)) if motion.moving[index] else 0
     quantity = motion.quantity[index]
     entry: dict[str, Any] = {

@@ -6,11 +6,13 @@ import numpy as np
 
 from mjfriction.laws.ambient import ROOM_TEMPERATURE, ambient
 from mjfriction.laws.law import Floats
-from mjfriction.record.motion import Motion
+from mjfriction.record.motion import SURE, Motion
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import FrictionTerm, Joint, Wave
 
-SURE = 3.0  # deviations of the velocity's noise beyond which the direction of motion is known
+SLOWEST = 1e-4  # of the speed below which a joint may rest: the slowest at which its laws are asked for their level
+RESTING_SPEEDS, RESTING_SAMPLES = 9, 200  # how many speeds and places they are asked at
+MOST_SHARE = 0.9  # of the places, whose level is not higher
 RESTING = 0.5  # of the way that a joint turning at a steady acceleration would go, below which it rests
 
 
@@ -25,17 +27,36 @@ def friction_along(robot: Robot, motion: Motion, rigid: Floats) -> Floats:
         for drive in joint.common_drive:
             other = robot.joints.index(drive.joint)
             turn = motion.velocity[:, i] + drive.ratio * motion.velocity[:, other]
-            noise = float(np.hypot(motion.velocity_noise[i], drive.ratio * motion.velocity_noise[other]))
-            share, _ = direction(turn, noise)
+            share, _ = direction(turn, np.hypot(motion.sure_speed[:, i], drive.ratio * motion.sure_speed[:, other]))
             rub = drive.coulomb * (2.0 * share - 1.0) + drive.viscous * turn
             friction[:, i] += rub
             friction[:, other] += drive.ratio * rub
     return friction
 
 
+def resting_level(robot: Robot, motion: Motion, rigid: Floats, slow: Floats) -> Floats:
+    """Return the friction that each joint may hold while its direction of motion is not known, (joints,): the most its
+    laws give at any speed below ``slow`` (joints,), under the loads of ``rigid`` (n, joints).
+    """
+    out = np.zeros(len(robot.joints))
+    some = slice(None, None, max(1, motion.time.size // RESTING_SAMPLES))
+    for i, joint in enumerate(robot.table.joint):
+        around = surroundings(joint, motion, i, rigid[:, i])[some]
+        laws = [term.friction(joint.actuator.gear_ratio) for term in joint.friction or ()]
+        speeds = np.geomspace(SLOWEST * slow[i], slow[i], RESTING_SPEEDS)
+        ways = [np.full(around.shape[0], way * speed) for speed in speeds for way in (1.0, -1.0)]
+        level = np.abs([np.sum([law.steady(way, around) for law in laws], axis=0) for way in ways])
+        varying = np.abs(varying_friction(joint, motion, i, np.ones(motion.time.size)))[some]
+        out[i] += float(np.quantile(np.max(level, axis=0) + varying, MOST_SHARE))
+        for drive in joint.common_drive:
+            out[i] += drive.coulomb
+            out[robot.joints.index(drive.joint)] += abs(drive.ratio) * drive.coulomb
+    return out
+
+
 def forward_share(motion: Motion, index: int) -> Floats:
     """Return the direction of friction on a joint, −1 to 1, between the two while it may be stuck, (n,)."""
-    forward, _ = direction(motion.velocity[:, index], motion.velocity_noise[index])
+    forward, _ = direction(motion.velocity[:, index], motion.sure_speed[:, index])
     return 2.0 * forward - 1.0
 
 
@@ -103,12 +124,13 @@ def term_torque(
     """Return one friction law's torque at the joint along a motion, shape (n,).
 
     ``around`` (n, 6) is what surrounds the joint.  A law with a state is followed sample by sample, from rest at the
-    start of every piece; one without takes the direction of :func:`direction`, or ``turned``, where it is known.
+    start of every piece.  One without takes the direction of :func:`direction`, or ``turned``, where it is known, and
+    so does one whose springs yield within the noise of the position: followed, it would tell of nothing but noise.
     """
     friction = term.friction(gear_ratio)
     velocity = motion.velocity[:, index]
-    if friction.state_count == 0:
-        forward, speed = turned or direction(velocity, motion.velocity_noise[index])
+    if friction.travel <= motion.position_noise[index]:
+        forward, speed = turned or direction(velocity, motion.sure_speed[:, index])
         return forward * friction.steady(speed, around) + (1.0 - forward) * friction.steady(-speed, around)
     out = np.empty_like(velocity)
     for own in motion.pieces:
@@ -116,29 +138,28 @@ def term_torque(
     return out
 
 
-def direction(velocity: Floats, noise: float) -> tuple[Floats, Floats]:
+def direction(velocity: Floats, sure: Floats) -> tuple[Floats, Floats]:
     """Return how far friction points against forward motion, 0 to 1, and the joint's speed (never quite 0), each (n,).
 
-    Where the velocity is within three deviations of its noise the joint may be stuck.  One that passes through that
-    without pause turns somewhere between: friction then goes from its value before to its value after, taken as evenly
-    in time.  One that rests may hold any friction within its level, of either direction: none is the best guess, as it
-    is before the first and after the last motion.
+    Where the velocity is within ``sure`` (n,), :attr:`~mjfriction.record.motion.Motion.sure_speed`, the joint may be
+    stuck.  One that passes through that without pause turns somewhere between: friction then goes from its value before
+    to its value after, taken as evenly in time.  One that rests may hold any friction within its level, of either
+    direction: none is the best guess, as it is before the first and after the last motion.
     """
-    tiny = max(noise, 1e-12)
-    speed = np.maximum(np.abs(velocity), tiny)
-    known = np.flatnonzero(np.abs(velocity) > SURE * tiny)
+    speed = np.maximum(np.abs(velocity), sure / SURE)
+    known = np.flatnonzero(np.abs(velocity) > sure)
     if not known.size:
         return np.full(velocity.size, 0.5), speed
     sample = np.arange(velocity.size)
     forward = np.interp(sample, known, (velocity[known] > 0.0).astype(np.float64), left=0.5, right=0.5)
     for i in np.flatnonzero(np.diff(known) > 1):
         unsure = slice(known[i] + 1, known[i + 1])
-        if _rests(velocity[unsure], SURE * tiny):
+        if _rests(velocity[unsure], sure[unsure]):
             forward[unsure] = 0.5
     return forward, speed
 
 
-def _rests(velocity: Floats, sure: float) -> bool:
-    # One that turns at a steady acceleration strays by a quarter of sure·samples, one that passes on by more; what
-    # strays by less than half of that stays where it is.
-    return bool(np.ptp(np.cumsum(velocity)) < RESTING * 0.25 * sure * velocity.size)
+def _rests(velocity: Floats, sure: Floats) -> bool:
+    # One that turns at a steady acceleration strays by a quarter of Σ sure, one that passes on by more; what strays by
+    # less than half of that stays where it is.
+    return bool(np.ptp(np.cumsum(velocity)) < RESTING * 0.25 * np.sum(sure))

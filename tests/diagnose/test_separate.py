@@ -42,9 +42,25 @@ def robots() -> tuple[Robot, Robot]:
     return stated, stated.with_joint(sprung)
 
 
-def test_a_spring_over_a_short_stroke_is_an_offset_until_the_asked_motion_is_run(
-    robots: tuple[Robot, Robot], tmp_path: Path
-) -> None:
+@pytest.mark.parametrize(("seed", "told"), [(5, "drive.offset"), (6, "body.spring")])
+def test_a_spring_over_a_short_stroke_may_be_an_offset(robots: tuple[Robot, Robot], seed: int, told: str) -> None:
+    stated, machine = robots
+    short = excitation(stated.joints, HOME, np.full(6, 0.12), np.full(6, 0.6), 40.0, seed=seed)
+    (finding,) = diagnosed(machine, stated, short).findings
+    assert finding.cause == told
+    assert {finding.cause, *finding.alternatives} == {"drive.offset", "body.spring"}
+
+
+def test_an_offset_over_a_long_stroke_is_no_spring(robots: tuple[Robot, Robot]) -> None:
+    stated, _ = robots
+    sensor = stated.table.joint[WRIST].effort_sensor.model_copy(update={"offset": 1.78})
+    machine = stated.with_joint(stated.table.joint[WRIST].model_copy(update={"effort_sensor": sensor}))
+    long = excitation(stated.joints, HOME, np.full(6, 0.8), np.full(6, 0.6), 40.0, seed=5)
+    (finding,) = diagnosed(machine, stated, long).findings
+    assert (finding.cause, finding.alternatives) == ("drive.offset", ())
+
+
+def test_a_spring_over_a_short_stroke_is_told_by_the_asked_motion(robots: tuple[Robot, Robot], tmp_path: Path) -> None:
     stated, machine = robots
     short = excitation(stated.joints, HOME, np.full(6, 0.12), np.full(6, 0.6), 40.0, seed=7)
     first = diagnosed(machine, stated, short)

@@ -52,12 +52,13 @@ def test_currents_go_through_ratio_and_constant(tmp_path: Path) -> None:
 
 def test_friction_passes_over_as_a_joint_turns_and_is_none_at_rest() -> None:
     velocity = np.array([0.5, 0.2, 0.02, 0.0, -0.02, -0.2, -0.5])
-    forward, speed = direction(velocity, 0.01)
+    sure = np.full(7, 0.03)
+    forward, speed = direction(velocity, sure)
     np.testing.assert_allclose(forward, [1.0, 1.0, 0.75, 0.5, 0.25, 0.0, 0.0])
     assert np.all(speed > 0.0)
     resting = np.array([0.5, 0.01, -0.01, 0.01, -0.01, 0.01, -0.5])
-    np.testing.assert_allclose(direction(resting, 0.01)[0], [1.0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.0])
-    at_rest, _ = direction(np.zeros(5), 0.01)
+    np.testing.assert_allclose(direction(resting, sure)[0], [1.0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.0])
+    at_rest, _ = direction(np.zeros(5), sure[:5])
     assert at_rest.tolist() == [0.5] * 5
-    starting, _ = direction(np.array([0.0, 0.0, 0.3]), 0.01)
+    starting, _ = direction(np.array([0.0, 0.0, 0.3]), sure[:3])
     assert starting.tolist() == [0.5, 0.5, 1.0]

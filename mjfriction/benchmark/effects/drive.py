@@ -113,7 +113,7 @@ def coupling(rng: np.random.Generator, place: Place) -> Effect:
 
 def delay(rng: np.random.Generator, place: Place) -> Effect:
     """An effort that comes late, on one joint or all."""
-    everywhere = rng.random() < 0.5
+    everywhere = rng.random() < 0.5 and len(place.robot.joints) > 1
     names = place.robot.joints if everywhere else (place.joint,)
 
     def change(robot: Robot, a: float) -> Robot:

@@ -101,8 +101,8 @@ class _CommonFriction(_Coupling):
     def _rub(self, gap: Gap, site: Site) -> Floats:
         motion, other = gap.motion, self.source(gap, site)
         turn = motion.velocity[:, other] + self.ratio * motion.velocity[:, site.joint]
-        noise = float(np.hypot(motion.velocity_noise[other], self.ratio * motion.velocity_noise[site.joint]))
-        return np.column_stack([2.0 * direction(turn, noise)[0] - 1.0, turn])
+        sure = np.hypot(motion.sure_speed[:, other], self.ratio * motion.sure_speed[:, site.joint])
+        return np.column_stack([2.0 * direction(turn, sure)[0] - 1.0, turn])
 
     def sites(self, gap: Gap) -> list[Site]:
         """Neighbouring moving joints whose efforts were both measured."""

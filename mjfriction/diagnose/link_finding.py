@@ -1,0 +1,68 @@
+"""body.link_inertia told from links that were refitted along, when they are off by more than stated inertias are."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mjfriction.diagnose.alike import MOST_CONFIDENT, Standing, standing
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.links import LEAST_NOTED, LinkScale
+from mjfriction.diagnose.compete import Field
+from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.nuisance import Nuisance
+from mjfriction.diagnose.outcome import Finding
+from mjfriction.diagnose.stated import link_changes, without_links
+from mjfriction.identify.fitted import Fitted
+from mjfriction.identify.proof import gain_at
+from mjfriction.record.log import Floats
+
+SURELY = 0.05  # of a link's stated mass and inertia, that the whole interval of its change must be off by
+
+
+def link_finding(model: Model, half: Floats, field: Field, heldout: Floats, seed: int) -> Finding | None:
+    """Return the links' inertias as a finding when some are off by more than a stated inertia ever is."""
+    gap, nuisance = model.gap, model.nuisance
+    changes = link_changes(model)
+    if not changes.size or any(choice.cause.name == LinkScale.name for choice in model.chosen):
+        return None  # a link was named on its own; the others' few percent are refitted along
+    widths = half[2 * len(nuisance.levels) :]
+    noted = (np.abs(changes) > LEAST_NOTED) & (np.abs(changes) - widths > SURELY)
+    if not np.any(noted):
+        return None
+    before = without_links(model).heldout_residual()
+    gains = {joint: gain_at(gap, before, heldout, joint, seed) for joint in gap.examined}
+    joint = max(gains, key=lambda place: gains[place].reduction)
+    most = nuisance.links[int(np.argmax(np.abs(changes) * noted))].name
+    stands = _link_standing(model, most, field)
+    scales = [
+        Fitted(
+            f"link_scale.{link.name}",
+            "mass and inertia of the link that the joint moves, relative to what is stated",
+            "1",
+            1.0 + float(change),
+            1.0 + float(change - width),
+            1.0 + float(change + width),
+        )
+        for link, change, width in zip(nuisance.links, changes, widths, strict=True)
+        if abs(change) > LEAST_NOTED
+    ]
+    return Finding(
+        cause=LinkScale.name,
+        joint=None,
+        confidence=stands.confidence,
+        alternatives=stands.alternatives,
+        parameters=tuple(scales),
+        gain=gains[joint],
+        evidence="masses and inertias of the links do not fit the efforts of all joints at once as they are stated",
+        covariate="effort",
+        shown_at=gap.robot.joints[joint],
+    )
+
+
+def _link_standing(model: Model, link: str, field: Field) -> Standing:
+    # The link that is most off against whatever else could stand for it: on a lone sliding axis, a payload or a rotor.
+    if link not in model.gap.robot.joints:
+        return Standing((), MOST_CONFIDENT)
+    scaled = Chosen(LinkScale(), Site(model.gap.robot.joints.index(link)))
+    alone = build_model(model.gap, Nuisance(model.nuisance.levels, ()), (*model.chosen, scaled))
+    return standing(alone, scaled, field)
