@@ -7,12 +7,12 @@ import numpy as np
 from mjfriction.diagnose.audit import find_faults
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.compete import compete, make_field
-from mjfriction.diagnose.drowned import find_drowned
 from mjfriction.diagnose.extend import adjustments, extend_robot
 from mjfriction.diagnose.findings import make_findings
 from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.diagnose.stated import settle
+from mjfriction.diagnose.untold import find_untold
 from mjfriction.diagnose.verdict import faults_in_words, reach_verdict, summarize, unexplained
 from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.joint_error import joint_error
@@ -36,8 +36,8 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0) -> Diagnosis:
     heldout = model.heldout_residual()
     after = tuple(find_structure(gap, heldout))
     remaining = tuple(unexplained(gap, after, heldout))
-    drowned = find_drowned(settled, remaining)
-    findings, experiment = make_findings(settled, drowned, field, heldout, seed)
+    untold = find_untold(settled, remaining)
+    findings, experiment = make_findings(settled, untold, field, heldout, seed)
     joints = tuple(joint_error(gap, joint, model.residual(), heldout) for joint in gap.examined)
     verdict = Verdict.BAD_DATA if faults else reach_verdict(findings, remaining)
     moving = gap.motion.moving
@@ -47,7 +47,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0) -> Diagnosis:
         summary=summarize(gap, verdict, findings, joints, remaining) if not faults else faults_in_words(faults),
         joints=joints,
         findings=tuple(findings),
-        adjustments=tuple(adjustments(model, drowned)),
+        adjustments=tuple(adjustments(model, untold)),
         structure_before=tuple(find_structure(gap, np.nan_to_num(gap.residual))),
         structure_after=after,
         remaining=remaining,

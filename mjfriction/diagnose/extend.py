@@ -9,7 +9,6 @@ import numpy as np
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Key, Model
-from mjfriction.diagnose.trial import told
 from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
 from mjfriction.robot.friction import raised_levels, stated_levels
 from mjfriction.robot.links import link_scale, scaled_link
@@ -53,7 +52,7 @@ def extend_robot(model: Model) -> Robot:
 
 
 def adjustments(model: Model, untold: frozenset[Key]) -> list[Adjustment]:
-    """List the stated values that the fit moved, those of causes that are no findings (small or ``untold``) too."""
+    """List the stated values that the fit moved, those of causes that are no findings (``untold``) too."""
     gap, strengths, widths = model.gap, model.strengths, half_widths(model)
     half = widths.nuisance
     out = []
@@ -70,7 +69,7 @@ def adjustments(model: Model, untold: frozenset[Key]) -> list[Adjustment]:
         fitted = stated_scale * (1.0 + float(strengths[k]))
         out.append(Adjustment("link_scale", link.name, "1", stated_scale, fitted, stated_scale * float(half[k])))
     for choice, place, width in zip(model.chosen, model.places, widths.causes, strict=True):
-        if choice.key not in untold and told(model, choice, strengths[place]):
+        if choice.key not in untold:
             continue
         quantities = choice.cause.quantities(gap, choice.site)
         for quantity, value, own in zip(quantities, strengths[place], width[: len(quantities)], strict=True):

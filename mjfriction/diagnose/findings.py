@@ -11,7 +11,6 @@ from mjfriction.diagnose.model import Chosen, Key, Model, build_model
 from mjfriction.diagnose.outcome import Finding
 from mjfriction.diagnose.separate import Experiment, design_experiment
 from mjfriction.diagnose.stated import Settled
-from mjfriction.diagnose.trial import told
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.proof import gain_at
@@ -30,7 +29,7 @@ def make_findings(
     strengths, widths = model.strengths, half_widths(model)
     found = []
     for choice, place, width in zip(model.chosen, model.places, widths.causes, strict=True):
-        if choice.key in untold or not told(model, choice, strengths[place]):
+        if choice.key in untold:
             continue
         found.append((choice, model.without(choice), strengths[place], width))
     for choice in settled.levels:

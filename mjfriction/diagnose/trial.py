@@ -107,22 +107,6 @@ def effect(gap: Gap, choice: Chosen, strengths: Floats) -> float:
     return float(np.linalg.norm(effort) / np.linalg.norm(gap.measured[:, choice.site.joint]))
 
 
-def told(model: Model, choice: Chosen, strengths: Floats) -> bool:
-    """Return whether a chosen cause is a finding; else it is refitted along, and listed as that.
-
-    What is next to nothing of the effort is not told, but for the other half of a cause on the same joint, which was
-    asked for by name.
-    """
-    if not choice.cause.noteworthy(model.gap, choice.site, strengths):
-        return False
-    return asked_for(model, choice) or effect(model.gap, choice, strengths) >= LEAST_EFFECT
-
-
-def asked_for(model: Model, choice: Chosen) -> bool:
-    """Return whether a chosen cause is the other half of one on the same joint, which was asked for by name."""
-    return any(choice.cause.name in other.cause.kin and other.site.joint == choice.site.joint for other in model.chosen)
-
-
 def _strain(model: Model, strengths: Floats) -> float:
     # A link of half its stated mass fits as well as the cause it stands in for, but is as unlikely as its prior says.
     links = slice(2 * len(model.nuisance.levels), model.nuisance.count)
