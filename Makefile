@@ -18,6 +18,7 @@ check: $(READY)
 docs: $(READY)
 	$(BIN)/python -m scripts.make_docs
 	$(BIN)/python -m scripts.law_pages
+	$(BIN)/python -m scripts.api_page
 	MUJOCO_GL=egl $(BIN)/python -m scripts.robot_pages
 
 # Over an hour: two hundred cases, three tools.

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from mjfriction.diagnose.diagnosis import diagnose_log
-    from mjfriction.diagnose.outcome import Diagnosis
+    from mjfriction.diagnose.outcome import Diagnosis, Finding
     from mjfriction.errors import MjfrictionError
     from mjfriction.identify.comparison import Comparison, compare_robots
     from mjfriction.identify.identification import identify_log
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from mjfriction.plant.trajectory import Trajectory, read_trajectory
     from mjfriction.record.log import Log
     from mjfriction.record.readers import read_log
+    from mjfriction.report.figures import residual_against_covariate
+    from mjfriction.report.write import save_diagnosis
     from mjfriction.robot.files import read_robot, write_robot
     from mjfriction.robot.predict import predict_log
     from mjfriction.robot.robot import Robot
@@ -29,6 +31,7 @@ _HOMES = {
     "Comparison": "mjfriction.identify.comparison",
     "Diagnosis": "mjfriction.diagnose.outcome",
     "Identification": "mjfriction.identify.outcome",
+    "Finding": "mjfriction.diagnose.outcome",
     "Friction": "mjfriction.laws.friction",
     "Level": "mjfriction.laws.friction",
     "Log": "mjfriction.record.log",
@@ -46,8 +49,10 @@ _HOMES = {
     "read_log": "mjfriction.record.readers",
     "read_robot": "mjfriction.robot.files",
     "read_trajectory": "mjfriction.plant.trajectory",
+    "residual_against_covariate": "mjfriction.report.figures",
     "robot_laws": "mjfriction.robot.simulation",
     "robot_spec": "mjfriction.robot.simulation",
+    "save_diagnosis": "mjfriction.report.write",
     "simulate": "mjfriction.plant.machine",
     "write_robot": "mjfriction.robot.files",
 }
@@ -55,6 +60,7 @@ _HOMES = {
 __all__ = [
     "Comparison",
     "Diagnosis",
+    "Finding",
     "Friction",
     "Identification",
     "Level",
@@ -73,8 +79,10 @@ __all__ = [
     "read_log",
     "read_robot",
     "read_trajectory",
+    "residual_against_covariate",
     "robot_laws",
     "robot_spec",
+    "save_diagnosis",
     "simulate",
     "write_robot",
 ]

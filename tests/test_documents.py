@@ -6,15 +6,21 @@ import re
 from pathlib import Path
 
 from mjfriction.control.observe import OBSERVERS
+from mjfriction.diagnose.alike import ROOM
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
+from mjfriction.diagnose.causes.links import LEAST_NOTED
 from mjfriction.diagnose.causes.presliding import LEAST_PART
 from mjfriction.diagnose.causes.stribeck import GONE_BY
 from mjfriction.diagnose.causes.varying import EDGE
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.compete import LEAST_KIN_EFFECT, NEAR_BEST
+from mjfriction.diagnose.link_finding import SURELY
 from mjfriction.diagnose.stated import OUTLYING
 from mjfriction.diagnose.trial import LEAST_EFFECT
+from mjfriction.diagnose.untold import DROWNED, LEAST_SEEN
+from mjfriction.diagnose.verdict import COLOURED
 from mjfriction.laws.catalog import LAWS
+from mjfriction.record.motion import RINGING
 from mjfriction.reproduce.catalog import DOCUMENTS
 from mjfriction.robot.robot import bundled_robots
 
@@ -68,7 +74,10 @@ def test_every_page_that_is_named_is_there() -> None:
 
 def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
-    assert f"less than {100 * LEAST_EFFECT:g} % of the effort is refitted" in told
+    assert f"makes less than {100 * LEAST_EFFECT:g} % of the effort, or takes less than {100 * LEAST_SEEN:g} %" in told
+    assert (DROWNED, ROOM, COLOURED) == (0.5, 0.5, 0.5), "the page says half as much, half of the effect, half of it"
+    assert f"more than {100 * LEAST_NOTED:g} %, and by more than {100 * SURELY:g} %" in told
+    assert f"({100 * RINGING:g} % of the fastest speed" in told
     assert f"at least {100 * LEAST_KIN_EFFECT:g} % of the joint's effort" in told
     assert f"first or last {100 * EDGE:g} %" in told
     assert (GONE_BY, LEAST_PART, OUTLYING) == (0.7, 0.1, 3.0), "the page says seven tenths, a tenth and three times"

@@ -113,7 +113,7 @@ class Friction:
         if self.state_count == 0:
             return 0.0
         # Moved and left there, so that what damps the springs adds nothing.
-        held = self.follow(np.array([NUDGE, 0.0]), ambient(2), 1.0)[0][1]
+        held = self.follow(np.array([CREEP, 0.0]), ambient(2), NUDGE / CREEP)[0][1]
         level = self.steady(np.array([CREEP]), ambient(1))[0]
         return float(NUDGE * level / held) if held > 0.0 else math.inf
 

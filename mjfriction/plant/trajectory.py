@@ -53,14 +53,14 @@ class Trajectory:
         return pa.table({**columns, **self.ambient})
 
 
-def read_trajectory(path: Path) -> Trajectory:
+def read_trajectory(path: Path | str) -> Trajectory:
     """Read a trajectory table, CSV or Parquet, of ``time`` and ``position.<joint>``; a log is one too.
 
     For the valve of a cylinder ``voltage.<joint>`` may stand in its place.
 
     Raises :class:`LogError` for a table that has no such columns or whose time does not increase.
     """
-    table = read_table(path)
+    table = read_table(Path(path))
     names = table.schema.names
     joints = tuple(name.removeprefix("position.") for name in names if name.startswith("position."))
     volts = any(name.startswith(f"{VOLTAGE}.") for name in names)

@@ -8,9 +8,10 @@ import pyarrow.parquet
 
 from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.identify.outcome import Identification
+from mjfriction.report.folder import whole_folder
 from mjfriction.report.html import identified_html, report_html
 from mjfriction.report.rerun_view import write_identified_recording, write_recording
-from mjfriction.report.result import Report, report_json
+from mjfriction.report.result import Report, make_report, report_json
 from mjfriction.robot.files import write_robot
 
 
@@ -28,6 +29,17 @@ def write_results(diagnosis: Diagnosis, report: Report, folder: Path) -> None:
         folder,
         comment=f"Extended by mjfriction from {Path(diagnosis.gap.log.source).name}.\n{report.summary}",
     )
+
+
+def save_diagnosis(diagnosis: Diagnosis, folder: Path | str) -> Report:
+    """Write what ``mjfriction diagnose`` writes into a folder, whole or not at all, and return the report.
+
+    Raises :class:`~mjfriction.errors.OutputError` where the folder cannot be written.
+    """
+    report = make_report(diagnosis)
+    with whole_folder(Path(folder)) as draft:
+        write_results(diagnosis, report, draft)
+    return report
 
 
 def write_identified(identification: Identification, report: Report, folder: Path) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -110,3 +112,15 @@ def test_current_and_effort_are_told_apart() -> None:
     motion = estimate_motion(log, ["a"], 10.0)
     assert motion.quantity == ("current",)
     np.testing.assert_allclose(motion.torque[:, 0], time)
+
+
+def test_a_joint_that_stops_does_not_seem_to_turn_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    # The velocity falls evenly to zero and stays there; the filter rings past it.
+    time = np.arange(4000) / 1000.0
+    v = np.where(time < 2.0, 2.0 - time, 0.0)
+    motion = estimate_motion(log_of(time, np.cumsum(v) / 1000.0), ["a"], 20.0)
+    turned = motion.velocity[:, 0] < -motion.sure_speed[:, 0]
+    assert not np.any(turned[motion.settled])
+    monkeypatch.setattr("mjfriction.record.motion.RINGING", 0.0)
+    without = replace(motion)
+    assert np.any((without.velocity[:, 0] < -without.sure_speed[:, 0])[motion.settled])

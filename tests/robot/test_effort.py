@@ -9,10 +9,15 @@ import numpy as np
 import pytest
 
 from mjfriction.errors import RobotError
+from mjfriction.laws.ambient import ambient
+from mjfriction.record.log import Log
+from mjfriction.record.motion import Motion, estimate_motion
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.predict import predict_log
-from mjfriction.robot.rubbing import direction
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.rubbing import direction, resting_level, term_torque
+from mjfriction.robot.schema import FrictionTerm
 from tests.hidden.machine import Machine, write_case
 
 
@@ -62,3 +67,45 @@ def test_friction_passes_over_as_a_joint_turns_and_is_none_at_rest() -> None:
     assert at_rest.tolist() == [0.5] * 5
     starting, _ = direction(np.array([0.0, 0.0, 0.3]), sure[:3])
     assert starting.tolist() == [0.5, 0.5, 1.0]
+
+
+def moved(velocity: np.ndarray, noise: float) -> Motion:
+    count = velocity.size
+    time = np.arange(count) / 1000.0
+    columns = {"position.a": np.cumsum(velocity) / 1000.0, "effort.a": np.zeros(count)}
+    motion = estimate_motion(Log("test", time, np.zeros(count, dtype=np.int64), ("a",), columns), ["a"], 20.0)
+    return replace(motion, velocity=velocity[:, None], velocity_noise=np.array([noise]))
+
+
+def test_springs_that_yield_within_the_noise_are_not_followed() -> None:
+    # Along a noisy velocity near rest their state is noise; the law's steady curve is all that can be told.
+    rng = np.random.default_rng(1)
+    velocity = 0.3 * np.sin(2.0 * np.pi * np.arange(4000) / 2000.0) + 1e-3 * rng.standard_normal(4000)
+    law = {"coulomb": 5.0, "static": 9.0, "stribeck_velocity": 0.05, "stribeck_exponent": 2.0, "viscous": 1.0}
+    stiff = FrictionTerm(law="lugre", parameters={**law, "bristle_stiffness": 1e9, "bristle_damping": 1e5})
+    plain = FrictionTerm(law="stribeck", parameters=law)
+    near = ambient(velocity.size)
+    told = [term_torque(term, 1.0, moved(velocity, 1e-3), 0, near) for term in (stiff, plain)]
+    np.testing.assert_allclose(told[0], told[1], atol=1e-9)
+    followed = term_torque(stiff, 1.0, moved(velocity, 0.0), 0, near)
+    assert np.max(np.abs(followed - told[1])) > 0.5 * law["static"]
+
+
+def test_a_joint_at_rest_may_hold_all_that_its_law_gives_there() -> None:
+    robot = read_robot("ur5")
+    elbow = robot.joint("elbow_joint")
+    law = {"coulomb": 5.0, "static": 9.0, "stribeck_velocity": 1e-3, "stribeck_exponent": 2.0, "viscous": 1.0}
+    sticky = FrictionTerm(law="stribeck", parameters=law)
+    changed = robot.with_joint(elbow.model_copy(update={"friction": (sticky,)}))
+    columns = {f"position.{name}": np.sin(np.arange(3000) / 300.0) for name in robot.joints}
+    log = Log("test", np.arange(3000) / 1000.0, np.zeros(3000, dtype=np.int64), robot.joints, columns)
+    motion = estimate_motion(log, robot.joints, 20.0)
+    load = np.zeros((3000, 6))
+    level = resting_level(changed, motion, load, np.full(6, 0.02))
+    assert level[2] == pytest.approx(9.0, rel=0.01)
+    assert level[1] == pytest.approx(stated_level(robot, 1), rel=0.03)
+
+
+def stated_level(robot: Robot, index: int) -> float:
+    (term,) = robot.table.joint[index].friction or ()
+    return term.value("coulomb")

@@ -163,3 +163,17 @@ def test_raised_levels_raise_what_is_stated_by_as_much(law, seed: int, coulomb: 
             assert max(before[kind] + wanted, 0.0) - 1e-9 <= after[kind] <= before[kind] + 1e-9
     for term in changed.friction or ():  # type: ignore[attr-defined]
         FrictionTerm.model_validate(term.model_dump())
+
+
+def test_the_travel_of_springs_is_their_level_over_their_stiffness() -> None:
+    slow = {**LUGRE, "stribeck_velocity": 5.0}
+    assert friction("lugre", slow).travel == pytest.approx(9.0 / 4e3, rel=1e-3)
+    assert friction("lugre", slow, gear_ratio=50.0).travel == pytest.approx(9.0 / 4e3 / 50.0, rel=0.02)
+    elements = {"stiffness": [3e3, 1e3], "level": [1.0, 2.0], "viscous": 0.1}
+    assert friction("maxwell_slip", elements).travel == pytest.approx(3.0 / 4e3, rel=1e-3)
+    assert friction("coulomb_viscous", {"coulomb": 1.0, "viscous": 0.1}).travel == 0.0
+
+
+@pytest.mark.parametrize("law", [name for name, own in LAWS.items() if own.states + own.states_per_element])
+def test_every_law_with_springs_yields_somewhere(law: str) -> None:
+    assert 0.0 < friction(law, named(LAWS[law], 0)).travel < 1.0
