@@ -126,6 +126,14 @@ def load_body(
     )
 
 
+def single_axis_joints(path: Path) -> tuple[str, ...]:
+    """Return the hinges and slides of a model file, in its order; raises :class:`RobotError` as :func:`load_body`."""
+    model, _ = _parse(path)
+    return tuple(
+        str(name) for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True) if joint.nv == 1
+    )
+
+
 def _top_speeds(model: pin.Model, columns: Sequence[int]) -> Floats:
     stated = np.array(model.velocityLimit)[list(columns)]
     return np.where((stated > 0.0) & (stated < NO_LIMIT), stated, np.inf)
@@ -163,15 +171,30 @@ def _parse(path: Path) -> tuple[pin.Model, tuple[float, ...]]:
     if root.tag not in readers:
         raise RobotError(f"{path}: the root element is <{root.tag}>; a URDF has <robot>, an MJCF <mujoco>")
     kind = "URDF" if root.tag == "robot" else "MJCF"
+    nameless = sum(not body.get("name") for body in root.iter("body"))
+    if nameless:  # Pinocchio keeps bodies by their names, and would lose these
+        raise RobotError(f"{path}: {nameless} of its bodies have no name; give every <body> one")
     try:
         with _native_messages_dropped():
             model = readers[root.tag](str(path))
     except Exception as error:  # Pinocchio's parsers raise ValueError, RuntimeError and boost's own kinds
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        told = str(error).split("message:")[-1].split("\n")  # what comes before speaks of Pinocchio's own source files
+        reason = next((line.strip() for line in told if line.strip()), type(error).__name__)
         raise RobotError(f"{path}: cannot be read as {kind}: {reason}") from None
+    if root.tag == "mujoco":
+        _mend_slides(model, root)
     option = root.find("option")
     own = option.get("gravity") if option is not None and root.tag == "mujoco" else None
     return model, tuple(float(part) for part in own.split()) if own else STANDARD_GRAVITY
+
+
+def _mend_slides(model: pin.Model, root: ET.Element) -> None:
+    # Where angles are in degrees, as they are unless the file says otherwise, Pinocchio turns the ranges of slides too.
+    if any(compiler.get("angle") == "radian" for compiler in root.iter("compiler")):
+        return
+    slides = [joint.idx_q for joint in model.joints if joint.nq == 1 and "P" in joint.shortname()[10:]]
+    for bounds in (model.lowerPositionLimit, model.upperPositionLimit):
+        bounds[slides] = np.degrees(bounds[slides])
 
 
 @contextlib.contextmanager

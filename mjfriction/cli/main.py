@@ -15,6 +15,7 @@ from mjfriction.cli.export import export
 from mjfriction.cli.identify import identify
 from mjfriction.cli.inspect import inspect
 from mjfriction.cli.laws import laws
+from mjfriction.cli.new import new
 from mjfriction.cli.observe import observe
 from mjfriction.cli.plan import plan
 from mjfriction.cli.predict import predict
@@ -41,6 +42,7 @@ for verb in (
     identify,
     inspect,
     laws,
+    new,
     observe,
     plan,
     predict,

@@ -123,9 +123,21 @@ def test_scaling_a_link_scales_its_share() -> None:
     np.testing.assert_allclose(difference, 0.3 * share, atol=1e-9)
 
 
+@pytest.mark.parametrize("angle", ["", '<compiler angle="radian"/>'])
+def test_the_ranges_of_hinges_and_slides_are_mujocos(angle: str, tmp_path: Path) -> None:
+    text = f"""<mujoco>{angle}<worldbody><body name="a"><joint name="slide" type="slide" range="-0.1 0.4"/>
+    <geom size=".1"/><body name="b"><joint name="hinge" range="-1.5 0.5"/><geom size=".1"/></body></body>
+    </worldbody></mujoco>"""
+    (tmp_path / "arm.xml").write_text(text)
+    body = load_body(tmp_path / "arm.xml", ("slide", "hinge"))
+    ranges = mujoco.MjModel.from_xml_string(text).jnt_range
+    np.testing.assert_allclose(np.column_stack([body.lower, body.upper]), ranges, rtol=1e-12)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
+        ("<mujoco><worldbody><body><joint name='a'/></body></worldbody></mujoco>", "1 of its bodies have no name"),
         ("<robot name='x'><link></robot>", "not well-formed XML: mismatched tag: line 1"),
         ("<robot name='x'></robot>", "cannot be read as URDF"),
         ("<sdf/>", "root element is <sdf>"),

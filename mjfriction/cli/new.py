@@ -1,0 +1,40 @@
+"""``mjfriction new``: a robot file to begin with."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mjfriction.cli.options import MapSource
+
+Model = Annotated[str, typer.Argument(metavar="MODEL", help="The robot's URDF or MJCF.", show_default=False)]
+Out = Annotated[Path, typer.Option("--out", metavar="R.toml", help="The robot file to write.", show_default=False)]
+LogOption = Annotated[
+    Path | None,
+    typer.Option("--log", metavar="LOG", help="List only the joints that this log has.", show_default=False),
+]
+
+
+def new(model: Model, out: Out, log: LogOption = None, map_: MapSource = None) -> None:
+    """Draw up a robot file from a URDF or MJCF, with a place for everything else you know.
+
+    Example: mjfriction new arm.urdf --log run1.parquet --out my_arm.toml
+    """
+    from mjfriction.cli.logs import read_logs
+    from mjfriction.errors import OutputError
+    from mjfriction.report.folder import whole_file
+    from mjfriction.robot.draft import draft_robot
+    from mjfriction.robot.files import read_robot
+
+    if out.exists():
+        raise OutputError(f"{out}: is there already, and may hold what you know; give another name")
+    wanted = read_logs([log], (), map_).joints if log is not None else None
+    text = draft_robot(model, out.parent, wanted)
+    with whole_file(out) as draft:
+        draft.write_text(text, encoding="utf-8")
+        robot = read_robot(draft)
+    typer.echo(f"written: {out}, with {len(robot.joints)} joints: {', '.join(robot.joints)}")
+    typer.echo("Next: fill in what you know of the drives, then")
+    typer.echo(f"  mjfriction inspect {log or 'LOG'} --robot {out}")

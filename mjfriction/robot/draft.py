@@ -1,0 +1,50 @@
+"""A robot file to begin with, drawn up from a model file alone."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from mjfriction.body.model import load_body, single_axis_joints
+from mjfriction.errors import RobotError, suggestion
+from mjfriction.robot.robot import resolve_model
+
+HEAD = """\
+# A draft. What is left out is taken from the model file, or is none. Take the '#' away from what you know of the
+# drives: gear_ratio (motor turns per joint turn), torque_constant (N·m/A at the motor), rotor_inertia (kg·m² at the
+# motor); a log of currents needs the first two. The numbers behind '#' are examples, the friction's the model file's.
+"""
+DRIVE = "# actuator = { gear_ratio = 100.0, torque_constant = 0.1, rotor_inertia = 1e-5 }"
+FRICTION = '# friction = {{ law = "coulomb_viscous", parameters = {{ coulomb = {:.4g}, viscous = {:.4g} }} }}'
+
+
+def draft_robot(model: str, folder: Path, wanted: Sequence[str] | None = None) -> str:
+    """Return the text of a robot file, to be written into ``folder``, for a URDF or MJCF.
+
+    ``model`` is a path, or ``package://example-robot-data/…``.  The joints are those of ``wanted``, in that order, or
+    every hinge and slide of the model.  Raises :class:`RobotError` for a model that cannot be read or has no such
+    joints.
+    """
+    packaged = model.startswith("package://")
+    path = resolve_model(model, Path()) if packaged else Path(model)
+    known = single_axis_joints(path)
+    for name in wanted or ():
+        if name not in known:
+            raise RobotError(f"{path}: there is no hinge or slide '{name}'{suggestion(name, known)}")
+    joints = list(wanted or known)
+    if not joints:
+        raise RobotError(f"{path}: the model has no hinge and no slide; there is nothing to state friction of")
+    body = load_body(path, joints)
+    named = model if packaged else Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
+    lines = [HEAD, f'name = "{path.stem}"', f'model = "{named}"']
+    for i, name in enumerate(joints):
+        unit = "m" if body.sliding[i] else "rad"
+        kind = "slides" if body.sliding[i] else "turns"
+        limited = np.isfinite(body.lower[i]) and np.isfinite(body.upper[i])
+        range_ = f" from {body.lower[i]:.4g} to {body.upper[i]:.4g} {unit}" if limited else " without limits"
+        friction = FRICTION.format(body.dry_friction[i], body.damping[i])
+        lines += ["", "[[joint]]", f'name = "{name}"  # {kind}{range_}', DRIVE, friction]
+    return "\n".join(lines) + "\n"
