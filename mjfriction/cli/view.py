@@ -10,8 +10,11 @@ import typer
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A folder of results, or a recording.", show_default=False)]
 
 
-def view(folder: Folder) -> None:
-    """Open the Rerun recording of a result.
+Serve = Annotated[bool, typer.Option("--serve", help="Serve it to browsers, here and on other machines, until Ctrl-C.")]
+
+
+def view(folder: Folder, serve: Serve = False) -> None:
+    """Open the Rerun recording of a result, or serve it to browsers.
 
     Example: mjfriction view result
     """
@@ -23,4 +26,5 @@ def view(folder: Folder) -> None:
     recording = folder / "recording.rrd" if folder.suffix != ".rrd" else folder
     if not recording.is_file():
         raise InputError(f"{recording}: there is no such recording; run mjfriction diagnose ... --out {folder} first")
-    raise typer.Exit(subprocess.call([sys.executable, "-m", "rerun", str(recording)]))
+    way = ["--serve-web"] if serve else []
+    raise typer.Exit(subprocess.call([sys.executable, "-m", "rerun", *way, str(recording)]))
