@@ -5,6 +5,7 @@ Run: python -m scripts.api_page
 
 from __future__ import annotations
 
+import functools
 import inspect
 import re
 from pathlib import Path
@@ -29,6 +30,7 @@ report says with which version it was made.
 
 {classes}
 """
+READ = (property, functools.cached_property)
 ANNOTATION = re.compile(r"(: |-> )'([^']*)'")
 ROLE = re.compile(r":[a-z]+:`~?(?:[\w.]+\.)?(\w+)`")
 
@@ -55,8 +57,8 @@ def class_entry(name: str) -> str:
             lines.append(f"- `{field}: {kind}`")
     for method, value in vars(own).items():
         text = inspect.getdoc(value)
-        if not method.startswith("_") and text and (callable(value) or isinstance(value, property)):
-            lines.append(f"- `{method}{'' if isinstance(value, property) else '()'}`: {told(text).splitlines()[0]}")
+        if not method.startswith("_") and text and (callable(value) or isinstance(value, READ)):
+            lines.append(f"- `{method}{'' if isinstance(value, READ) else '()'}`: {told(text).splitlines()[0]}")
     return "\n".join(lines) + "\n"
 
 

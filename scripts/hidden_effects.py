@@ -12,7 +12,7 @@ import shlex
 import sys
 import tempfile
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 
@@ -50,7 +50,8 @@ def done_before(results: Path, seeds: range, tools: dict[str, str]) -> dict[int,
     if not results.is_file():
         return {}
     rows = map(Row.read, results.read_text(encoding="utf-8").splitlines())
-    return {row.seed: row for row in rows if row.seed in seeds and set(tools) <= set(row.outcomes)}
+    kept = [row for row in rows if row.seed in seeds and set(tools) <= set(row.outcomes)]
+    return {row.seed: replace(row, outcomes={name: row.outcomes[name] for name in tools}) for row in kept}
 
 
 def main() -> None:

@@ -114,7 +114,7 @@ def load_body(
     return Body(
         joints=tuple(joints),
         links=tuple(str(name) for name in list(model.names)[1:]),
-        sliding=tuple("P" in model.joints[model.getJointId(joint)].shortname()[10:] for joint in joints),
+        sliding=tuple(_slides(model.joints[model.getJointId(joint)]) for joint in joints),
         damping=np.array(model.damping)[order],
         dry_friction=np.array(model.upperDryFrictionLimit)[order],
         lower=_limits(model, joints, model.lowerPositionLimit, -np.inf),
@@ -172,7 +172,7 @@ def _parse(path: Path) -> tuple[pin.Model, tuple[float, ...]]:
         raise RobotError(f"{path}: the root element is <{root.tag}>; a URDF has <robot>, an MJCF <mujoco>")
     kind = "URDF" if root.tag == "robot" else "MJCF"
     nameless = sum(not body.get("name") for body in root.iter("body"))
-    if nameless:  # Pinocchio keeps bodies by their names, and would lose these
+    if nameless and root.tag == "mujoco":  # Pinocchio keeps bodies by their names, and would lose these
         raise RobotError(f"{path}: {nameless} of its bodies have no name; give every <body> one")
     try:
         with _native_messages_dropped():
@@ -188,11 +188,15 @@ def _parse(path: Path) -> tuple[pin.Model, tuple[float, ...]]:
     return model, tuple(float(part) for part in own.split()) if own else STANDARD_GRAVITY
 
 
+def _slides(joint: pin.JointModel) -> bool:
+    return "P" in joint.shortname().removeprefix("JointModel")
+
+
 def _mend_slides(model: pin.Model, root: ET.Element) -> None:
     # Where angles are in degrees, as they are unless the file says otherwise, Pinocchio turns the ranges of slides too.
     if any(compiler.get("angle") == "radian" for compiler in root.iter("compiler")):
         return
-    slides = [joint.idx_q for joint in model.joints if joint.nq == 1 and "P" in joint.shortname()[10:]]
+    slides = [joint.idx_q for joint in model.joints if joint.nq == 1 and _slides(joint)]
     for bounds in (model.lowerPositionLimit, model.upperPositionLimit):
         bounds[slides] = np.degrees(bounds[slides])
 

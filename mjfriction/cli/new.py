@@ -23,13 +23,15 @@ def new(model: Model, out: Out, log: LogOption = None, map_: MapSource = None) -
     Example: mjfriction new arm.urdf --log run1.parquet --out my_arm.toml
     """
     from mjfriction.cli.logs import read_logs
-    from mjfriction.errors import OutputError
+    from mjfriction.errors import InputError, OutputError
     from mjfriction.report.folder import whole_file
     from mjfriction.robot.draft import draft_robot
     from mjfriction.robot.files import read_robot
 
     if out.exists():
         raise OutputError(f"{out}: is there already, and may hold what you know; give another name")
+    if map_ is not None and log is None:
+        raise InputError("--map names the columns of a log; give the log with --log, or leave --map out")
     wanted = read_logs([log], (), map_).joints if log is not None else None
     text = draft_robot(model, out.parent, wanted)
     with whole_file(out) as draft:

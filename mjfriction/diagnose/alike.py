@@ -11,7 +11,7 @@ from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.compete import Entrant, Field, contenders, fairly, size
 from mjfriction.diagnose.intervals import half_widths
-from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
+from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, partners
 from mjfriction.diagnose.trial import Trial, try_out
 from mjfriction.record.log import Floats
 
@@ -47,19 +47,20 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
     own = try_out(without, target)
     if own is None:
         return Standing((), 0.5)
-    if any(target.cause.name in other.cause.kin and other.site.joint == joint for other in rest):
+    if partners(target, rest):
         # The other half of a cause was asked for by name; nothing else stood for its place.
         return Standing((), min(MOST_CONFIDENT, 1.0 - own.chance))
     here = tuple(
         entrant
         for entrant in field
         if (entrant.joint == joint or entrant.cause.whole_arm)
-        and entrant.key != target.key[:2]
+        and entrant.cause.name != target.cause.name
         and (target.cause.name not in entrant.cause.contains or _has_room(without, target, entrant))
     )
     repeated = redundancy(model.residual()[:, joint] * model.system.rows.weight[:, joint])
     rivals = fairly(without, [own, *contenders(without, here)])[1:]
-    if target.cause is not STATED_LEVELS and joint not in [level.site.joint for level in free.levels]:
+    settled = [level.site.joint for level in free.levels]
+    if target.cause is not STATED_LEVELS and joint in gap.examined and joint not in settled:
         # The joint's own levels are as stated here, so they stand for the place too.
         levels = try_out(without, Chosen(STATED_LEVELS, Site(joint)))
         rivals += [levels] if levels is not None else []

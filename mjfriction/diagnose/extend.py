@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,7 +52,7 @@ def extend_robot(model: Model) -> Robot:
     return robot
 
 
-def adjustments(model: Model, untold: frozenset[Key]) -> list[Adjustment]:
+def adjustments(model: Model, untold: Collection[Key]) -> list[Adjustment]:
     """List the stated values that the fit moved, those of causes that are no findings (``untold``) too."""
     gap, strengths, widths = model.gap, model.strengths, half_widths(model)
     half = widths.nuisance

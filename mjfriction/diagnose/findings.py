@@ -7,10 +7,11 @@ from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.compete import Field
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.link_finding import link_finding
-from mjfriction.diagnose.model import Chosen, Key, Model, build_model
+from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.outcome import Finding
 from mjfriction.diagnose.separate import Experiment, design_experiment
 from mjfriction.diagnose.stated import Settled
+from mjfriction.diagnose.untold import Untold
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.proof import gain_at
@@ -18,22 +19,22 @@ from mjfriction.record.log import Floats
 
 
 def make_findings(
-    settled: Settled, untold: frozenset[Key], field: Field, heldout: Floats, seed: int
+    settled: Settled, untold: Untold, field: Field, heldout: Floats, seed: int
 ) -> tuple[list[Finding], Experiment | None]:
     """Return the findings, those that gain most first, and the motion that would settle the least certain of them.
 
-    ``untold`` are causes of the model that are none; ``heldout`` (rows, joints) is what the settled model leaves on
+    ``untold`` tells which causes of the model are none; ``heldout`` (rows, joints) is what the settled model leaves on
     motion not fitted; ``seed`` sets the resampling behind the intervals of the gains.
     """
     model = settled.model
     strengths, widths = model.strengths, half_widths(model)
     found = []
     for choice, place, width in zip(model.chosen, model.places, widths.causes, strict=True):
-        if choice.key in untold:
+        if choice.key in untold.keys:
             continue
         found.append((choice, model.without(choice), strengths[place], width))
     for choice in settled.levels:
-        if choice.key in untold:
+        if choice.key in untold.keys:
             continue
         joint = choice.site.joint
         i = [level.site.joint for level in model.nuisance.levels].index(joint)
@@ -59,7 +60,7 @@ def make_findings(
             shown_at=model.gap.robot.joints[shown],
         )
         findings.append(finding)
-    links = link_finding(model, widths.nuisance, field, heldout, seed)
+    links = link_finding(model, widths.nuisance, untold, field, heldout, seed)
     if links is not None:
         findings.append(links)
     experiment = None

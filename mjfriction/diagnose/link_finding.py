@@ -12,6 +12,7 @@ from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.outcome import Finding
 from mjfriction.diagnose.stated import link_changes, without_links
+from mjfriction.diagnose.untold import Untold, shows
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.proof import gain_at
 from mjfriction.record.log import Floats
@@ -19,17 +20,26 @@ from mjfriction.record.log import Floats
 SURELY = 0.05  # of a link's stated mass and inertia, that the whole interval of its change must be off by
 
 
-def link_finding(model: Model, half: Floats, field: Field, heldout: Floats, seed: int) -> Finding | None:
-    """Return the links' inertias as a finding when some are off by more than a stated inertia ever is."""
+def link_finding(
+    model: Model, half: Floats, untold: Untold, field: Field, heldout: Floats, seed: int
+) -> Finding | None:
+    """Return the links' inertias as a finding when some are off by more than a stated inertia ever is.
+
+    ``half`` are the half-widths of the nuisances' 95 % intervals, ``heldout`` (rows, joints) is what the model leaves
+    on motion not fitted.
+    """
     gap, nuisance = model.gap, model.nuisance
     changes = link_changes(model)
-    if not changes.size or any(choice.cause.name == LinkScale.name for choice in model.chosen):
+    named = [choice for choice in model.chosen if choice.cause.name == LinkScale.name]
+    if not changes.size or any(choice.key not in untold.keys for choice in named):
         return None  # a link was named on its own; the others' few percent are refitted along
     widths = half[2 * len(nuisance.levels) :]
     noted = (np.abs(changes) > LEAST_NOTED) & (np.abs(changes) - widths > SURELY)
     if not np.any(noted):
         return None
     before = without_links(model).heldout_residual()
+    if not shows(gap, before, heldout, gap.examined, untold.left):
+        return None
     gains = {joint: gain_at(gap, before, heldout, joint, seed) for joint in gap.examined}
     joint = max(gains, key=lambda place: gains[place].reduction)
     most = nuisance.links[int(np.argmax(np.abs(changes) * noted))].name
@@ -43,8 +53,8 @@ def link_finding(model: Model, half: Floats, field: Field, heldout: Floats, seed
             1.0 + float(change - width),
             1.0 + float(change + width),
         )
-        for link, change, width in zip(nuisance.links, changes, widths, strict=True)
-        if abs(change) > LEAST_NOTED
+        for link, change, width, own in zip(nuisance.links, changes, widths, noted, strict=True)
+        if own
     ]
     return Finding(
         cause=LinkScale.name,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -127,6 +128,19 @@ class Model:
         return True
 
 
+def seat(choice: Chosen, columns: Columns) -> int:
+    """Return the joint at which a cause's effort is measured: its own, or, where that has no effort, the one that feels
+    it most.
+    """
+    joint = choice.site.joint
+    return joint if joint in columns else max(columns, key=lambda one: float(np.linalg.norm(columns[one])))
+
+
+def partners(choice: Chosen, others: Iterable[Chosen]) -> list[Chosen]:
+    """Return those of other causes whose other half a cause is: it was asked for by name."""
+    return [one for one in others if choice.cause.name in one.cause.kin and one.site.joint == choice.site.joint]
+
+
 def cause_block(gap: Gap, choice: Chosen) -> tuple[Columns, Floats]:
     """Return a cause's columns and the precision that keeps them from blowing up where the data say nothing."""
     columns = choice.tangent.columns if choice.tangent else choice.cause.columns(gap, choice.site)
@@ -136,7 +150,7 @@ def cause_block(gap: Gap, choice: Chosen) -> tuple[Columns, Floats]:
     if not np.all(shown):
         columns = {joint: values * shown for joint, values in columns.items()}
         size = np.where(shown, size, np.max(size))
-    effort = np.sqrt(np.mean(np.square(gap.measured[:, choice.site.joint])))
+    effort = np.sqrt(np.mean(np.square(gap.measured[:, seat(choice, columns)])))
     return columns, np.square(size / (PRIOR_SHARE * effort))
 
 

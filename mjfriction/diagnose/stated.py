@@ -8,6 +8,7 @@ import numpy as np
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.compete import BENDING, Field, contenders, reshaped, size
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Nuisance
@@ -63,10 +64,11 @@ def settle(model: Model, field: Field) -> Settled:
 
 
 def _bent(model: Model, joint: int) -> bool:
-    # Where the curve over speed is bent by a cause, what is left to level and damping is a matter of its basis.
+    # Where a cause bends the curve over speed, or lets the level vary along a stroke of which the motion sees a part,
+    # what is left to level and damping is a matter of its basis.
     return any(
         choice.site.joint == joint
-        and choice.cause.name in BENDING
+        and choice.cause.name in BENDING | {PositionFriction.name}
         and choice.cause.noteworthy(model.gap, choice.site, model.strengths[place])
         for choice, place in zip(model.chosen, model.places, strict=True)
     )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import f as fisher
 
-from mjfriction.diagnose.model import Chosen, Model, cause_block
+from mjfriction.diagnose.model import Chosen, Model, cause_block, seat
 from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats
 
@@ -103,8 +103,8 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
 def effect(gap: Gap, choice: Chosen, strengths: Floats) -> float:
     """Return the RMS effort that strengths of a cause make at its joint, relative to the joint's."""
     columns, _ = cause_block(gap, choice)
-    effort = columns[choice.site.joint] @ strengths
-    return float(np.linalg.norm(effort) / np.linalg.norm(gap.measured[:, choice.site.joint]))
+    joint = seat(choice, columns)
+    return float(np.linalg.norm(columns[joint] @ strengths) / np.linalg.norm(gap.measured[:, joint]))
 
 
 def _strain(model: Model, strengths: Floats) -> float:

@@ -2,53 +2,75 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import dataclass
+
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
-from mjfriction.diagnose.model import Chosen, Key, Model, build_model
+from mjfriction.diagnose.model import Chosen, Key, Model, build_model, cause_block, partners
 from mjfriction.diagnose.stated import Settled
 from mjfriction.diagnose.trial import LEAST_EFFECT, effect
+from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
+from mjfriction.record.log import Floats
 
 LEAST_SEEN = 0.15  # of the mean square that is left at a joint, that a cause must take away there: 0.4 of the noise
 DROWNED = 0.5  # of the mean square that is left unexplained at a joint, if any, that it must take away
 
 
-def find_untold(settled: Settled, remaining: tuple[Structure, ...]) -> frozenset[Key]:
+@dataclass(frozen=True)
+class Untold:
+    """The causes of a model that are no findings (``keys``), and the share of what is left unexplained, by joint."""
+
+    keys: frozenset[Key]
+    left: dict[int, float]
+
+
+def find_untold(settled: Settled, remaining: tuple[Structure, ...], heldout: Floats) -> Untold:
     """Return which causes of a settled model are no findings.
 
-    What is next to nothing of the effort, or hardly shows beside what is left on motion not fitted, may be what the
-    larger causes leave by a percent of misfit.  And a course that no cause is, ``remaining``, can be told in part by
-    many: a hum looks a little like a late effort, a load that swings like a spring.  The other half of a cause, which
-    was asked for by name, is told all the same.
+    What is next to nothing of the effort, or hardly shows beside what is left on motion not fitted (``heldout``, rows
+    by joints), may be what the larger causes leave by a percent of misfit.  And a course that no cause is,
+    ``remaining``, can be told in part by many: a hum looks a little like a late effort, a load that swings like a
+    spring.  The other half of a cause that is told was asked for by name, and is told too.
     """
-    model = settled.model
-    left = {model.gap.robot.joints.index(entry.joint): entry.share for entry in remaining}
-    out = {
+    model, strengths = settled.model, settled.model.strengths
+    gap = model.gap
+    left = {gap.robot.joints.index(entry.joint): entry.share for entry in remaining}
+    common = {
         choice.key
         for choice, place in zip(model.chosen, model.places, strict=True)
-        if not choice.cause.noteworthy(model.gap, choice.site, model.strengths[place])
-        or (not _asked_for(model, choice) and effect(model.gap, choice, model.strengths[place]) < LEAST_EFFECT)
+        if not choice.cause.noteworthy(gap, choice.site, strengths[place])
+    }
+    small = {
+        choice.key
+        for choice, place in zip(model.chosen, model.places, strict=True)
+        if effect(gap, choice, strengths[place]) < LEAST_EFFECT
     }
     for choice in (*model.chosen, *settled.levels):
-        if choice.key not in out and not _asked_for(model, choice) and not _shows(model, choice, left):
-            out.add(choice.key)
-    return frozenset(out)
+        if choice.key not in common | small:
+            before = _without(model, choice).heldout_residual()
+            if not shows(gap, before, heldout, cause_block(gap, choice)[0], left):
+                small.add(choice.key)
+    told = [choice for choice in model.chosen if choice.key not in common | small]
+    asked = {choice.key for choice in model.chosen if partners(choice, told)}
+    return Untold(frozenset(common | (small - asked)), left)
 
 
-def _asked_for(model: Model, choice: Chosen) -> bool:
-    return any(choice.cause.name in other.cause.kin and other.site.joint == choice.site.joint for other in model.chosen)
-
-
-def _shows(model: Model, choice: Chosen, left: dict[int, float]) -> bool:
-    # Whether a cause takes enough off the mean square on motion not fitted at its joint; at any, for the whole arm.
-    gap, joint = model.gap, choice.site.joint
+def _without(model: Model, choice: Chosen) -> Model:
     if choice.cause is STATED_LEVELS:
-        without = build_model(gap, model.nuisance.without_level(joint), model.chosen)
-    else:
-        without = model.without(choice)
-    before, after = without.heldout_residual(), model.heldout_residual()
-    for where in gap.examined if choice.cause.whole_arm else (joint,):
-        own = gap.rms(after[:, where], where) ** 2
-        taken = gap.rms(before[:, where], where) ** 2 - own
-        if taken > max(LEAST_SEEN, DROWNED * left.get(where, 0.0)) * own:
+        return build_model(model.gap, model.nuisance.without_level(choice.site.joint), model.chosen)
+    return model.without(choice)
+
+
+def shows(gap: Gap, before: Floats, after: Floats, joints: Iterable[int], left: dict[int, float]) -> bool:
+    """Return whether a change takes enough off the mean square on motion not fitted, at one of the ``joints``.
+
+    ``before`` and ``after`` (rows, joints) are left without it and with it; ``left`` is the share of ``after`` that is
+    unexplained, by joint.
+    """
+    for joint in joints:
+        own = gap.rms(after[:, joint], joint) ** 2
+        taken = gap.rms(before[:, joint], joint) ** 2 - own
+        if taken > max(LEAST_SEEN, DROWNED * left.get(joint, 0.0)) * own:
             return True
     return False

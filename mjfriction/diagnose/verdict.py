@@ -32,7 +32,7 @@ def unexplained(gap: Gap, after: tuple[Structure, ...], heldout: Floats) -> list
     for joint in gap.examined:
         name = gap.robot.joints[joint]
         curves = [entry for entry in after if entry.joint == name]
-        curve = max(curves, key=lambda entry: entry.share, default=Structure(name, NOTHING, 0.0))
+        curve = max(curves, key=lambda entry: entry.share)
         course = Structure(name, NOTHING, coloured_share(gap, joint, heldout[:, joint]))
         left = gap.rms(heldout[:, joint], joint)
         effort = gap.rms(gap.measured[:, joint], joint)
@@ -42,10 +42,10 @@ def unexplained(gap: Gap, after: tuple[Structure, ...], heldout: Floats) -> list
             for entry, least, outweighed in ((curve, STRUCTURED, OUTWEIGHED), (course, COLOURED, OUTWEIGHED_COURSE))
             if entry.share >= least and np.sqrt(entry.share) * left > max(LEAST_EFFORT * effort, outweighed * explained)
         ]
+        if left > max(MUCH_LEFT * effort, FAR_ABOVE_NOISE * float(gap.noise_floor[joint])):
+            told = told or [curve, course]
         if told:
-            out.append(told[0])
-        elif left > max(MUCH_LEFT * effort, FAR_ABOVE_NOISE * float(gap.noise_floor[joint])):
-            out.append(curve)
+            out.append(max(told, key=lambda entry: entry.share))
     return out
 
 
@@ -116,6 +116,6 @@ def _left(entry: Structure, joints: tuple[JointError, ...]) -> str:
     error = next(error for error in joints if error.joint == entry.joint)
     share = f"{100 * entry.share:.0f} %"
     course = f", of which {share} follow {entry.covariate}" if entry.share > STRUCTURED else ""
-    if entry.covariate == NOTHING:
+    if course and entry.covariate == NOTHING:
         course = f", of which {share} are no noise, but follow {NOTHING}"
     return f"{error.rms_heldout_after:.3g} {error.unit} at {entry.joint}{course}"

@@ -164,9 +164,7 @@ def _held_against(log: Log, robot: Robot, body: Body, motion: Motion, effort: Ef
         abs(per_reported[i]) * raw_noise(log, quantity, joint, motion.clock) if quantity else np.nan
         for i, (joint, quantity) in enumerate(zip(motion.joints, motion.quantity, strict=True))
     ]
-    doubt_speed = np.maximum(
-        3.0 * motion.velocity_noise, DOUBT_SPEED * np.sqrt(np.mean(np.square(motion.velocity), axis=0))
-    )
+    doubt_speed = np.maximum(motion.resting_speed, DOUBT_SPEED * np.sqrt(np.mean(np.square(motion.velocity), axis=0)))
     touched = _touched(robot, motion, chain, doubt_speed)
     # What friction may be while its direction is unknown: what is stated, or, where that is not stated, as much as the
     # residual leaves room for.

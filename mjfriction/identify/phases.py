@@ -30,14 +30,14 @@ class Phase:
 def constant_speed_phases(motion: Motion) -> list[Phase]:
     """Return the phases of a motion, in time."""
     top = np.where(motion.moving, np.max(np.abs(motion.velocity), axis=0), np.inf)
-    limit = np.maximum(3.0 * motion.velocity_noise, STANDING * top)
+    limit = np.maximum(motion.resting_speed, STANDING * top)
     going = np.abs(motion.velocity) > limit
     out = []
     for joint in np.flatnonzero(motion.moving).tolist():
         others = np.delete(going, joint, axis=1)
         free = ~np.any(others, axis=1)
         velocity = motion.velocity[:, joint]
-        sure = free & (np.abs(velocity) > 3.0 * motion.velocity_noise[joint])
+        sure = free & (np.abs(velocity) > motion.resting_speed[joint])
         for first, past in _runs(sure, np.sign(velocity), motion.piece):
             phase = _steady_part(motion, joint, first, past)
             if phase is not None:

@@ -41,7 +41,8 @@ class Problem:
     def rows(self, term: FrictionTerm) -> Floats:
         """Return the effort of a friction law through the measurement chain, (rows,)."""
         gap, joint = self.gap, self.gap.robot.table.joint[self.joint]
-        torque = term_torque(term, joint.actuator.gear_ratio, gap.motion, self.joint, self._around, self._turned)
+        ratio = joint.actuator.gear_ratio
+        torque = term_torque(term, ratio, gap.motion, self.joint, self._around, self._turned, follow=True)
         return gap.reported(self.joint, torque)
 
     @functools.cached_property

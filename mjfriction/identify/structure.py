@@ -18,7 +18,8 @@ COVARIATES = ("velocity", "position", "acceleration", "effort", "load", "time")
 class Structure:
     """The share of a joint's residual variance that a smooth curve over one covariate predicts on motion not fitted.
 
-    Cross-validated, so that noise gives 0 or a little less, never more.
+    Cross-validated, so that noise gives 0 or a little less, never more.  Of what remains unexplained the covariate may
+    be none: then it is the share that stands above the noise in the spectrum.
     """
 
     joint: str

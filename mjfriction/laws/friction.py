@@ -17,7 +17,8 @@ from mjfriction.laws.law import Floats, Law
 from mjfriction.laws.rules import Values
 
 NUDGE = 1e-12  # rad or m, less than any spring in a joint yields at
-CREEP = 1e-3  # rad/s or m/s, at which friction has its level and next to no damping
+CREEP = 1e-3  # rad/s or m/s on the law's side, below which friction has its level and next to no damping
+SLOWEST, SPEEDS = 1e-4, 9  # share of a slow speed, and how many speeds from there on a law's level at rest is sought at
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +92,12 @@ class Friction:
         wrapped.steady_wrapped_along(_even(velocity), _even(ambient), self._writable, near, out)
         return out
 
+    def at_rest(self, ambient: Floats, slow: float) -> Floats:
+        """Return what the law may hold while the joint rests, (n,): the most it gives at any speed up to ``slow``."""
+        speeds = np.geomspace(SLOWEST * slow, slow, SPEEDS)
+        ways = [np.full(ambient.shape[0], way * speed) for speed in speeds for way in (1.0, -1.0)]
+        return np.asarray(np.max(np.abs([self.steady(way, ambient) for way in ways]), axis=0))
+
     def follow(self, velocity: Floats, ambient: Floats, h: float, state: Floats | None = None) -> tuple[Floats, Floats]:
         """Return the torque at the end of every step, (n,), and the state then, (n, states).
 
@@ -114,7 +121,7 @@ class Friction:
             return 0.0
         # Moved and left there, so that what damps the springs adds nothing.
         held = self.follow(np.array([CREEP, 0.0]), ambient(2), NUDGE / CREEP)[0][1]
-        level = self.steady(np.array([CREEP]), ambient(1))[0]
+        level = self.at_rest(ambient(1), CREEP / abs(self.gear_ratio))[0]
         return float(NUDGE * level / held) if held > 0.0 else math.inf
 
     @functools.cached_property

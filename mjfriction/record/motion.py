@@ -22,12 +22,12 @@ EDGE_PERIODS = 3  # periods of the cutoff by which a piece is continued at both 
 SETTLING_PERIODS = 3.0  # periods of the cutoff at each end of a piece that the filter's start and end touch
 STILL = 1e-5  # rad or m; a joint that travels less does not move to speak of
 AGREEMENT = 0.03  # measured velocity is believed when its gain is within this of the derivative of position
+LATEST = 0.1  # periods of the cutoff by which it may come late
 SURE = 3.0  # deviations of the velocity's noise beyond which the direction of motion is known
 LEAST_SPEED = 1e-12  # rad/s or m/s, for logs without any noise
 # A joint that stops from any steady deceleration seems to swing back by 1.8 % of its fastest speed within two periods
 # of the cutoff: so much does the zero-phase filter of fourth order ring.
 RINGING, RINGING_PERIODS = 0.02, 2.0
-LATEST = 0.1  # periods of the cutoff by which it may come late
 
 
 @dataclass(frozen=True)
@@ -63,9 +63,14 @@ class Motion:
         return tuple(self.piece == piece for piece in np.unique(self.piece))
 
     @property
-    def position_noise(self) -> Floats:
-        """Standard deviation of the estimated position, (joints,): that of the velocity, white in the filter's band."""
+    def travel_noise(self) -> Floats:
+        """How far the velocity's noise, white in the filter's band, seems to move a joint to and fro, (joints,)."""
         return np.asarray(self.velocity_noise * np.sqrt(3.0) / (2.0 * np.pi * self.cutoff))
+
+    @property
+    def resting_speed(self) -> Floats:
+        """Speed within which noise alone may make a joint at rest seem to move, (joints,); never quite 0."""
+        return np.asarray(SURE * np.maximum(self.velocity_noise, LEAST_SPEED))
 
     @functools.cached_property
     def sure_speed(self) -> Floats:
@@ -74,7 +79,7 @@ class Motion:
         """
         reach = 2 * int(np.ceil(RINGING_PERIODS * self.rate / self.cutoff)) + 1
         fastest = np.concatenate([maximum_filter1d(np.abs(self.velocity[own]), reach, axis=0) for own in self.pieces])
-        return np.maximum(SURE * np.maximum(self.velocity_noise, LEAST_SPEED), RINGING * fastest)
+        return np.maximum(self.resting_speed, RINGING * fastest)
 
     @functools.cached_property
     def moving(self) -> NDArray[np.bool_]:

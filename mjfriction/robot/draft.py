@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+import tomli_w
 
 from mjfriction.body.model import load_body, single_axis_joints
 from mjfriction.errors import RobotError, suggestion
@@ -14,8 +15,9 @@ from mjfriction.robot.robot import resolve_model
 
 HEAD = """\
 # A draft. What is left out is taken from the model file, or is none. Take the '#' away from what you know of the
-# drives: gear_ratio (motor turns per joint turn), torque_constant (N·m/A at the motor), rotor_inertia (kg·m² at the
-# motor); a log of currents needs the first two. The numbers behind '#' are examples, the friction's the model file's.
+# drives: gear_ratio (motor radians per joint radian, or per metre of a slide), torque_constant (N·m/A at the motor),
+# rotor_inertia (kg·m² at the motor); a log of currents needs the first two. The numbers behind '#' are examples, but
+# those of friction are the model file's.
 """
 DRIVE = "# actuator = { gear_ratio = 100.0, torque_constant = 0.1, rotor_inertia = 1e-5 }"
 FRICTION = '# friction = {{ law = "coulomb_viscous", parameters = {{ coulomb = {:.4g}, viscous = {:.4g} }} }}'
@@ -33,18 +35,27 @@ def draft_robot(model: str, folder: Path, wanted: Sequence[str] | None = None) -
     known = single_axis_joints(path)
     for name in wanted or ():
         if name not in known:
-            raise RobotError(f"{path}: there is no hinge or slide '{name}'{suggestion(name, known)}")
+            raise RobotError(
+                f"{path}: there is no hinge or slide '{name}' on a body of its own{suggestion(name, known)} "
+                f"There are {', '.join(known) or 'none'}; joints that share a body need one each"
+            )
     joints = list(wanted or known)
     if not joints:
-        raise RobotError(f"{path}: the model has no hinge and no slide; there is nothing to state friction of")
+        raise RobotError(
+            f"{path}: the model has no hinge and no slide on a body of its own; joints that share a body need one each"
+        )
     body = load_body(path, joints)
     named = model if packaged else Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
-    lines = [HEAD, f'name = "{path.stem}"', f'model = "{named}"']
+    lines = [HEAD, _line("name", path.stem), _line("model", named)]
     for i, name in enumerate(joints):
         unit = "m" if body.sliding[i] else "rad"
         kind = "slides" if body.sliding[i] else "turns"
         limited = np.isfinite(body.lower[i]) and np.isfinite(body.upper[i])
         range_ = f" from {body.lower[i]:.4g} to {body.upper[i]:.4g} {unit}" if limited else " without limits"
         friction = FRICTION.format(body.dry_friction[i], body.damping[i])
-        lines += ["", "[[joint]]", f'name = "{name}"  # {kind}{range_}', DRIVE, friction]
+        lines += ["", "[[joint]]", f"{_line('name', name)}  # {kind}{range_}", DRIVE, friction]
     return "\n".join(lines) + "\n"
+
+
+def _line(key: str, value: str) -> str:
+    return tomli_w.dumps({key: value}).strip()

@@ -10,8 +10,7 @@ from mjfriction.record.motion import SURE, Motion
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import FrictionTerm, Joint, Wave
 
-SLOWEST = 1e-4  # of the speed below which a joint may rest: the slowest at which its laws are asked for their level
-RESTING_SPEEDS, RESTING_SAMPLES = 9, 200  # how many speeds and places they are asked at
+RESTING_SAMPLES = 200  # places of a motion that the level at rest is sought at
 MOST_SHARE = 0.9  # of the places, whose level is not higher
 RESTING = 0.5  # of the way that a joint turning at a steady acceleration would go, below which it rests
 
@@ -43,11 +42,9 @@ def resting_level(robot: Robot, motion: Motion, rigid: Floats, slow: Floats) -> 
     for i, joint in enumerate(robot.table.joint):
         around = surroundings(joint, motion, i, rigid[:, i])[some]
         laws = [term.friction(joint.actuator.gear_ratio) for term in joint.friction or ()]
-        speeds = np.geomspace(SLOWEST * slow[i], slow[i], RESTING_SPEEDS)
-        ways = [np.full(around.shape[0], way * speed) for speed in speeds for way in (1.0, -1.0)]
-        level = np.abs([np.sum([law.steady(way, around) for law in laws], axis=0) for way in ways])
+        level = sum((law.at_rest(around, float(slow[i])) for law in laws), np.zeros(around.shape[0]))
         varying = np.abs(varying_friction(joint, motion, i, np.ones(motion.time.size)))[some]
-        out[i] += float(np.quantile(np.max(level, axis=0) + varying, MOST_SHARE))
+        out[i] += float(np.quantile(level + varying, MOST_SHARE))
         for drive in joint.common_drive:
             out[i] += drive.coulomb
             out[robot.joints.index(drive.joint)] += abs(drive.ratio) * drive.coulomb
@@ -120,16 +117,19 @@ def term_torque(
     index: int,
     around: Floats,
     turned: tuple[Floats, Floats] | None = None,
+    *,
+    follow: bool = False,
 ) -> Floats:
     """Return one friction law's torque at the joint along a motion, shape (n,).
 
     ``around`` (n, 6) is what surrounds the joint.  A law with a state is followed sample by sample, from rest at the
     start of every piece.  One without takes the direction of :func:`direction`, or ``turned``, where it is known, and
-    so does one whose springs yield within the noise of the position: followed, it would tell of nothing but noise.
+    so does one whose springs yield within the noise of the motion: followed, it would tell of nothing but noise.  With
+    ``follow`` it is followed all the same, so that what is told is smooth in its parameters.
     """
     friction = term.friction(gear_ratio)
     velocity = motion.velocity[:, index]
-    if friction.travel <= motion.position_noise[index]:
+    if friction.state_count == 0 or (not follow and friction.travel <= motion.travel_noise[index]):
         forward, speed = turned or direction(velocity, motion.sure_speed[:, index])
         return forward * friction.steady(speed, around) + (1.0 - forward) * friction.steady(-speed, around)
     out = np.empty_like(velocity)

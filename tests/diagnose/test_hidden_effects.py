@@ -226,22 +226,21 @@ def test_what_no_cause_fits_is_unexplained_and_placed(tmp_path: Path) -> None:
     assert "elbow_joint" in diagnosis.summary
 
 
-def test_care_for_reversals_is_what_gets_the_size_right(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    # A simulated arm whose elbow sticks and breaks loose; rows near that, believed like all others, lower the level.
+def test_care_for_reversals_is_what_keeps_a_delay_away(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # A simulated arm whose elbow sticks and breaks loose; rows near that, believed like all others, look late.
     log = tmp_path / "log.parquet"
     pyarrow.parquet.write_table(record_closed_loop(7, fading=2, excess=3.5, over=0.12), log)
 
-    def right() -> bool:
-        diagnosis = diagnose_log(read_log(log), read_robot("ur5"))
-        if names(diagnosis) != [("friction.stribeck", "elbow_joint")]:
-            return False
-        return diagnosis.findings[0].parameters[0].value == pytest.approx(3.5, rel=0.1)
+    def found() -> Diagnosis:
+        return diagnose_log(read_log(log), read_robot("ur5"))
 
-    assert right()
+    careful = found()
+    assert names(careful) == [("friction.stribeck", "elbow_joint")]
+    assert careful.findings[0].parameters[0].value == pytest.approx(3.5, rel=0.1)
     monkeypatch.setattr(
         "mjfriction.identify.gap._touched", lambda _, motion, chain, slow: chain.rows(0.0 * motion.position)
     )
-    assert not right()
+    assert ("sensor.delay", None) in names(found())
 
 
 def heavier(model: mujoco.MjModel) -> None:

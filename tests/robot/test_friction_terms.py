@@ -166,9 +166,11 @@ def test_raised_levels_raise_what_is_stated_by_as_much(law, seed: int, coulomb: 
 
 
 def test_the_travel_of_springs_is_their_level_over_their_stiffness() -> None:
-    slow = {**LUGRE, "stribeck_velocity": 5.0}
-    assert friction("lugre", slow).travel == pytest.approx(9.0 / 4e3, rel=1e-3)
-    assert friction("lugre", slow, gear_ratio=50.0).travel == pytest.approx(9.0 / 4e3 / 50.0, rel=0.02)
+    for stribeck_velocity in (0.05, 5e-4):
+        law = {**LUGRE, "stribeck_velocity": stribeck_velocity}
+        for ratio in (1.0, 50.0, -100.0):
+            expected = 9.0 / 4e3 / abs(ratio)
+            assert friction("lugre", law, gear_ratio=ratio).travel == pytest.approx(expected, rel=1e-3)
     elements = {"stiffness": [3e3, 1e3], "level": [1.0, 2.0], "viscous": 0.1}
     assert friction("maxwell_slip", elements).travel == pytest.approx(3.0 / 4e3, rel=1e-3)
     assert friction("coulomb_viscous", {"coulomb": 1.0, "viscous": 0.1}).travel == 0.0
