@@ -73,6 +73,24 @@ def test_a_hidden_effect_is_named_at_its_joint(cause: str, off: float) -> None:
     assert named(diagnosis) == {(hidden.cause, hidden.joint) for hidden in case.hidden}
 
 
+def test_a_messy_log_keeps_its_finding() -> None:
+    # A gap, a block sent twice, single wild samples and an uneven clock: said, and no obstacle.
+    case = make_case(17, Setting(seconds=40.0, rate=250.0, off=0.03), (draw_of("friction.load"),), SEVERITY["large"])
+    rng = np.random.default_rng(2)
+    count = case.log["time"].size
+    rows = np.r_[0:3000, 3080:6000, 5990:count]
+    messy = {name: values[rows].copy() for name, values in case.log.items()}
+    messy["time"] += np.where(np.diff(messy["time"], prepend=-1.0) > 0.0, rng.uniform(0.0, 4e-4, rows.size), 0.0)
+    messy["time"][5920:5930] = messy["time"][5910:5920]
+    for name in [name for name in messy if name.startswith("effort.")]:
+        messy[name][rng.integers(200, rows.size, 5)] *= 40.0
+    log = log_from_table(pa.table(messy), "messy")
+    diagnosis = diagnose_log(log, case.stated)
+    assert named(diagnosis) == {(hidden.cause, hidden.joint) for hidden in case.hidden}
+    assert {"data.glitch", "data.duplicate"} <= {fault.kind for fault in log.faults}
+    assert len(diagnosis.gap.motion.clock.gaps) == 1
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_a_clean_log_has_no_finding(seed: int) -> None:
     setting = Setting(seconds=40.0, rate=250.0, off=0.03 * (seed % 2), noise=(0.05, 0.2)[seed // 2])

@@ -1,4 +1,4 @@
-"""What must not change a finding: names, order, the clock's zero, segments, the mirror; and what must not lose one."""
+"""What must not change a finding: names, order, units, zero of the clock, segments, mirror; what must not lose one."""
 
 from __future__ import annotations
 
@@ -7,13 +7,16 @@ from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.parquet
 import pytest
 
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.record.mapping import read_mapping
+from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
-from tests.hidden.machine import UR5, UR5_JOINTS, Instant, Machine, record, robot_toml
+from tests.hidden.machine import UR5, UR5_JOINTS, Instant, Machine, multisine, record, robot_toml
 
 Columns = dict[str, np.ndarray]
 ELBOW = 2
@@ -95,6 +98,35 @@ def test_the_order_of_joints_in_the_robot_file_does_not_matter(tmp_path: Path) -
     before, after = (diagnosed(columns, own, tmp_path) for own in (toml, turned))
     assert named(before) == named(after) == {("friction.stribeck", "elbow_joint")}
     assert values(after) == pytest.approx(values(before), rel=1e-3)
+
+
+def test_other_units_at_the_border_give_the_same_finding(tmp_path: Path) -> None:
+    columns, toml = columns_of(fading), robot_toml(Machine())
+    units = {"time": 1e-3, "position": np.pi / 180.0, "effort": 1e-3}  # ms, degrees, mN·m
+    foreign = {f"x{i}": values / units[name.partition(".")[0]] for i, (name, values) in enumerate(columns.items())}
+    pyarrow.parquet.write_table(pa.table(foreign), tmp_path / "log.parquet")
+    lines = [
+        f'"{name}" = {{ column = "x{i}", scale = {units[name.partition(".")[0]]!r} }}' for i, name in enumerate(columns)
+    ]
+    (tmp_path / "columns.toml").write_text("\n".join(lines), encoding="utf-8")
+    (tmp_path / "robot.toml").write_text(toml, encoding="utf-8")
+    log = read_log(tmp_path / "log.parquet", read_mapping(tmp_path / "columns.toml"))
+    before, after = diagnosed(columns, toml, tmp_path), diagnose_log(log, read_robot(tmp_path / "robot.toml"))
+    assert named(before) == named(after) == {("friction.stribeck", "elbow_joint")}
+    assert values(after) == pytest.approx(values(before), rel=1e-6)
+
+
+def test_the_mirrored_motion_gives_the_same_finding(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = diagnosed(columns_of(fading), robot_toml(Machine()), tmp_path)
+
+    def mirrored(*words: float) -> tuple[np.ndarray, ...]:
+        time, *course = multisine(*words)
+        return (time, *(-one for one in course))
+
+    monkeypatch.setattr("tests.hidden.machine.multisine", mirrored)
+    after = diagnosed(columns_of(fading), robot_toml(Machine()), tmp_path)
+    assert named(before) == named(after) == {("friction.stribeck", "elbow_joint")}
+    assert values(after)["stribeck_excess"] == pytest.approx(values(before)["stribeck_excess"], rel=0.05)
 
 
 def test_less_noise_never_loses_a_finding(tmp_path: Path) -> None:
