@@ -7,11 +7,11 @@ from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.compete import Field
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.link_finding import link_finding
-from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.model import Chosen, Model
 from mjfriction.diagnose.outcome import Finding
 from mjfriction.diagnose.separate import Experiment, design_experiment
 from mjfriction.diagnose.stated import Settled
-from mjfriction.diagnose.untold import Untold
+from mjfriction.diagnose.untold import Untold, without_cause
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.proof import gain_at
@@ -32,14 +32,14 @@ def make_findings(
     for choice, place, width in zip(model.chosen, model.places, widths.causes, strict=True):
         if choice.key in untold.keys:
             continue
-        found.append((choice, model.without(choice), strengths[place], width))
+        found.append((choice, without_cause(model, choice), strengths[place], width))
     for choice in settled.levels:
         if choice.key in untold.keys:
             continue
         joint = choice.site.joint
         i = [level.site.joint for level in model.nuisance.levels].index(joint)
-        without = build_model(model.gap, model.nuisance.without_level(joint), model.chosen)
-        found.append((choice, without, strengths[2 * i : 2 * i + 2], widths.nuisance[2 * i : 2 * i + 2]))
+        level = slice(2 * i, 2 * i + 2)
+        found.append((choice, without_cause(model, choice), strengths[level], widths.nuisance[level]))
     findings = []
     unsure: list[tuple[float, Chosen, Chosen]] = []
     for choice, without, own, width in found:

@@ -6,8 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
+from mjfriction.diagnose.causes.links import LinkScale
 from mjfriction.diagnose.model import Chosen, Key, Model, build_model, cause_block, partners
-from mjfriction.diagnose.stated import Settled
+from mjfriction.diagnose.stated import Settled, without_links
 from mjfriction.diagnose.trial import LEAST_EFFECT, effect
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
@@ -48,7 +49,7 @@ def find_untold(settled: Settled, remaining: tuple[Structure, ...], heldout: Flo
     }
     for choice in (*model.chosen, *settled.levels):
         if choice.key not in common | small:
-            before = _without(model, choice).heldout_residual()
+            before = without_cause(model, choice).heldout_residual()
             if not shows(gap, before, heldout, cause_block(gap, choice)[0], left):
                 small.add(choice.key)
     told = [choice for choice in model.chosen if choice.key not in common | small]
@@ -56,7 +57,10 @@ def find_untold(settled: Settled, remaining: tuple[Structure, ...], heldout: Flo
     return Untold(frozenset(common | (small - asked)), left)
 
 
-def _without(model: Model, choice: Chosen) -> Model:
+def without_cause(model: Model, choice: Chosen) -> Model:
+    """Return the model as it would be without a cause, with what could stand in for it held as stated."""
+    if isinstance(choice.cause, LinkScale):
+        return without_links(model.without(choice))  # the links that are refitted along would scale instead
     if choice.cause is STATED_LEVELS:
         return build_model(model.gap, model.nuisance.without_level(choice.site.joint), model.chosen)
     return model.without(choice)

@@ -29,6 +29,7 @@ def named(diagnosis: Diagnosis) -> set[tuple[str, str | None]]:
     return {(finding.cause, finding.joint) for finding in diagnosis.findings}
 
 
+@pytest.mark.bench
 def test_joints_that_stick_hold_what_their_law_gives_at_rest(monkeypatch: pytest.MonkeyPatch) -> None:
     # A clean log of an arm whose static friction is several times its Coulomb level: rows at rest say nothing.
     diagnosis = diagnosed(300028)
@@ -37,6 +38,7 @@ def test_joints_that_stick_hold_what_their_law_gives_at_rest(monkeypatch: pytest
     assert named(diagnosed(300028))
 
 
+@pytest.mark.bench
 def test_what_a_large_cause_leaves_by_its_misfit_is_no_finding(monkeypatch: pytest.MonkeyPatch) -> None:
     # Presliding and cogging of a table, told to a percent, leave what looks like a small delay.
     found = named(diagnosed(300065))
@@ -54,6 +56,7 @@ def test_a_soft_stop_is_left_open_and_hides_no_finding_of_another_joint() -> Non
     assert named(diagnosis) == {("drive.offset", "wrist_2_joint")}
 
 
+@pytest.mark.bench
 def test_causes_that_go_under_in_a_swinging_load_are_no_findings(monkeypatch: pytest.MonkeyPatch) -> None:
     diagnosis = diagnosed(300007)
     assert diagnosis.verdict is Verdict.UNEXPLAINED
