@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import shutil
 from pathlib import Path
@@ -54,6 +55,12 @@ def names_that_blocks_take_for_granted(namespace: dict[str, object]) -> None:
         namespace["candidates"] = [{"elbow": bristles, "wrist": [level, bristles]}] * 3
 
 
+def assigned(code: str) -> set[str]:
+    """Return the names that code binds at its top level."""
+    targets = [target for node in ast.parse(code).body if isinstance(node, ast.Assign) for target in node.targets]
+    return {name.id for target in targets for name in ast.walk(target) if isinstance(name, ast.Name)}
+
+
 @pytest.mark.parametrize("name", PAGES)
 def test_every_python_block_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / name).read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
@@ -63,6 +70,9 @@ def test_every_python_block_runs(name: str, tmp_path: Path, monkeypatch: pytest.
     for block in blocks:
         names_that_blocks_take_for_granted(namespace)
         exec(compile(block, name, "exec"), namespace)
+    for folder in re.findall(r'save_diagnosis\(\w+, "(\w+)"\)', "\n".join(blocks)):
+        assert (tmp_path / folder / "report.html").is_file()
+    assert namespace.keys() >= assigned("\n".join(blocks))
 
 
 def test_the_page_of_the_interface_is_current() -> None:

@@ -8,8 +8,6 @@ from typing import Annotated
 import typer
 
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A folder of results, or a recording.", show_default=False)]
-
-
 Serve = Annotated[bool, typer.Option("--serve", help="Serve it to browsers, here and on other machines, until Ctrl-C.")]
 
 

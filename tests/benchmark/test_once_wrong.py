@@ -56,6 +56,15 @@ def test_a_soft_stop_is_left_open_and_hides_no_finding_of_another_joint() -> Non
     assert named(diagnosis) == {("drive.offset", "wrist_2_joint")}
 
 
+def test_a_hum_is_no_give_of_the_transmission(monkeypatch: pytest.MonkeyPatch) -> None:
+    # It follows none of the covariates; that it is no noise shows in its spectrum alone.
+    diagnosis = diagnosed(300084)
+    assert diagnosis.verdict is Verdict.UNEXPLAINED
+    assert ("drive.elasticity", "axis") not in named(diagnosis)
+    monkeypatch.setattr("mjfriction.diagnose.verdict.coloured_share", lambda *_: 0.0)
+    assert diagnosed(300084).verdict is not Verdict.UNEXPLAINED
+
+
 @pytest.mark.bench
 def test_causes_that_go_under_in_a_swinging_load_are_no_findings(monkeypatch: pytest.MonkeyPatch) -> None:
     diagnosis = diagnosed(300007)
