@@ -24,6 +24,7 @@ docs: $(READY)
 # Over an hour: two hundred cases, three tools.
 bench: $(READY)
 	$(BIN)/python -m pip install --quiet --require-hashes -r requirements-bench.lock
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses 2 --dist loadfile -m bench
 	$(BIN)/python -m scripts.bench
 	$(BIN)/python -m scripts.hidden_effects --cases 200 --beside
 	$(BIN)/python -m scripts.five_cases

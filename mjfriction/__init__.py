@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from mjfriction.plant.trajectory import Trajectory, read_trajectory
     from mjfriction.record.log import Log
     from mjfriction.record.readers import read_log
-    from mjfriction.report.figures import residual_against_covariate
+    from mjfriction.report.finding_figure import finding_figure
     from mjfriction.report.write import save_diagnosis
     from mjfriction.robot.files import read_robot, write_robot
     from mjfriction.robot.predict import predict_log
@@ -49,7 +49,7 @@ _HOMES = {
     "read_log": "mjfriction.record.readers",
     "read_robot": "mjfriction.robot.files",
     "read_trajectory": "mjfriction.plant.trajectory",
-    "residual_against_covariate": "mjfriction.report.figures",
+    "finding_figure": "mjfriction.report.finding_figure",
     "robot_laws": "mjfriction.robot.simulation",
     "robot_spec": "mjfriction.robot.simulation",
     "save_diagnosis": "mjfriction.report.write",
@@ -71,6 +71,7 @@ __all__ = [
     "attach",
     "compare_robots",
     "diagnose_log",
+    "finding_figure",
     "friction",
     "friction_active",
     "identify_log",
@@ -79,7 +80,6 @@ __all__ = [
     "read_log",
     "read_robot",
     "read_trajectory",
-    "residual_against_covariate",
     "robot_laws",
     "robot_spec",
     "save_diagnosis",

@@ -13,7 +13,7 @@ import pyarrow as pa
 from mjfriction.benchmark.cases import SEVERITY, Setting, draw_of, make_case
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.record.readers.table import log_from_table
-from mjfriction.report.figures import residual_against_covariate
+from mjfriction.report.finding_figure import finding_figure
 from scripts.pictures import draw_figure
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -100,7 +100,7 @@ def section(number: int, told: Told) -> str:
     ]
     for k, finding in enumerate(diagnosis.findings):
         name = f"five_{number}{'' if k == 0 else f'_{k}'}.png"
-        draw_figure(residual_against_covariate(diagnosis, finding), PICTURES / name)
+        draw_figure(finding_figure(diagnosis, finding), PICTURES / name)
         lines += ["", f"![{finding.cause}](images/{name})", ""]
         values = "; ".join(f"{p.name} {p.value:.4g} ({p.low:.4g} to {p.high:.4g}) {p.unit}" for p in finding.parameters)
         lines += [

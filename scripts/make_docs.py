@@ -14,7 +14,7 @@ from pathlib import Path
 from mjfriction.cli.demo import demo
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.record.readers import read_log
-from mjfriction.report.figures import residual_against_covariate
+from mjfriction.report.finding_figure import finding_figure
 from mjfriction.robot.files import read_robot
 from scripts.pictures import draw_figure
 
@@ -43,7 +43,7 @@ def write_readme(text: str) -> None:
 
 def draw_residual(target: Path) -> None:
     diagnosis = diagnose_log(read_log(DEMO), read_robot("ur5"))
-    draw_figure(residual_against_covariate(diagnosis, diagnosis.findings[0]), target)
+    draw_figure(finding_figure(diagnosis, diagnosis.findings[0]), target)
 
 
 if __name__ == "__main__":

@@ -57,6 +57,7 @@ def make_findings(
             gain=gain_at(model.gap, without.heldout_residual(), heldout, shown, seed),
             evidence=choice.cause.evidence(model.gap, choice.site, own),
             covariate=choice.cause.covariate,
+            picture=choice.cause.picture,
             shown_at=model.gap.robot.joints[shown],
         )
         findings.append(finding)

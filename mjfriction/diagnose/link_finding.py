@@ -64,7 +64,8 @@ def link_finding(
         parameters=tuple(scales),
         gain=gains[joint],
         evidence="masses and inertias of the links do not fit the efforts of all joints at once as they are stated",
-        covariate="effort",
+        covariate=LinkScale.covariate,
+        picture=LinkScale.picture,
         shown_at=gap.robot.joints[joint],
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import enum
 from dataclasses import dataclass
 
+from mjfriction.diagnose.causes.cause import Picture
 from mjfriction.diagnose.extend import Adjustment
 from mjfriction.diagnose.separate import Experiment
 from mjfriction.identify.fitted import Fitted
@@ -30,7 +31,7 @@ class Verdict(enum.Enum):
 @dataclass(frozen=True)
 class Finding:
     """A named cause: where (None for the whole arm), how sure, how much, what it gains on motion not fitted, and where
-    it shows: ``shown_at`` is the joint to look at.
+    it shows: ``shown_at`` is the joint to look at, ``picture`` what to draw there.
     """
 
     cause: str
@@ -41,6 +42,7 @@ class Finding:
     gain: Gain
     evidence: str
     covariate: str
+    picture: Picture
     shown_at: str
 
 

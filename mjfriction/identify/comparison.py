@@ -9,7 +9,7 @@ import numpy as np
 
 from mjfriction.errors import RobotError
 from mjfriction.identify.gap import Gap, gap_of, measure_gap
-from mjfriction.record.log import Floats, Log
+from mjfriction.record.log import Log
 from mjfriction.robot.effort import reported_unit
 from mjfriction.robot.robot import Robot
 
@@ -40,12 +40,16 @@ class JointComparison:
 
 @dataclass(frozen=True)
 class Comparison:
-    """``gap`` is the first robot's; ``residuals`` (rows, joints) are what each robot leaves of its rows."""
+    """``gaps`` are the robots', in the order of ``names``, all along one motion and at the same rows."""
 
     names: tuple[str, ...]
-    gap: Gap
-    residuals: tuple[Floats, ...]
+    gaps: tuple[Gap, ...]
     joints: tuple[JointComparison, ...]
+
+    @property
+    def gap(self) -> Gap:
+        """The first robot's."""
+        return self.gaps[0]
 
     @property
     def best(self) -> str:
@@ -91,13 +95,13 @@ def compare_robots(log: Log, robots: Sequence[tuple[str, Robot]]) -> Comparison:
                 "compare robots with the same joints in the same order"
             )
     gap = measure_gap(log, first)
-    residuals = [gap.residual, *(gap_of(robot, gap).residual for _, robot in robots[1:])]
+    gaps = (gap, *(gap_of(robot, gap) for _, robot in robots[1:]))
     joints = []
     for joint in gap.examined:
         measured = gap.rms(gap.measured[:, joint], joint)
         errors = []
-        for (_, robot), residual in zip(robots, residuals, strict=True):
-            rms = gap.rms(residual[:, joint], joint)
+        for (_, robot), own in zip(robots, gaps, strict=True):
+            rms = gap.rms(own.residual[:, joint], joint)
             actuator = robot.table.joint[joint].actuator
             constant = actuator.torque_constant
             current = rms / abs(actuator.gear_ratio * constant) if constant else None
@@ -106,4 +110,4 @@ def compare_robots(log: Log, robots: Sequence[tuple[str, Robot]]) -> Comparison:
         joints.append(
             JointComparison(gap.robot.joints[joint], unit, measured, float(gap.noise_floor[joint]), tuple(errors))
         )
-    return Comparison(tuple(name for name, _ in robots), gap, tuple(residuals), tuple(joints))
+    return Comparison(tuple(names), gaps, tuple(joints))

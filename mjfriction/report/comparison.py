@@ -10,7 +10,7 @@ from markupsafe import Markup
 from mjfriction.identify.comparison import Comparison
 from mjfriction.report.figures import bars, courses, figure_html
 from mjfriction.report.html import rendered
-from mjfriction.report.rerun_view import write_courses
+from mjfriction.report.rerun_view import write_compared_recording
 
 
 def comparison_table(comparison: Comparison) -> dict[str, object]:
@@ -44,14 +44,13 @@ def write_comparison(comparison: Comparison, folder: Path) -> None:
     table = json.dumps(comparison_table(comparison), indent=2, ensure_ascii=False) + "\n"
     (folder / "comparison.json").write_text(table, encoding="utf-8")
     named = [joint.joint for joint in comparison.joints]
-    left = dict(zip(comparison.names, comparison.residuals, strict=True))
     errors = {name: [joint.errors[k].effort for joint in comparison.joints] for k, name in enumerate(comparison.names)}
     units = " and ".join(sorted({joint.unit for joint in comparison.joints}))
     picture = bars(named, errors, [joint.noise_floor for joint in comparison.joints], units)
     pictures = []
     for k, joint in enumerate(comparison.joints):
         place = gap.robot.joints.index(joint.joint)
-        own = {name: residual[:, place] for name, residual in left.items()}
+        own = {name: one.residual[:, place] for name, one in zip(comparison.names, comparison.gaps, strict=True)}
         figure = courses(gap.chain.time, gap.measured[:, place], own, joint.unit)
         pictures.append((joint.joint, Markup(figure_html(figure, f"course-{k}"))))
     page = rendered(
@@ -65,5 +64,4 @@ def write_comparison(comparison: Comparison, folder: Path) -> None:
         courses=pictures,
     )
     (folder / "report.html").write_text(page, encoding="utf-8")
-    text = f"# {' · '.join(comparison.names)}\n\n{comparison.summary}"
-    write_courses(gap, left, named, text, comparison.summary, folder / "recording.rrd")
+    write_compared_recording(comparison, folder / "recording.rrd")

@@ -5,12 +5,9 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 
-import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from mjfriction.diagnose.outcome import Diagnosis, Finding
-from mjfriction.identify.structure import covariate_rows
 from mjfriction.record.log import Floats
 from mjfriction.report.compared import Compared
 
@@ -19,15 +16,6 @@ BEFORE, AFTER, MEASURED, NOISE = "#d1495b", "#1b80c4", "#8a8d91", "#b7a26a"
 MODELS = (BEFORE, AFTER, "#2a9d6f", "#8f5bb5", "#c98a1b")
 INK = "#7d8590"
 MOST_POINTS = 3000
-BINS = 40
-UNITS = {
-    "velocity": ("rad/s", "m/s"),
-    "position": ("rad", "m"),
-    "acceleration": ("rad/s²", "m/s²"),
-    "effort": ("N·m", "N"),
-    "load": ("N·m", "N"),
-    "time": ("s", "s"),
-}
 
 
 def error_bars(compared: Compared, after: str) -> go.Figure:
@@ -41,42 +29,13 @@ def error_bars(compared: Compared, after: str) -> go.Figure:
     return bars([error.joint for error in joints], errors, [error.noise_floor for error in joints], unit)
 
 
-def residual_against_covariate(diagnosis: Diagnosis, finding: Finding) -> go.Figure:
-    """The residual of a finding's joint against what it depends on, before and after, with its mean in bins.
-
-    Rows near reversals and at rest, which say little about friction, are drawn grey.
-    """
-    gap = diagnosis.gap
-    joint = gap.robot.joints.index(finding.shown_at)
-    unit = abs(float(gap.per_reported[joint]))
-    values = covariate_rows(gap, joint, finding.covariate)
-    sides = (
-        ("as stated", BEFORE, gap.residual[:, joint] / unit),
-        ("extended, on motion not fitted", AFTER, diagnosis.heldout[:, joint] / unit),
-    )
-    figure = make_subplots(rows=1, cols=2, shared_yaxes=True, subplot_titles=[side[0] for side in sides])
-    clear = gap.clear[:, joint]
-    for k, (_, colour, residual) in enumerate(sides, start=1):
-        for rows, shade, faint in ((~clear, INK, 0.2), (clear, colour, 0.4)):
-            kept = np.flatnonzero(rows)[thinned(int(np.count_nonzero(rows)))]
-            marker = {"size": 3, "color": shade, "opacity": faint}
-            figure.add_scattergl(x=values[kept], y=residual[kept], mode="markers", marker=marker, row=1, col=k)
-        centre, mean = _binned(values[clear], residual[clear])
-        figure.add_scatter(x=centre, y=mean, mode="lines", line={"color": INK, "width": 3}, row=1, col=k)
-    sliding = gap.body.sliding[joint]
-    figure.update_xaxes(title_text=f"{finding.covariate}, {UNITS[finding.covariate][sliding]}")
-    figure.update_yaxes(title_text=f"measured − predicted, {_joint_unit(diagnosis, joint)}", col=1)
-    figure.update_layout(showlegend=False)
-    return styled(figure, 380)
-
-
 def time_course(compared: Compared, joint_name: str, after: str) -> go.Figure:
     """Measured effort of a joint, and what the stated and the better robot leave of it, along the log."""
     gap = compared.gap
     joint = gap.robot.joints.index(joint_name)
     unit = float(gap.per_reported[joint])
     left = {"stated": gap.residual[:, joint] / unit, after: compared.heldout[:, joint] / unit}
-    return courses(gap.chain.time, gap.measured[:, joint] / unit, left, _joint_unit(compared, joint))
+    return courses(gap.chain.time, gap.measured[:, joint] / unit, left, joint_unit(compared, joint))
 
 
 def courses(time: Floats, measured: Floats, left: Mapping[str, Floats], unit: str) -> go.Figure:
@@ -107,7 +66,8 @@ def bars(joints: Sequence[str], errors: Mapping[str, Sequence[float]], noise: Se
     return styled(figure, 320)
 
 
-def _joint_unit(compared: Compared, joint: int) -> str:
+def joint_unit(compared: Compared, joint: int) -> str:
+    """Return the unit of what an examined joint (its index) reports."""
     name = compared.gap.robot.joints[joint]
     return next(error.unit for error in compared.joints if error.joint == name)
 
@@ -115,14 +75,6 @@ def _joint_unit(compared: Compared, joint: int) -> str:
 def thinned(count: int) -> slice:
     """Return which of many points to draw."""
     return slice(None, None, max(1, -(-int(count) // MOST_POINTS)))
-
-
-def _binned(values: Floats, residual: Floats) -> tuple[Floats, Floats]:
-    edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, BINS + 1)))
-    place = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
-    count = np.maximum(np.bincount(place, minlength=edges.size - 1), 1)
-    centre = np.bincount(place, values, minlength=edges.size - 1) / count
-    return centre, np.bincount(place, residual, minlength=edges.size - 1) / count
 
 
 def styled(figure: go.Figure, height: int) -> go.Figure:

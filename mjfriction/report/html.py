@@ -11,8 +11,10 @@ from plotly.offline import get_plotlyjs
 
 from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.identify.outcome import Identification
+from mjfriction.identify.structure import COVARIATES
 from mjfriction.report.compared import Compared
-from mjfriction.report.figures import error_bars, figure_html, residual_against_covariate, time_course
+from mjfriction.report.figures import error_bars, figure_html, time_course
+from mjfriction.report.finding_figure import finding_figure
 from mjfriction.report.law_figure import friction_against_speed
 from mjfriction.report.result import Report
 
@@ -22,12 +24,20 @@ MOST_COURSES = 3
 def report_html(diagnosis: Diagnosis, report: Report) -> str:
     """Return the page of a diagnosis."""
     findings = [
-        (entry, Markup(figure_html(residual_against_covariate(diagnosis, finding), f"finding-{k}")))
+        (entry, Markup(figure_html(finding_figure(diagnosis, finding), f"finding-{k}")))
         for k, (entry, finding) in enumerate(zip(report.findings, diagnosis.findings, strict=True))
     ]
     found = list(dict.fromkeys(finding.shown_at for finding in diagnosis.findings))
     words = {"badge": report.verdict, "after": "extended", "verb": "diagnose"}
-    return _page("report.html.j2", diagnosis, report, found, {**words, "findings": findings})
+    more: dict[str, object] = {**words, "findings": findings, "followed": _followed(report), "covariates": COVARIATES}
+    return _page("report.html.j2", diagnosis, report, found, more)
+
+
+def _followed(report: Report) -> list[tuple[str, list[tuple[float, float]]]]:
+    # By joint, the shares before and after over every covariate; none of one that the motion does not vary.
+    shares = {(entry.joint, entry.covariate): (entry.share_before, entry.share_after) for entry in report.structure}
+    joints = dict.fromkeys(entry.joint for entry in report.structure)
+    return [(joint, [shares.get((joint, covariate), (0.0, 0.0)) for covariate in COVARIATES]) for joint in joints]
 
 
 def identified_html(identification: Identification, report: Report) -> str:
@@ -66,6 +76,7 @@ def rendered(template: str, **values: object) -> str:
         loader=PackageLoader("mjfriction.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
     )
     environment.filters["digits"] = lambda value: f"{value:.4g}"
+    environment.filters["percent"] = lambda value: f"{100.0 * max(value, 0.0):.0f} %"
     return environment.get_template(template).render(plotly_script=Markup(get_plotlyjs()), **values)
 
 

@@ -1,76 +1,140 @@
-"""recording.rrd: the same pictures for Rerun, to scroll through in time."""
+"""recording.rrd: the arm in motion and, a tab a joint, what it did and what each model says of it."""
 
 from __future__ import annotations
 
+import itertools
 import uuid
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
+from plotly.colors import hex_to_rgb
 
 from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.errors import SimulationError
-from mjfriction.identify.gap import Gap
+from mjfriction.identify.comparison import Comparison
+from mjfriction.identify.gap import Gap, gap_of
 from mjfriction.identify.outcome import Identification
 from mjfriction.record.log import Floats
-from mjfriction.report.compared import Compared
+from mjfriction.report.figures import MEASURED, MODELS
+from mjfriction.report.friction_plane import plane_view, send_plane
 from mjfriction.report.result import Report
 from mjfriction.report.scene_view import scene_along, scene_view, send_scene
+from mjfriction.robot.effort import friction_states
 from mjfriction.sim.scene import Scene
 
 CLOCK = "log_time_s"
 NAMESPACE = uuid.UUID("6f1f2f0e-6f0c-4d4e-9d6b-6d6a66726963")
+RATE = 200.0  # Hz of courses that are not rows; recordings are for the eye
+MOST_SAMPLES = 40_000  # of a course: what ten minutes of six joints with their states keep below 100 MB
+
+
+@dataclass(frozen=True)
+class _Model:
+    """A named model: its own gap, and what it leaves of the rows (rows, joints), on motion not fitted if fitted."""
+
+    name: str
+    gap: Gap
+    left: Floats
 
 
 def write_recording(diagnosis: Diagnosis, report: Report, path: Path) -> None:
-    """Write a recording of every examined joint: effort measured, stated and extended, both errors, and velocity."""
+    """Write the recording of a diagnosis: the stated robot and the extended one."""
     found = [finding.shown_at for finding in diagnosis.findings]
-    _write(diagnosis, "extended", _findings_text(report), found, report.summary, path)
+    models = [_stated(diagnosis.gap), _Model("extended", gap_of(diagnosis.robot, diagnosis.gap), diagnosis.heldout)]
+    _write(models, found, _findings_text(report), report.summary, path)
 
 
 def write_identified_recording(identification: Identification, report: Report, path: Path) -> None:
-    """Write a recording of every examined joint: effort measured, stated and identified, both errors, and velocity."""
-    _write(identification, "identified", _laws_text(report), [], report.summary, path)
+    """Write the recording of an identification: the stated robot and the identified one."""
+    gap = identification.gap
+    models = [_stated(gap), _Model("identified", gap_of(identification.robot, gap), identification.heldout)]
+    _write(models, [], _laws_text(report), report.summary, path)
 
 
-def _write(compared: Compared, after: str, text: str, first: list[str], summary: str, path: Path) -> None:
-    left = {"stated": compared.gap.residual, after: compared.heldout}
-    order = list(dict.fromkeys(first + [error.joint for error in compared.joints]))
-    write_courses(compared.gap, left, order, text, summary, path)
+def write_compared_recording(comparison: Comparison, path: Path) -> None:
+    """Write the recording of several robots held against one log."""
+    models = [_Model(name, gap, gap.residual) for name, gap in zip(comparison.names, comparison.gaps, strict=True)]
+    text = f"# {' · '.join(comparison.names)}\n\n{comparison.summary}"
+    _write(models, [], text, comparison.summary, path)
 
 
-def write_courses(
-    gap: Gap, left: Mapping[str, Floats], order: Sequence[str], text: str, summary: str, path: Path
-) -> None:
-    """Write a recording of efforts measured and predicted, errors and velocities, one tab a joint in ``order``.
+def _stated(gap: Gap) -> _Model:
+    return _Model("stated", gap, gap.residual)
 
-    ``left`` are what each named model leaves, (rows, joints); ``text`` is a page in Markdown beside them; ``summary``
-    tells the recording from others of the same log.
-    """
+
+def _write(models: Sequence[_Model], first: Sequence[str], text: str, summary: str, path: Path) -> None:
+    gap = models[0].gap
+    joints = list(dict.fromkeys([*first, *(gap.robot.joints[joint] for joint in gap.examined)]))
     identity = uuid.uuid5(NAMESPACE, f"{gap.robot.name} {gap.log.source} {summary}")
     stream = rr.RecordingStream("mjfriction", recording_id=identity, send_properties=False)
     drawn = _scene(gap)
-    stream.save(path, default_blueprint=_blueprint(order, drawn[1] if drawn else None))
+    last = models[-1].gap
+    states = friction_states(last.robot, last.body, gap.motion)
+    tabs = [_tab(name, current=_ampere(gap, name) is not None, states=sorted(states.get(name, {}))) for name in joints]
+    stream.save(path, default_blueprint=_blueprint(tabs, drawn[1] if drawn else None))
     if drawn is not None:
         send_scene(stream, *drawn, CLOCK)
     stream.log("findings", rr.TextDocument(text, media_type="text/markdown"), static=True)
-    for joint in gap.examined:
-        name = gap.robot.joints[joint]
-        unit = float(gap.per_reported[joint])
-        measured = gap.measured[:, joint] / unit
-        send(stream, f"{name}/effort/measured", gap.chain.time, measured)
-        for model, residual in left.items():
-            send(stream, f"{name}/effort/{model}", gap.chain.time, measured - residual[:, joint] / unit)
-            send(stream, f"{name}/error/{model}", gap.chain.time, residual[:, joint] / unit)
-        send(stream, f"{name}/velocity", gap.chain.time, gap.chain.rows(gap.motion.velocity[:, joint]))
+    thin = thinned_to_see(gap.motion.time)
+    for name in joints:
+        _send_joint(stream, models, name)
+        for law, course in states.get(name, {}).items():
+            for k, column in enumerate(course[thin].T):
+                send(stream, f"{name}/state/{law}/{k + 1}", gap.motion.time[thin], column)
     stream.flush()
     stream.disconnect()
 
 
-def send(stream: rr.RecordingStream, entity: str, time: Floats, values: Floats) -> None:
-    """Put a course of numbers, (n,) each, into a recording."""
+def _send_joint(stream: rr.RecordingStream, models: Sequence[_Model], name: str) -> None:
+    gap = models[0].gap
+    joint = gap.robot.joints.index(name)
+    time, measured, velocity = gap.chain.time, gap.measured[:, joint], gap.at_rows("velocity")[:, joint]
+    colours = [_rgb(MEASURED), *itertools.islice(itertools.cycle(map(_rgb, MODELS)), len(models))]
+    told = {"measured": measured} | {model.name: measured - model.left[:, joint] for model in models}
+    for quantity, unit in (("torque", 1.0), ("current", _ampere(gap, name))):
+        if unit is not None:
+            for (source, course), colour in zip(told.items(), colours, strict=True):
+                send(stream, f"{name}/{quantity}/{source}", time, course / unit, colour)
+    friction = {model.name: model.gap.chain.rows(model.gap.effort.friction[:, joint]) for model in models}
+    last = models[-1]
+    left_to_friction = friction[last.name] + last.left[:, joint]
+    for model, colour in zip(models, colours[1:], strict=True):
+        send(stream, f"{name}/error/{model.name}", time, model.left[:, joint], colour)
+    send(stream, f"{name}/velocity", time, velocity)
+    sliding = gap.body.sliding[joint]
+    shown = {"measured": left_to_friction, **friction}
+    send_plane(
+        stream, f"{name}/friction", CLOCK, time, velocity, shown, colours, ("m/s", "N") if sliding else ("rad/s", "N·m")
+    )
+
+
+def _ampere(gap: Gap, name: str) -> float | None:
+    # Effort per ampere of the motor, where the robot states it.
+    actuator = gap.robot.joint(name).actuator
+    return actuator.gear_ratio * actuator.torque_constant if actuator.torque_constant else None
+
+
+def _rgb(colour: str) -> tuple[int, int, int]:
+    red, green, blue = hex_to_rgb(colour)
+    return red, green, blue
+
+
+def thinned_to_see(time: Floats) -> slice:
+    """Return which samples at even times (n,) a recording keeps."""
+    rate = (time.size - 1) / max(float(time[-1] - time[0]), 1e-300)
+    return slice(None, None, max(1, round(rate / RATE), -(-time.size // MOST_SAMPLES)))
+
+
+def send(
+    stream: rr.RecordingStream, entity: str, time: Floats, values: Floats, colour: tuple[int, int, int] | None = None
+) -> None:
+    """Put a course of numbers, (n,) each, into a recording, in a colour or whichever the viewer takes."""
+    if colour is not None:
+        stream.log(entity, rr.SeriesLines(colors=[colour]), static=True)
     stream.send_columns(
         entity,
         indexes=[rr.TimeColumn(CLOCK, duration=time)],
@@ -85,16 +149,20 @@ def _scene(gap: Gap) -> tuple[Floats, Scene] | None:
         return None  # a model that MuJoCo cannot read is diagnosed all the same; only its picture is missing
 
 
-def _blueprint(order: Sequence[str], scene: Scene | None) -> rrb.Blueprint:
-    tabs = [
-        rrb.Vertical(
-            rrb.TimeSeriesView(origin=f"{name}/effort", name="effort"),
-            rrb.TimeSeriesView(origin=f"{name}/error", name="error"),
-            rrb.TimeSeriesView(origin=f"{name}/velocity", name="velocity"),
-            name=name,
-        )
-        for name in order
+def _tab(name: str, *, current: bool, states: Sequence[str]) -> rrb.Horizontal:
+    courses = [rrb.TimeSeriesView(origin=f"{name}/torque", name="torque")]
+    if current:
+        courses.append(rrb.TimeSeriesView(origin=f"{name}/current", name="current"))
+    courses += [
+        rrb.TimeSeriesView(origin=f"{name}/error", name="error"),
+        rrb.TimeSeriesView(origin=f"{name}/velocity", name="velocity"),
     ]
+    beside: list[rrb.View] = [plane_view(f"{name}/friction")]
+    beside += [rrb.TimeSeriesView(origin=f"{name}/state/{law}", name=f"states of {law}") for law in states]
+    return rrb.Horizontal(rrb.Vertical(*courses), rrb.Vertical(*beside), name=name, column_shares=[3, 2])
+
+
+def _blueprint(tabs: Sequence[rrb.Container], scene: Scene | None) -> rrb.Blueprint:
     text = rrb.TextDocumentView(origin="findings", name="findings")
     left = rrb.Vertical(text, scene_view(scene)) if scene is not None else text
     return rrb.Blueprint(rrb.Horizontal(left, rrb.Tabs(*tabs), column_shares=[1, 3]), collapse_panels=True)

@@ -12,12 +12,10 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from mjfriction.plant.machine import Run
-from mjfriction.report.rerun_view import CLOCK, NAMESPACE, send
+from mjfriction.report.rerun_view import CLOCK, NAMESPACE, send, thinned_to_see
 from mjfriction.report.scene_view import scene_along, scene_view, send_scene
 from mjfriction.robot.robot import Robot
 from mjfriction.sim.scene import Scene
-
-RATE = 200.0  # Hz of the courses; recordings are for the eye
 
 
 def write_run(robot: Robot, run: Run, path: Path) -> None:
@@ -28,7 +26,7 @@ def write_run(robot: Robot, run: Run, path: Path) -> None:
     when, scene = scene_along(robot, run.time, run.played.link_position)
     stream.save(path, default_blueprint=_blueprint(robot.joints, run, scene))
     send_scene(stream, when, scene, CLOCK)
-    thin = slice(None, None, max(1, round(1.0 / RATE / (run.time[1] - run.time[0]))))
+    thin = thinned_to_see(run.time)
     for i, name in enumerate(robot.joints):
         send(stream, f"{name}/drive", run.time[thin], run.played.torque[thin, i])
         send(stream, f"{name}/friction", run.time[thin], run.played.friction[thin, i])

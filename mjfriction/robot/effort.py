@@ -19,7 +19,7 @@ from mjfriction.laws.law import Floats
 from mjfriction.record.log import CURRENT
 from mjfriction.record.motion import Motion, smooth_derivatives
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.rubbing import forward_share, friction_along, waves_along
+from mjfriction.robot.rubbing import forward_share, friction_along, states_along, waves_along
 from mjfriction.robot.schema import Joint
 from mjfriction.robot.transmission import lag
 
@@ -70,6 +70,14 @@ def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
             total[:, i] += coupling.viscous * rubbing.velocity[:, other] + coupling.effort * alone[:, other]
         reported[:, i] = as_reported(joint, total[:, i], motion, motor.position[:, i]) + joint.effort_sensor.offset
     return Effort(rigid, friction, total, reported)
+
+
+def friction_states(robot: Robot, body: Body, motion: Motion) -> dict[str, dict[str, Floats]]:
+    """Return what friction's states are along a motion as its sensors saw it: by joint and law, (n, states)."""
+    motor = without_offsets(robot, motion)
+    linked = link_motion(robot, body, motor)
+    rigid = inverse_dynamics(body, linked.position, linked.velocity, linked.acceleration)
+    return states_along(robot, _where_friction_acts(robot, motor, linked), rigid)
 
 
 def as_reported(joint: Joint, torque: Floats, motion: Motion, position: Floats) -> Floats:

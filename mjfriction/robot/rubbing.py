@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mjfriction.laws.ambient import ROOM_TEMPERATURE, ambient
+from mjfriction.laws.friction import Friction
 from mjfriction.laws.law import Floats
 from mjfriction.record.motion import SURE, Motion
 from mjfriction.robot.robot import Robot
@@ -31,6 +32,27 @@ def friction_along(robot: Robot, motion: Motion, rigid: Floats) -> Floats:
             friction[:, i] += rub
             friction[:, other] += drive.ratio * rub
     return friction
+
+
+def states_along(robot: Robot, motion: Motion, rigid: Floats) -> dict[str, dict[str, Floats]]:
+    """Return the states of friction along a motion of the links that needs ``rigid`` (n, joints): by joint and law,
+    (n, states).  What :func:`term_torque` takes at its steady curve has none to show.
+    """
+    out: dict[str, dict[str, Floats]] = {}
+    for i, joint in enumerate(robot.table.joint):
+        around = surroundings(joint, motion, i, rigid[:, i])
+        for term in joint.friction or ():
+            friction = term.friction(joint.actuator.gear_ratio)
+            if _followed(friction, motion, i):
+                states = np.empty((motion.time.size, friction.state_count))
+                for own in motion.pieces:
+                    states[own] = friction.follow(motion.velocity[own, i], around[own], 1.0 / motion.rate)[1]
+                out.setdefault(joint.name, {})[term.law] = states
+    return out
+
+
+def _followed(friction: Friction, motion: Motion, index: int) -> bool:
+    return friction.state_count > 0 and friction.travel > motion.travel_noise[index]
 
 
 def resting_level(robot: Robot, motion: Motion, rigid: Floats, slow: Floats) -> Floats:
@@ -129,7 +151,7 @@ def term_torque(
     """
     friction = term.friction(gear_ratio)
     velocity = motion.velocity[:, index]
-    if friction.state_count == 0 or (not follow and friction.travel <= motion.travel_noise[index]):
+    if not (_followed(friction, motion, index) or (follow and friction.state_count)):
         forward, speed = turned or direction(velocity, motion.sure_speed[:, index])
         return forward * friction.steady(speed, around) + (1.0 - forward) * friction.steady(-speed, around)
     out = np.empty_like(velocity)

@@ -55,15 +55,20 @@ def test_the_same_seed_makes_the_same_case_and_its_folder_can_be_diagnosed(tmp_p
     ("cause", "off"),
     [
         ("friction.stribeck", 0.03),
-        ("friction.presliding", 0.0),
-        ("friction.temperature", 0.0),
-        ("drive.torque_constant", 0.03),
-        ("drive.coupling", 0.0),
         ("body.payload", 0.03),
-        ("body.link_inertia", 0.03),
         ("sensor.delay", 0.0),
-        ("sensor.encoder_offset", 0.0),
         ("event.change", 0.03),
+        *(
+            pytest.param(cause, off, marks=pytest.mark.bench)
+            for cause, off in (
+                ("friction.presliding", 0.0),
+                ("friction.temperature", 0.0),
+                ("drive.torque_constant", 0.03),
+                ("drive.coupling", 0.0),
+                ("body.link_inertia", 0.03),
+                ("sensor.encoder_offset", 0.0),
+            )
+        ),
     ],
 )
 def test_a_hidden_effect_is_named_at_its_joint(cause: str, off: float) -> None:
@@ -128,6 +133,7 @@ def test_a_play_of_a_third_of_a_millimetre_is_found() -> None:
     assert hidden.strength < 0.5e-3
 
 
+@pytest.mark.bench
 def test_seals_under_pressure_are_named_on_a_cylinder() -> None:
     setting = Setting("hydraulic_cylinder", seconds=14.0, rate=250.0, noise=0.1)
     case = make_case(10, setting, (draw_of("hydraulic.pressure"),), SEVERITY["large"])

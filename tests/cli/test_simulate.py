@@ -62,7 +62,7 @@ def test_voltages_run_a_cylinder_and_what_it_logs_runs_it_again(tmp_path: Path) 
     words = ("--robot", "hydraulic_cylinder")
     assert mjfriction("plan", *words, "--protocol", "voltages", "--out", course).returncode == 0
     short = tmp_path / "short.csv"
-    short.write_text("\n".join(course.read_text().splitlines()[:1001]) + "\n")
+    short.write_text("\n".join(course.read_text().splitlines()[:501]) + "\n")
     done = mjfriction("simulate", *words, "--trajectory", short, "--out", log, "--rate", 250)
     assert done.returncode == 0, done.stderr
     columns = set(read_log(log).columns)

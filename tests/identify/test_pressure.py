@@ -24,14 +24,14 @@ from mjfriction.record.log import Log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
 
-VOLTS = [0.8, 1.5, 3.0, 5.0, 8.0]
+VOLTS = [1.5, 3.0, 5.0, 8.0]
 
 
 def recorded(supply: float) -> Log:
     robot = read_robot("hydraulic_cylinder")
     of = robot.joint("piston").hydraulics
     assert of is not None
-    steps = valve_steps("piston", of, 0.08, VOLTS)
+    steps = valve_steps("piston", of, 0.06, VOLTS)
     course = {**steps.ambient, "supply_pressure": np.full(steps.time.size, supply)}
     columns = simulate(robot, Trajectory((), steps.time, steps.position, course), recorder=Recorder(500.0))
     return log_from_table(pa.table(columns), "voltages")

@@ -125,12 +125,12 @@ def test_voltages_are_held_out_and_back_and_keep_within_the_stroke() -> None:
     cylinder = read_robot("hydraulic_cylinder")
     of = cylinder.table.joint[0].hydraulics
     assert of is not None
-    made = valve_steps("piston", of, 0.4, [3.0, 9.0])
+    made = valve_steps("piston", of, 0.2, [3.0, 9.0])
     volts = made.ambient["voltage.piston"]
     assert set(np.unique(volts)) == {-9.0, -3.0, 0.0, 3.0, 9.0}
     out, _ = speed_per_volt(of)
     held = np.count_nonzero(volts == 3.0) / KNOTS
-    assert held * out * 3.0 == pytest.approx(0.8 * 0.4, rel=0.01)
+    assert held * out * 3.0 == pytest.approx(0.8 * 0.2, rel=0.01)
     run = run_machine(cylinder, made, 500.0)
     asked = np.interp(run.time, made.time, volts)
     place, speed = run.played.position[:, 0], run.played.velocity[:, 0]

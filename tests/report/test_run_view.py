@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,12 +12,7 @@ from mjfriction.plant.machine import run_machine
 from mjfriction.plant.motions import excitation, sine
 from mjfriction.report.run_view import write_run
 from mjfriction.robot.files import read_robot
-
-
-def entities(path: Path) -> set[str]:
-    words = [sys.executable, "-m", "rerun", "rrd", "stats", str(path)]
-    told = subprocess.run(words, capture_output=True, text=True, check=True).stdout
-    return {line.rsplit(":", 1)[0] for line in told.splitlines() if line.startswith("/")}
+from tests.report.recordings import entities
 
 
 def test_an_arms_recording(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 
 Shape = tuple[float, ...]
+Picture = Literal["covariate", "turned", "spectrum", "turned_spectrum", "travel", "loop"]
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,7 @@ class Cause(ABC):
     name: ClassVar[str]
     shape_parameters: ClassVar[tuple[Parameter, ...]] = ()
     covariate: ClassVar[str] = "velocity"
+    picture: ClassVar[Picture] = "covariate"  # what shows it best
     whole_arm: ClassVar[bool] = False  # whether every joint feels it; its site is then where it shows most
     curved: ClassVar[bool] = False  # whether the effort bends with the strengths: then fitted on the real balance
     times: ClassVar[int] = 1  # how many of its kind a joint may have

@@ -46,6 +46,7 @@ class _Delay(JointCause):
 
     name = "sensor.delay"
     covariate = "time"
+    picture = "loop"
     before_sensor = False
     curved = True
 

@@ -41,6 +41,7 @@ class Presliding(JointCause):
     """
 
     name = "friction.presliding"
+    picture = "travel"
     shape_parameters = (TRAVEL,)
 
     def sites(self, gap: Gap) -> list[Site]:

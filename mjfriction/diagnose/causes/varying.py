@@ -39,6 +39,7 @@ class _Varying(JointCause):
     """One course of time c(t): (C·sgn v + V·v)·c."""
 
     covariate = "time"
+    picture = "turned"
 
     @abstractmethod
     def course(self, gap: Gap, site: Site) -> Floats:

@@ -92,6 +92,7 @@ class Cogging(_Waves):
     """C·cos(k q) + S·sin(k q), whichever way the joint moves."""
 
     name = "drive.cogging"
+    picture = "spectrum"
     times = 3  # a motor's cogging has harmonics
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
@@ -114,6 +115,7 @@ class PositionFriction(_Waves):
     """(C·cos(k q) + S·sin(k q))·sgn v."""
 
     name = "friction.position"
+    picture = "turned_spectrum"
     times = 2
     turns = True
 
