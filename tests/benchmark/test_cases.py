@@ -56,12 +56,12 @@ def test_the_same_seed_makes_the_same_case_and_its_folder_can_be_diagnosed(tmp_p
     [
         ("friction.stribeck", 0.03),
         ("body.payload", 0.03),
-        ("sensor.delay", 0.0),
-        ("event.change", 0.03),
         *(
             pytest.param(cause, off, marks=pytest.mark.bench)
             for cause, off in (
                 ("friction.presliding", 0.0),
+                ("sensor.delay", 0.0),
+                ("event.change", 0.03),
                 ("friction.temperature", 0.0),
                 ("drive.torque_constant", 0.03),
                 ("drive.coupling", 0.0),

@@ -1,4 +1,4 @@
-"""The page in a browser: nothing fetched, nothing complained of, every figure drawn, readable in light and dark."""
+"""Every page in a browser: nothing fetched, nothing complained of, every figure drawn, readable in light and dark."""
 
 from __future__ import annotations
 
@@ -12,10 +12,16 @@ from pathlib import Path
 import pytest
 
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.identify.comparison import compare_robots
+from mjfriction.identify.identification import identify_log
 from mjfriction.record.readers import read_log
-from mjfriction.report.write import save_diagnosis
+from mjfriction.report.comparison import write_comparison
+from mjfriction.report.identified import make_identified_report
+from mjfriction.report.reproduced import write_reproduced
+from mjfriction.report.write import save_diagnosis, write_identified
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Machine, write_case
+from tests.reproduce.test_report import made_up
 
 CHROMIUM = next(
     (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None
@@ -72,13 +78,23 @@ pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium on the pat
 
 
 @pytest.fixture(scope="module")
-def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("page")
     log, robot = write_case(folder, Machine(hidden={2: lambda i: 2.0 * abs(i.v)}), seed=2, seconds=20.0)
-    save_diagnosis(diagnose_log(read_log(log), read_robot(robot)), folder / "result")
-    whole = (folder / "result/report.html").read_text(encoding="utf-8")
-    (folder / "probed.html").write_text(whole.replace("<head>", f"<head>{PROBE}", 1), encoding="utf-8")
-    return folder / "probed.html"
+    stated = read_robot(robot)
+    diagnosis = diagnose_log(read_log(log), stated)
+    identification = identify_log(read_log(log), stated, law="coulomb_viscous", links=False)
+    made = {name: folder / name for name in ("diagnosed", "identified", "compared", "reproduced")}
+    for place in made.values():
+        place.mkdir()
+    save_diagnosis(diagnosis, made["diagnosed"])
+    write_identified(identification, make_identified_report(identification), made["identified"])
+    write_comparison(compare_robots(read_log(log), [("a", stated), ("b", diagnosis.robot)]), made["compared"])
+    write_reproduced([made_up()], made["reproduced"])
+    for place in made.values():
+        whole = (place / "report.html").read_text(encoding="utf-8")
+        (place / "probed.html").write_text(whole.replace("<head>", f"<head>{PROBE}", 1), encoding="utf-8")
+    return {name: place / "probed.html" for name, place in made.items()}
 
 
 def seen(page: Path, *, dark: bool, width: int) -> dict:
@@ -89,13 +105,23 @@ def seen(page: Path, *, dark: bool, width: int) -> dict:
     return json.loads(html.unescape(told))
 
 
+JOINTS = range(6)
+FIGURES = {
+    "diagnosed": ["errors", "finding-0", "course-0"],
+    "identified": ["errors", *(f"law-{k}" for k in JOINTS), "course-0"],
+    "compared": ["errors", *(f"course-{k}" for k in JOINTS)],
+    "reproduced": ["table-0"],
+}
+
+
 @pytest.mark.parametrize(("dark", "width"), [(False, 1200), (True, 500)], ids=["light, desk", "dark, phone"])
-def test_the_page_in_a_browser(page: Path, dark: bool, width: int) -> None:
-    told = seen(page, dark=dark, width=width)
+@pytest.mark.parametrize("name", list(FIGURES))
+def test_the_page_in_a_browser(pages: dict[str, Path], name: str, dark: bool, width: int) -> None:
+    told = seen(pages[name], dark=dark, width=width)
     assert told["dark"] is dark
     assert told["complaints"] == []
     assert told["fetched"] == []
-    assert told["figures"] == ["errors", "finding-0", "course-0"]
+    assert told["figures"] == FIGURES[name]
     assert told["drawn"] == told["figures"]
     assert told["faintest"][0] > LEAST_CONTRAST, told["faintest"]
     assert told["wider"] <= 0, "the page itself scrolls sideways"
