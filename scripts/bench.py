@@ -111,7 +111,7 @@ Six LuGre joints in `mujoco.batch.Batch`, {sim_speed.SIMULATIONS} simulations of
 
 ## Laws
 
-`docs/laws.md` has the cost of every law.
+[`docs/laws.md`](laws.md) has the cost of every law.
 """
 
 

@@ -164,8 +164,8 @@ ALIKE = {
     "sensor.encoder_offset",
 }
 """Levels are refitted with every candidate, a scaled effort is nearly scaled links and levels, a constant may be a
-spring, and a spring is nearly a zero that is off with links a little heavier, and the other way round: what can be fitted
-without those names does not show in the error.
+spring, and a spring is nearly a zero that is off with links a little heavier, and the other way round: what can be
+fitted without those names does not show in the error.
 """
 
 
