@@ -7,7 +7,6 @@ the run of the last controller for Rerun.  Run: python -m scripts.compensation [
 from __future__ import annotations
 
 import argparse
-import re
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +17,7 @@ from mjfriction.plant.machine import Run, run_machine
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.report.run_view import write_run
 from mjfriction.robot.files import read_robot
+from scripts.marked import write_marked
 
 ROOT = Path(__file__).resolve().parent.parent
 ARM, BANDWIDTH, OBSERVER = "comau_ns12", 20.0, 6.0  # Hz
@@ -56,12 +56,7 @@ def main() -> None:
         write_run(arm, run, wanted.recording)
     table = "\n".join(lines)
     print(table)
-    page = ROOT / "docs/compensation.md"
-    block = f"<!-- table begin -->\n{table}\n<!-- table end -->"
-    text = re.sub(
-        r"<!-- table begin -->.*?<!-- table end -->", lambda _: block, page.read_text("utf-8"), flags=re.DOTALL
-    )
-    page.write_text(text, encoding="utf-8")
+    write_marked(ROOT / "docs/compensation.md", "table", table)
 
 
 if __name__ == "__main__":

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import contextlib
 import io
-import re
 import tempfile
 from pathlib import Path
 
@@ -16,6 +15,7 @@ from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.record.readers import read_log
 from mjfriction.report.finding_figure import finding_figure
 from mjfriction.robot.files import read_robot
+from scripts.marked import write_marked
 from scripts.pictures import draw_figure
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -33,12 +33,7 @@ def demo_text() -> str:
 
 
 def write_readme(text: str) -> None:
-    readme = ROOT / "README.md"
-    block = f"<!-- demo begin -->\n```text\n{text}\n```\n<!-- demo end -->"
-    changed = re.sub(
-        r"<!-- demo begin -->.*?<!-- demo end -->", lambda _: block, readme.read_text("utf-8"), flags=re.DOTALL
-    )
-    readme.write_text(changed, encoding="utf-8")
+    write_marked(ROOT / "README.md", "demo", f"```text\n{text}\n```")
 
 
 def draw_residual(target: Path) -> None:

@@ -36,6 +36,7 @@ from scripts.verbs import run_verbs
 
 LONGEST_STEP, STRETCH = 0.01, 0.5  # s; finer steps and other stretches came to the same errors within a percent
 ROUNDS = 8
+KINDS = ("damping", "frictionloss", "armature", "mass")
 WIDE = {"mass": (0.7, 1.3), "armature": (0.2, 3.0), "damping": (0.0, 5.0), "frictionloss": (0.0, 5.0)}  # of the stated
 LEAST = {"armature": 1e-3, "damping": 1e-3, "frictionloss": 1e-3}  # added to the highest, for what is stated as 0
 
@@ -53,14 +54,15 @@ def prepared(robot: Robot, step: float) -> mujoco.MjSpec:
         joint.solimp_friction = [0.99, 0.99, 0.001, 0.5, 2.0]
         motor = spec.add_actuator(name=table.name, target=table.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         motor.set_to_motor()
+        motor.biastype = mujoco.mjtBias.mjBIAS_AFFINE  # whose constant may stand for the effort's zero
     spec.option.timestep = step
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
     return spec
 
 
-def parameters(spec: mujoco.MjSpec, joints: tuple[str, ...]) -> sysid.ParameterDict:
-    """Return what is fitted: three numbers a joint and one a link."""
+def parameters(spec: mujoco.MjSpec, joints: tuple[str, ...], kinds: tuple[str, ...] = KINDS) -> sysid.ParameterDict:
+    """Return what is fitted: three numbers a joint and one a link, or those of the ``kinds`` that are given."""
     out, model = sysid.ParameterDict(), spec.compile()
     for name in joints:
         joint = spec.joint(name)
@@ -69,16 +71,25 @@ def parameters(spec: mujoco.MjSpec, joints: tuple[str, ...]) -> sysid.ParameterD
             "frictionloss": (joint.frictionloss, partial(_set, name, "frictionloss")),
             "armature": (joint.armature, partial(_set, name, "armature")),
             "mass": (1.0, partial(_set_mass, _inertial(model, joint.parent.name))),
+            "zero": (0.0, partial(_set_zero, name)),
         }
-        for kind, (value, modifier) in stated.items():
-            low, high = (share * value for share in WIDE[kind])
-            high += LEAST.get(kind, 0.0)
+        for kind in kinds:
+            value, modifier = stated[kind]
+            if kind == "zero":
+                low, high = -joint.frictionloss, joint.frictionloss
+            else:
+                low, high = (share * value for share in WIDE[kind])
+                high += LEAST.get(kind, 0.0)
             out.add(sysid.Parameter(f"{name}.{kind}", value, low, high, modifier=modifier))
     return out
 
 
 def _set_damping(name: str, spec: mujoco.MjSpec, parameter: sysid.Parameter) -> None:
     spec.joint(name).damping[0] = parameter.value[0]
+
+
+def _set_zero(name: str, spec: mujoco.MjSpec, parameter: sysid.Parameter) -> None:
+    spec.actuator(name).biasprm[0] = -parameter.value[0]
 
 
 def _set(name: str, key: str, spec: mujoco.MjSpec, parameter: sysid.Parameter) -> None:
@@ -104,13 +115,15 @@ def _set_mass(stated: dict[str, Any], spec: mujoco.MjSpec, parameter: sysid.Para
     link.ipos, link.iquat = stated["ipos"], stated["iquat"]
 
 
-def stretches(gap: Gap, model: mujoco.MjModel, every: int) -> list[sysid.SystemTrajectory]:
-    """Return the log in stretches, each beginning at its measured state; efforts are means over the model's steps.
+def stretches(gap: Gap, model: mujoco.MjModel, every: int, seconds: float = STRETCH) -> list[sysid.SystemTrajectory]:
+    """Return the log in stretches of ``seconds``, each beginning at its measured state; efforts are means over the
+    model's steps.
 
     A step of the model takes ``every`` samples of the log.
     """
     motion, step = gap.motion, model.opt.timestep
-    steps = round(STRETCH / step)
+    longest = min(np.ptp(np.flatnonzero(own)) for own in motion.pieces) / motion.rate - 1.0
+    steps = round(min(seconds, longest) / step)
     effort = np.nan_to_num(motion.torque * gap.per_reported)
     summed = np.vstack([np.zeros(effort.shape[1]), np.cumsum(0.5 * (effort[1:] + effort[:-1]), axis=0)])
     places = [model.joint(name) for name in motion.joints]
@@ -166,12 +179,14 @@ def residual_of(spec: mujoco.MjSpec, parts: list[sysid.SystemTrajectory]):
     return residual, weigh
 
 
-def fit(gap: Gap) -> dict[str, float]:
+def fit(
+    gap: Gap, *, seconds: float = STRETCH, longest_step: float = LONGEST_STEP, kinds: tuple[str, ...] = KINDS
+) -> dict[str, float]:
     """Return the fitted parameters by name."""
-    every = max(1, int(LONGEST_STEP * gap.motion.rate + 1e-9))
+    every = max(1, int(longest_step * gap.motion.rate + 1e-9))
     spec = prepared(gap.robot, every / gap.motion.rate)
-    params = parameters(spec, gap.robot.joints)
-    residual, weigh = residual_of(spec, stretches(gap, spec.compile(), every))
+    params = parameters(spec, gap.robot.joints, kinds)
+    residual, weigh = residual_of(spec, stretches(gap, spec.compile(), every, seconds))
     weigh(params)
     with open(os.devnull, "w", encoding="utf-8") as nowhere, contextlib.redirect_stdout(nowhere):
         params, _ = sysid.optimize(
@@ -180,22 +195,32 @@ def fit(gap: Gap) -> dict[str, float]:
     return {parameter.name: float(parameter.value[0]) for parameter in params.values()}
 
 
-def diagnose(log: Path, stated: Path, out: Path) -> None:
-    robot = read_robot(stated)
-    gap = measure_gap(read_log(log), robot)
-    found = fit(gap)
-    fitted = gap.robot
-    scale = {name: found[f"{name}.mass"] * robot.table.link_scale.get(name, 1.0) for name in robot.joints}
-    fitted = Robot(fitted.table.model_copy(update={"link_scale": scale}), fitted.folder)
+def fitted_robot(robot: Robot, found: dict[str, float]) -> Robot:
+    """Return a robot with what was fitted in place of what it states."""
+    scale = {
+        name: found[f"{name}.mass"] * robot.table.link_scale.get(name, 1.0)
+        for name in robot.joints
+        if f"{name}.mass" in found
+    }
+    fitted = Robot(robot.table.model_copy(update={"link_scale": {**robot.table.link_scale, **scale}}), robot.folder)
     for name in robot.joints:
-        levels = {"coulomb": found[f"{name}.frictionloss"], "viscous": found[f"{name}.damping"]}
         joint = fitted.joint(name)
-        inertia = found[f"{name}.armature"] / joint.actuator.gear_ratio**2
-        drive = joint.actuator.model_copy(update={"rotor_inertia": inertia})
-        rub = FrictionTerm(law="coulomb_viscous", parameters=levels)
-        fitted = fitted.with_joint(joint.model_copy(update={"actuator": drive, "friction": (rub,)}))
+        levels = {"coulomb": found[f"{name}.frictionloss"], "viscous": found[f"{name}.damping"]}
+        changes: dict[str, Any] = {"friction": (FrictionTerm(law="coulomb_viscous", parameters=levels),)}
+        if f"{name}.armature" in found:
+            inertia = found[f"{name}.armature"] / joint.actuator.gear_ratio**2
+            changes["actuator"] = joint.actuator.model_copy(update={"rotor_inertia": inertia})
+        if f"{name}.zero" in found:
+            changes["effort_sensor"] = joint.effort_sensor.model_copy(update={"offset": found[f"{name}.zero"]})
+        fitted = fitted.with_joint(joint.model_copy(update=changes))
+    return fitted
+
+
+def diagnose(log: Path, stated: Path, out: Path) -> None:
+    gap = measure_gap(read_log(log), read_robot(stated))
+    found = fit(gap)
     out.mkdir(parents=True, exist_ok=True)
-    write_robot(fitted, out)
+    write_robot(fitted_robot(gap.robot, found), out)
     (out / "report.json").write_text(json.dumps({"verdict": "fitted", "findings": [], "parameters": found}), "utf-8")
 
 

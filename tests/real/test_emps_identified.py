@@ -4,35 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import mujoco
 import numpy as np
 import pytest
 
 from mjfriction.identify.identification import identify_log
-from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
-from mjfriction.robot.robot import Robot
-from mjfriction.robot.simulation import robot_laws, robot_spec
-from mjfriction.sim.attach import attach
-from mjfriction.sim.callback import friction_active
-
-
-def open_loop_error(robot: Robot, log: Log) -> float:
-    """RMS position error (mm) of the measured force played into the model from the first sample on."""
-    model = attach(robot_spec(robot), robot_laws(robot))
-    model.opt.timestep = 1e-3
-    data = mujoco.MjData(model)
-    position = log.columns["position.axis"]
-    force = log.columns["effort.axis"] - robot.joint("axis").effort_sensor.offset
-    data.qpos[0] = position[0]
-    missed = np.empty(position.size)
-    with friction_active():
-        for i in range(position.size):
-            missed[i] = data.qpos[0] - position[i]
-            data.qfrc_applied[0] = force[i]
-            mujoco.mj_step(model, data)
-    return 1e3 * float(np.sqrt(np.mean(np.square(missed))))
+from scripts.real_runs import open_loop_error
 
 
 def test_the_published_four_parameters_are_found(data: Path) -> None:
@@ -61,4 +39,4 @@ def test_open_loop_position_on_the_other_run(data: Path) -> None:
     stated = read_robot(data / "emps/robot.toml")
     estimation, pulses = (read_log(data / f"emps/{run}.parquet") for run in ("estimation", "pulses"))
     found = identify_log(estimation, stated, law="asymmetric", simulated=np.inf)
-    assert open_loop_error(found.robot, pulses) < 6.8
+    assert open_loop_error(found.robot, pulses) < 6.8e-3

@@ -1,0 +1,121 @@
+"""Identification beside two peers, MuJoCo's sysid toolbox on EMPS and BAM on the XL330: docs/identification.md.
+
+MJFRICTION_DATA=folder-of-the-measured-logs python -m scripts.identify_peers
+
+Both fits of a pair run here, one after the other in one process, but BAM's: it is a search by simulation, whose default
+is a number of trials, and what one trial costs was measured by its users.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.identification import identify_log
+from mjfriction.record.merge import merge_logs
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from mjfriction.robot.robot import Robot
+from scripts.marked import write_marked
+from scripts.real_runs import open_loop_error, xl330, xl330_error, xl330_log
+from scripts.sysid_baseline import fit, fitted_robot
+
+ROUNDS = 3  # of every fit, the quickest counts
+EMPS_KINDS = ("damping", "frictionloss", "mass", "zero")
+TRIALS, TRIAL = 100_000, (0.033, 0.047)  # BAM's default, and seconds that one trial was measured to take
+PUBLISHED = 0.048  # rad of position error, of BAM's model with friction that grows with the load
+
+
+@dataclass(frozen=True)
+class Fit:
+    """One tool's fit: its seconds, and its errors on runs that were not fitted."""
+
+    tool: str
+    seconds: float
+    position: float
+    force: float = np.nan
+
+
+def emps(data: Path) -> list[Fit]:
+    """Fit four parameters (mass, damping, dry friction, zero) to one run of the axis and hold them against the other:
+    RMS position (m) in open loop, and force while the axis moves, as a share of the measured.
+    """
+    stated = read_robot(data / "emps/robot.toml")
+    log, other = (read_log(data / f"emps/{run}.parquet") for run in ("estimation", "pulses"))
+
+    def toolbox(seconds: float) -> Callable[[], Robot]:
+        def fitted() -> Robot:
+            gap = measure_gap(log, stated)
+            found = fit(gap, seconds=seconds, longest_step=1.0 / gap.motion.rate, kinds=EMPS_KINDS)
+            return fitted_robot(gap.robot, found)
+
+        return fitted
+
+    ways = {
+        "mjfriction": lambda: identify_log(log, stated, law="coulomb_viscous").robot,
+        "mujoco.sysid, the whole run": toolbox(np.inf),
+        "mujoco.sysid, stretches of 0.5 s": toolbox(0.5),
+    }
+    out = []
+    for name, way in ways.items():
+        seconds, robot = _quickest(way)
+        gap = measure_gap(other, robot)
+        force = gap.rms(gap.residual[:, 0], 0) / gap.rms(gap.measured[:, 0], 0)
+        out.append(Fit(name, seconds, open_loop_error(robot, other), force))
+    return out
+
+
+def bam(data: Path) -> list[Fit]:
+    """Fit friction that grows with the load to the XL330's runs at a gain of 400, and simulate those at 100."""
+    with tempfile.TemporaryDirectory() as folder:
+        stated = xl330(Path(folder))
+        log = merge_logs([xl330_log(path) for path in sorted((data / "xl330").glob("*kp400.json"))])
+        runs = sorted((data / "xl330").glob("*kp100.json"))
+        seconds, robot = _quickest(lambda: identify_log(log, stated, law="load_dependent").robot)
+        return [
+            Fit("mjfriction", seconds, float(np.mean([xl330_error(robot, run) for run in runs]))),
+            Fit("BAM, its default number of trials", TRIALS * TRIAL[0], PUBLISHED),
+        ]
+
+
+def _quickest(way: Callable[[], Robot]) -> tuple[float, Robot]:
+    spent = []
+    for _ in range(ROUNDS):
+        begin = time.perf_counter()
+        robot = way()
+        spent.append(time.perf_counter() - begin)
+    return min(spent), robot
+
+
+def words(data: Path) -> str:
+    """Return what came out, as a section of a page."""
+    axis, servo = emps(data), bam(data)
+    lines = ["| tool | fit | position error | force error |", "|---|---:|---:|---:|"]
+    lines += [
+        f"| {one.tool} | {one.seconds / axis[0].seconds:.3g} times | {1e3 * one.position:.2f} mm | "
+        f"{100 * one.force:.1f} % |"
+        for one in axis
+    ]
+    seconds = [axis[0].seconds, servo[0].seconds]
+    return f"""EMPS, a measured linear axis: mass, damping, dry friction and zero fitted to one run; position in open
+loop and force on the other. Fitting times are multiples of mjfriction's {seconds[0]:.2f} s.
+
+{chr(10).join(lines)}
+
+An XL330 servo with a pendulum: friction that grows with the load, fitted in {seconds[1]:.2f} s to the runs at a
+position gain of 400, simulates those at 100 with a mean error of {servo[0].position:.3f} rad. BAM's published model
+is {PUBLISHED} rad off over all runs; its default search of {TRIALS} trials, at the {1e3 * TRIAL[0]:.0f} ms or more
+that one takes, would last {servo[1].seconds / seconds[1]:.0f} times as long."""
+
+
+if __name__ == "__main__":
+    told = words(Path(os.environ["MJFRICTION_DATA"]))
+    write_marked(Path(__file__).resolve().parent.parent / "docs/identification.md", "peers", told)
+    print(told)
