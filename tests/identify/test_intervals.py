@@ -1,0 +1,58 @@
+"""Intervals mean what they say under the right structure; under a wrong one the report says that they do not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from mjfriction.identify.identification import identify_log
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import UR5_COULOMB, UR5_VISCOUS, Machine, record, robot_toml
+
+ELBOW = 2
+LEAST_COVERED = 0.90  # of 95 % intervals
+
+
+def covered(machine: Machine, logs: int, folder: Path) -> dict[str, np.ndarray]:
+    """Whether each interval holds the truth, by parameter (logs, joints)."""
+    out = {"coulomb": np.zeros((logs, 6), dtype=bool), "viscous": np.zeros((logs, 6), dtype=bool)}
+    for k in range(logs):
+        (folder / "robot.toml").write_text(robot_toml(machine, off=0.1, seed=k), encoding="utf-8")
+        log = log_from_table(pa.table(record(machine, 900 + k, 25.0)), str(k))
+        found = identify_log(log, read_robot(folder / "robot.toml"), law="coulomb_viscous")
+        for i, law in enumerate(found.laws):
+            for fitted in law.parameters:
+                truth = {"coulomb": UR5_COULOMB, "viscous": UR5_VISCOUS}[fitted.name][i]
+                out[fitted.name][k, i] = fitted.low <= truth <= fitted.high
+    return out
+
+
+@pytest.mark.parametrize("logs", [5, pytest.param(200, marks=pytest.mark.bench)])
+def test_intervals_hold_the_truth_as_often_as_they_say(logs: int, tmp_path: Path) -> None:
+    held = covered(Machine(noise=0.1), logs, tmp_path)
+    for name, own in held.items():
+        # So few logs can be unlucky: two standard deviations of a share of 95 %.
+        luck = 2.0 * np.sqrt(0.95 * 0.05 / own.size)
+        assert np.mean(own) > min(LEAST_COVERED, 0.95 - luck), name
+        if logs >= 200:
+            assert np.all(np.mean(own, axis=0) > LEAST_COVERED), (name, np.mean(own, axis=0))
+
+
+def test_a_wrong_structure_is_said_where_its_intervals_miss(tmp_path: Path) -> None:
+    # Stribeck and load in the machine, Coulomb-viscous fitted: the interval is narrow, and wrong.
+    hidden = {ELBOW: lambda i: np.sign(i.v) * (4.0 * np.exp(-((i.v / 0.15) ** 2)) + 0.1 * np.abs(i.rigid))}
+    machine = Machine(noise=0.1, hidden=hidden)
+    (tmp_path / "robot.toml").write_text(robot_toml(machine, off=0.05), encoding="utf-8")
+    log = log_from_table(pa.table(record(machine, 12, 40.0)), "wrong")
+    found = identify_log(log, read_robot(tmp_path / "robot.toml"), law="coulomb_viscous")
+    trusted = {law.joint: law.trusted for law in found.laws}
+    wrong = found.laws[ELBOW]
+    viscous = next(fitted for fitted in wrong.parameters if fitted.name == "viscous")
+    assert abs(viscous.value - UR5_VISCOUS[ELBOW]) > 2.0 * (viscous.high - viscous.value)
+    assert not trusted.pop(wrong.joint)
+    assert wrong.structure > 0.1
+    assert all(trusted.values())
