@@ -32,6 +32,7 @@ report says with which version it was made.
 """
 READ = (property, functools.cached_property)
 ANNOTATION = re.compile(r"(: |-> )'([^']*)'")
+FUNCTION = re.compile(r"<function (\w+) at 0x[0-9a-f]+>")  # a default that is one
 ROLE = re.compile(r":[a-z]+:`~?(?:[\w.]+\.)?(\w+)`")
 
 
@@ -45,6 +46,7 @@ def function_entry(name: str) -> str:
     """Return the entry of a function."""
     function = getattr(mjfriction, name)
     signature = ANNOTATION.sub(r"\1\2", str(inspect.signature(function)))
+    signature = FUNCTION.sub(r"\1", signature)
     return f"### `{name}{signature}`\n\n{told(function.__doc__)}\n"
 
 

@@ -51,7 +51,8 @@ def main() -> None:
     print(diagnosis.summary)
     for finding in diagnosis.findings:
         for value in finding.parameters:
-            print(f"  {value.name} = {value.value:.3g} {value.unit} (95 %: {value.low:.3g} to {value.high:.3g})")
+            unit = "" if value.unit == "1" else f" {value.unit}"
+            print(f"  {value.name} = {value.value:.3g}{unit} (95 %: {value.low:.3g} to {value.high:.3g})")
     print(f"open {asked.folder / 'result' / 'report.html'}")
 
 

@@ -15,6 +15,7 @@ PACKAGE = Path(mjfriction.__file__).parent
 FLOOR = {
     "errors": 0,
     "parameter": 0,
+    "progress": 0,
     "laws": 1,
     "record": 2,
     "body": 2,

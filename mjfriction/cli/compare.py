@@ -50,9 +50,7 @@ def compare(log: LogPath, robot: Robots, out: Out = None, map_: MapSource = None
 
 
 def _names(sources: list[str]) -> list[str]:
-    # As short as tells them apart: the file's folder where all are called robot.toml.
-    short = [Path(source).stem for source in sources]
-    if len(set(short)) == len(short):
-        return short
-    folders = [Path(source).absolute().parent.name if Path(source).suffix else source for source in sources]
-    return folders if len(set(folders)) == len(folders) else list(sources)
+    # As short as tells them apart: the file's name, or its folder's where it is called robot.toml, as results are.
+    paths = [Path(source) for source in sources]
+    short = [path.absolute().parent.name if path.name == "robot.toml" else path.stem for path in paths]
+    return short if len(set(short)) == len(short) else list(sources)

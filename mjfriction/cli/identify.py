@@ -11,7 +11,7 @@ import typer
 
 from mjfriction.cli.logs import read_logs
 from mjfriction.cli.options import Json, LogPaths, MapSource, RobotSource
-from mjfriction.cli.progress import working
+from mjfriction.cli.progress import telling, working
 from mjfriction.cli.show import show
 
 
@@ -58,10 +58,12 @@ def identify(
     from mjfriction.robot.files import read_robot
 
     with whole_folder(out) as folder:
-        with working("identifying"):
+        with telling() as tell:
             stated = read_robot(robot)
             log = read_logs(logs, stated.joints, map_)
-            identification = identify_log(log, stated, law=law, side=side.value, links=links, simulated=simulated)
+            identification = identify_log(
+                log, stated, law=law, side=side.value, links=links, simulated=simulated, tell=tell
+            )
             report = make_identified_report(identification)
         with working("writing the report"):
             write_identified(identification, report, folder)

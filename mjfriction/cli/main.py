@@ -29,7 +29,6 @@ WRONG_INPUT, OWN_FAILURE = 2, 1
 app = typer.Typer(
     name="mjfriction",
     help="Say what a MuJoCo model of a manipulator gets wrong, name the cause, extend the model, measure the gain.",
-    no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
     add_completion=True,
@@ -72,6 +71,8 @@ def _root(
 
 def run() -> None:
     """Run the command; exit 0 when it ran, 2 when the input is wrong, 1 when we failed, with one line on stderr."""
+    if len(sys.argv) == 1:
+        sys.argv.append("--help")
     command = typer.main.get_command(app)
     assert isinstance(command, core.TyperGroup)
     try:

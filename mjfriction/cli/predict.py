@@ -11,7 +11,9 @@ from mjfriction.cli.logs import read_logs
 from mjfriction.cli.options import Json, LogPath, MapSource, RobotSource
 from mjfriction.cli.progress import working
 
-Out = Annotated[Path, typer.Option("--out", metavar="P.parquet", help="Table to write.", show_default=False)]
+Out = Annotated[
+    Path, typer.Option("--out", metavar="P.parquet", help="A .parquet or .csv to write.", show_default=False)
+]
 
 
 def predict(log: LogPath, robot: RobotSource, out: Out, map_: MapSource = None, json: Json = False) -> None:
@@ -23,21 +25,17 @@ def predict(log: LogPath, robot: RobotSource, out: Out, map_: MapSource = None, 
     """
     import numpy as np
     import pyarrow as pa
-    import pyarrow.parquet
 
-    from mjfriction.errors import OutputError
-    from mjfriction.report.folder import whole_file
+    from mjfriction.report.table_file import check_table_name, write_table
     from mjfriction.robot.files import read_robot
     from mjfriction.robot.predict import predict_log
 
-    if out.suffix.lower() != ".parquet":
-        raise OutputError(f"{out}: the prediction is written as Parquet; give a name that ends in .parquet")
+    check_table_name(out, "a prediction")
     with working("predicting"):
         stated = read_robot(robot)
         measured = read_logs([log], stated.joints, map_)
         predicted = predict_log(measured, stated)
-        with whole_file(out) as draft:
-            pyarrow.parquet.write_table(pa.table(predicted), draft)
+        write_table(pa.table(predicted), out)
     errors = {}
     for name in list(predicted)[1:]:
         reported = measured.as_recorded(measured.columns[name])
@@ -51,3 +49,7 @@ def predict(log: LogPath, robot: RobotSource, out: Out, map_: MapSource = None, 
     for name, error in errors.items():
         share = "" if error["relative"] is None else f"  ({100 * error['relative']:.3g} % of what was measured)"
         typer.echo(f"{name}: RMS error {error['rms_error']:.4g}{share}")
+    typer.echo(
+        "This is over every sample, with rests, reversals and the sensors' noise;\n"
+        "mjfriction compare tells the error while a joint moves, beside the noise."
+    )

@@ -19,5 +19,8 @@ def show(printing: Callable[[Console], None], out: Path | None, *, recorded: boo
     console = Console(width=WIDTH, highlight=False, soft_wrap=False)
     printing(console)
     if out is not None:
-        view = f", or mjfriction view {out}" if recorded else ""
-        console.print(f"\nResults in {out}: open {out / 'report.html'}{view}")
+        console.print(f"\nResults in {out}. Open in a browser:", soft_wrap=True, markup=False)
+        console.print(f"  {out / 'report.html'}", soft_wrap=True, markup=False)
+        if recorded:
+            console.print("and in Rerun:", markup=False)
+            console.print(f"  mjfriction view {out}", soft_wrap=True, markup=False)

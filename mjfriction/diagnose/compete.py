@@ -16,6 +16,7 @@ from mjfriction.diagnose.trial import Trial, try_out
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.proof import gain_at
 from mjfriction.identify.regression import UNSEEN, Columns
+from mjfriction.progress import Tell, silently
 from mjfriction.record.log import Floats
 
 # These two were loosened (from 0.01 and 0.03) with the EMPS log in hand, whose offset stands at their edge; no other
@@ -71,7 +72,7 @@ def size(field: Field) -> int:
     return sum(len(entrant.sites) for entrant in field)
 
 
-def compete(gap: Gap, nuisance: Nuisance, field: Field) -> Model:
+def compete(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silently) -> Model:
     """Choose the causes that the log shows, strongest first.
 
     Forward: of the candidates whose strengths are beyond chance (Wald's test with block-clustered covariance, at a
@@ -82,7 +83,7 @@ def compete(gap: Gap, nuisance: Nuisance, field: Field) -> Model:
     """
     asked, count = field, size(field)
     while True:
-        model = _pruned(_forward(gap, nuisance, asked, count), count)
+        model = _pruned(_forward(gap, nuisance, asked, count, tell), count)
         refused = [choice for choice in model.chosen if not _proved(model, choice)] + _dissolved(model)
         if not refused:
             return straightened(_with_kin(model, field))
@@ -99,9 +100,10 @@ def _narrowed(field: Field, refused: list[Chosen]) -> Field:
     return tuple(out)
 
 
-def _forward(gap: Gap, nuisance: Nuisance, field: Field, count: int) -> Model:
+def _forward(gap: Gap, nuisance: Nuisance, field: Field, count: int, tell: Tell) -> Model:
     model = build_model(gap, nuisance, ())
     while len(model.chosen) < MOST_CAUSES:
+        tell(f"searching for causes, {len(model.chosen)} so far")
         passing = _passing(model, field, count)
         if not passing:
             break

@@ -17,21 +17,24 @@ from mjfriction.diagnose.verdict import faults_in_words, reach_verdict, summariz
 from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.joint_error import joint_error
 from mjfriction.identify.structure import find_structure
+from mjfriction.progress import Tell, silently
 from mjfriction.record.log import Log
 from mjfriction.robot.robot import Robot
 
 
-def diagnose_log(log: Log, robot: Robot, *, seed: int = 0) -> Diagnosis:
+def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently) -> Diagnosis:
     """Hold a log against a robot and say what the robot gets wrong.
 
-    ``seed`` sets the resampling behind the intervals of the gains.  Raises :class:`~mjfriction.errors.LogError` or
-    :class:`~mjfriction.errors.RobotError` when either cannot be used.
+    ``seed`` sets the resampling behind the intervals of the gains; ``tell`` is told each step.  Raises
+    :class:`~mjfriction.errors.LogError` or :class:`~mjfriction.errors.RobotError` when either cannot be used.
     """
+    tell("measuring the gap")
     gap = measure_gap(log, robot)
     faults = tuple(find_faults(gap))
     field = make_field(gap, () if faults else STRUCTURAL)
     nuisance = Nuisance((), ()) if faults else make_nuisance(gap)
-    settled = settle(compete(gap, nuisance, field), field)
+    settled = settle(compete(gap, nuisance, field, tell), field)
+    tell("proving what was found")
     model = settled.model
     heldout = model.heldout_residual()
     after = tuple(find_structure(gap, heldout))
@@ -40,7 +43,6 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0) -> Diagnosis:
     findings, experiment = make_findings(settled, untold, field, heldout, seed)
     joints = tuple(joint_error(gap, joint, model.residual(), heldout) for joint in gap.examined)
     verdict = Verdict.BAD_DATA if faults else reach_verdict(findings, remaining)
-    moving = gap.motion.moving
     return Diagnosis(
         gap=gap,
         verdict=verdict,
@@ -52,7 +54,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0) -> Diagnosis:
         structure_after=after,
         remaining=remaining,
         faults=faults,
-        not_examined=tuple(joint for i, joint in enumerate(gap.robot.joints) if i not in gap.examined or not moving[i]),
+        not_examined=tuple(joint for i, joint in enumerate(gap.robot.joints) if i not in gap.examined),
         robot=extend_robot(model),
         next_experiment=experiment,
         residual_after=model.residual(),

@@ -94,8 +94,9 @@ def summarize(
 
 def faults_in_words(faults: tuple[Fault, ...]) -> str:
     """Say in a sentence what is wrong with the log."""
-    listed = "; ".join(f"{fault.kind} in {fault.where}: {fault.action}" for fault in faults)
-    return f"The log itself is at fault, and nothing was fitted to it: {listed}."
+    first, more = faults[0], len(faults) - 1
+    told = f"{first.kind} in {first.where}: {first.action}" + (f", and {more} more, listed below" if more else "")
+    return f"The log itself is at fault, and nothing was fitted to it: {told}."
 
 
 def _named(finding: Finding) -> str:

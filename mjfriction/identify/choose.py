@@ -26,6 +26,7 @@ CANDIDATES = (
     "lugre",
 )
 LEAST_GAIN = 0.02  # of the squared error, that a law with more parameters must take away besides
+LEAST_EFFECT = 1e-2  # of the joint's friction, that it must explain: finer than that no law holds
 SURE_STIFFNESS = 0.3  # deviation of a bristle's stiffness, relative, up to which the log shows it
 STANDARD_ERRORS = 3.0  # by which it must be better on motion not fitted
 
@@ -54,7 +55,8 @@ def choose_law(problem: Problem, names: Sequence[str] = CANDIDATES) -> tuple[Cho
     """Fit every law of a list and return the one to take, and all, in the order of the list.
 
     A law with more parameters takes the place of a simpler one when its error on motion not fitted is smaller by three
-    standard errors over the blocks and by a fiftieth, and when the log shows its bristle at all.
+    standard errors over the blocks and by a fiftieth, when what it explains is no mere trace of the friction, and when
+    the log shows its bristle at all.
     """
     choices = []
     for name in names:
@@ -65,12 +67,13 @@ def choose_law(problem: Problem, names: Sequence[str] = CANDIDATES) -> tuple[Cho
                 raise
             continue
         choices.append(Choice(fit, fit.heldout()))
+    trace = float(np.sum(np.square(LEAST_EFFECT * np.std(problem.target) / problem.deviation)))
     best = min(choices, key=lambda choice: choice.parameters)
     able = [choice for choice in choices if choice is best or _shows(choice.fit)]
     for choice in sorted(able, key=lambda choice: (choice.parameters, float(np.sum(choice.errors)))):
         better = best.errors - choice.errors
         error = float(np.std(better, ddof=1)) * np.sqrt(better.size)
-        if np.sum(better) > max(STANDARD_ERRORS * error, LEAST_GAIN * float(np.sum(best.errors))):
+        if np.sum(better) > max(STANDARD_ERRORS * error, LEAST_GAIN * float(np.sum(best.errors)), trace):
             best = choice
     return best, choices
 

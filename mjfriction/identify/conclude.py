@@ -20,7 +20,7 @@ from mjfriction.identify.map_fit import MapFit
 from mjfriction.identify.outcome import Candidate, Identification, JointLaw
 from mjfriction.identify.refine import Refined
 from mjfriction.identify.regression import Columns, Rows, System
-from mjfriction.identify.statics import statics_by_slope, statics_from_passes
+from mjfriction.identify.statics import statics_by_slope, statics_from_passes, why_not_from_passes
 from mjfriction.identify.structure import Structure, find_structure
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
@@ -72,7 +72,7 @@ def conclude(
         law = JointLaw(
             joint=gap.robot.joints[joint],
             fit=fit,
-            how=SIMULATED if refined is not None else (PASSES if joint in passed else FREE),
+            how=_how(fit, maps.get(joint), taken=joint in passed, refined=refined is not None),
             parameters=tuple(_parameters(fit, half, notes(fit, half, spread), bool(gap.body.sliding[joint]))),
             candidates=tuple(_candidate(gap, joint, other) for other in others),
             structure=worst.share,
@@ -99,6 +99,12 @@ def conclude(
         summary=_summary(robot, errors, laws, far, refined),
         simulated=refined,
     )
+
+
+def _how(fit: LawFit, points: FrictionMap | None, *, taken: bool, refined: bool) -> str:
+    if refined:
+        return SIMULATED
+    return PASSES if taken else FREE + why_not_from_passes(fit, points)
 
 
 def _taken_together(

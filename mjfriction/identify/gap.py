@@ -65,7 +65,7 @@ class Gap:
 
     @property
     def examined(self) -> tuple[int, ...]:
-        """The joints that have a measurement, as indices."""
+        """The joints that move and have a measurement, as indices."""
         return tuple(i for i in range(len(self.robot.joints)) if np.isfinite(self.residual[0, i]))
 
     @functools.cached_property
@@ -156,8 +156,9 @@ def _per_reported(robot: Robot, motion: Motion) -> Floats:
 
 def _held_against(log: Log, robot: Robot, body: Body, motion: Motion, effort: Effort, chain: Chain) -> Gap:
     per_reported = _per_reported(robot, motion)
-    # A drive that reports one value throughout has measured nothing.
-    told = np.where(np.ptp(motion.torque, axis=0) == 0.0, np.nan, motion.torque)
+    # A drive that reports one value throughout has measured nothing; what one reports that holds its joint still may be
+    # anything within the joint's friction.
+    told = np.where((np.ptp(motion.torque, axis=0) == 0.0) | ~motion.moving, np.nan, motion.torque)
     measured = chain.rows(told * per_reported)
     residual = measured - chain.rows(effort.reported)
     noise = [

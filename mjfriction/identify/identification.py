@@ -21,6 +21,7 @@ from mjfriction.identify.refine import refine
 from mjfriction.identify.regression import Columns, Rows, System
 from mjfriction.identify.statics import statics_from_passes
 from mjfriction.laws.catalog import find_law
+from mjfriction.progress import Tell, silently
 from mjfriction.record.log import Floats, Log
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import forward_share
@@ -37,6 +38,7 @@ def identify_log(
     side: Side = "joint",
     links: bool = True,
     simulated: float | None = None,
+    tell: Tell = silently,
 ) -> Identification:
     """Fit a friction law to every moving joint of a log that has an effort, and the links' inertias with them.
 
@@ -45,14 +47,15 @@ def identify_log(
     from their differences, in which gravity cancels; else, and for what a bristle adds, from the whole motion.  With
     ``links`` the links' masses and centres are refitted too.  The joint's stated friction is replaced.  With
     ``simulated`` all is refined last on simulated motion, in stretches of so many seconds (infinite: the whole log);
-    intervals are those of the fit to efforts, widened by what the refinement moved.
+    intervals are those of the fit to efforts, widened by what the refinement moved.  ``tell`` is told each step.
 
     Raises :class:`~mjfriction.errors.LogError`, :class:`~mjfriction.errors.RobotError` or
     :class:`~mjfriction.errors.LawError` when log, robot or law cannot be used.
     """
     names = CANDIDATES if law is None else (find_law(law).name,)
+    tell("measuring the gap")
     stated = measure_gap(log, robot)
-    joints = [j for j in stated.examined if stated.motion.moving[j] and np.ptp(stated.measured[:, j]) > 0.0]
+    joints = [j for j in stated.examined if np.ptp(stated.measured[:, j]) > 0.0]
     if not joints:
         raise LogError(
             f"{log.source}: no joint moves and reports an effort or a current that changes; nothing can be identified"
@@ -79,7 +82,10 @@ def identify_log(
             for i, (joint, problem) in enumerate(zip(joints, problems, strict=True))
         ]
         if not fits:
-            results = [choose_law(problem, names) for problem in problems]
+            results: list[tuple[Choice, list[Choice]]] = []
+            for problem in problems:
+                tell(f"fitting laws, joint {len(results) + 1} of {len(problems)}")
+                results.append(choose_law(problem, names))
             fits, tried = [best.fit for best, _ in results], [all_of for _, all_of in results]
             fits = [_from_passes(fit, maps.get(fit.problem.joint)) or fit for fit in fits]
         else:
@@ -93,6 +99,7 @@ def identify_log(
         final = _with_friction(final, fit.problem.joint, (fit.term,))
     refined = None
     if simulated is not None:
+        tell("refining on simulated motion")
         refined = refine(stated, final, fits, background, simulated)
         final, fits = refined.robot, list(refined.fits)
     return conclude(stated, final, joints, fits, tried, background, maps, refined)

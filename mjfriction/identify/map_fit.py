@@ -41,7 +41,7 @@ def fit_map(points: FrictionMap, law: Law, side: Side, gear_ratio: float) -> Map
     usual = _usual(speed, friction)
     fading = np.geomspace(2.0 * speed[0], 0.5 * speed[-1], FADING_STARTS) / usual.speed
     begin = starts(law, usual, fading.tolist())
-    names = tuple(name for name in begin[0] if name not in LEFT_AS_DECLARED | DYNAMIC)
+    names = static_names(law)
     if speed.size <= len(names):
         raise LogError(
             f"law '{law.name}' has {len(names)} static parameters, and the passes have {speed.size} speeds; "
@@ -57,6 +57,12 @@ def fit_map(points: FrictionMap, law: Law, side: Side, gear_ratio: float) -> Map
     half = dict(zip(names, (deviation * float(student.ppf(0.975, freedoms))).tolist(), strict=True))
     rms = float(np.sqrt(np.mean(np.square(left * error))))
     return MapFit(law, coordinates.values(x), half, rms)
+
+
+def static_names(law: Law) -> tuple[str, ...]:
+    """Return the parameters of a law that passes at constant speed tell."""
+    nominal = Usual(level=1.0, damping=1.0, speed=1.0, stroke=1.0, load=1.0)
+    return tuple(name for name in starts(law, nominal)[0] if name not in LEFT_AS_DECLARED | DYNAMIC)
 
 
 def arctan_procedure(points: FrictionMap, side: Side, gear_ratio: float) -> MapFit:

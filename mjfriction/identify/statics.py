@@ -5,7 +5,7 @@ from __future__ import annotations
 from mjfriction.errors import LogError
 from mjfriction.identify.fit import STATIC_SIBLING, LawFit
 from mjfriction.identify.friction_map import FrictionMap
-from mjfriction.identify.map_fit import MapFit, arctan_procedure, fit_map
+from mjfriction.identify.map_fit import MapFit, arctan_procedure, fit_map, static_names
 from mjfriction.laws.arctan import ARCTAN
 from mjfriction.laws.catalog import find_law
 from mjfriction.laws.law import Law
@@ -23,6 +23,17 @@ def statics_from_passes(fit: LawFit, points: FrictionMap) -> MapFit | None:
         return fit_map(points, law, fit.problem.side, _ratio(fit))
     except LogError:
         return None
+
+
+def why_not_from_passes(fit: LawFit, points: FrictionMap | None) -> str:
+    """Say why a fit's statics are not those of its joint's passes; nothing where it has none."""
+    if points is None:
+        return ""
+    law = _static(fit)
+    if law.reads or not law.odd:
+        return f"; the passes' differences do not tell {law.name}"
+    needed = len(static_names(law)) + 1
+    return f"; {points.speed.size} speeds were steady both ways, {law.name} needs {needed}"
 
 
 def statics_by_slope(fit: LawFit, points: FrictionMap | None) -> MapFit | None:

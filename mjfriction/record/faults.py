@@ -20,6 +20,7 @@ LONGEST_SINGLE = 2  # samples of a glitch
 WILD = 25.0  # times the usual departure from its neighbours' median from which on a sample is wild
 COMES_BACK = 0.3  # of a wild sample's height, that its neighbours may differ by
 WILD_SHARE = 0.02  # of a channel's range that it must depart by besides
+LEAST_WILD = 1e-9  # in any unit: less is the rounding of a simulation
 SHORTEST_STUCK = 20  # samples
 STUCK_SPEED = 0.4  # of the usual speed, just before or after a standstill, that no joint stops from at once
 NO_RUN_UP = 0.7  # of the speed further away, that a joint has right beside a standstill if it did not slow down for it
@@ -70,7 +71,7 @@ def glitches(values: Floats) -> Mask:
     departure = np.abs(values - around)
     usual = float(np.quantile(departure, 0.99)) + 1e-300
     spread = float(np.quantile(values, 0.99) - np.quantile(values, 0.01))
-    wild = (departure > WILD * usual) & (departure > WILD_SHARE * spread)
+    wild = departure > max(WILD * usual, WILD_SHARE * spread, LEAST_WILD)
     for start, stop in _runs(wild.astype(np.int64)):
         if wild[start] and (stop - start > LONGEST_SINGLE or not _there_and_back(values, start, stop)):
             wild[start:stop] = False

@@ -21,6 +21,8 @@ SHORTEST_PIECE = 60  # samples; shorter pieces are all edge
 EDGE_PERIODS = 3  # periods of the cutoff by which a piece is continued at both ends before it is filtered
 SETTLING_PERIODS = 3.0  # periods of the cutoff at each end of a piece that the filter's start and end touch
 STILL = 1e-5  # rad or m; a joint that travels less does not move to speak of
+HELD = 0.01  # of the fastest joint's speed and of the farthest one's travel: what stays below both is held, and gives
+USUALLY = 0.98  # of the time, for a controller that takes hold may let a joint drop
 AGREEMENT = 0.03  # measured velocity is believed when its gain is within this of the derivative of position
 LATEST = 0.1  # periods of the cutoff by which it may come late
 SURE = 3.0  # deviations of the velocity's noise beyond which the direction of motion is known
@@ -83,9 +85,14 @@ class Motion:
 
     @functools.cached_property
     def moving(self) -> NDArray[np.bool_]:
-        """Whether each joint moves anywhere in the log, shape (joints,)."""
+        """Whether each joint moves anywhere in the log, shape (joints,).
+
+        One that its drive holds while others move, and that only gives a little, does not.
+        """
         least = np.maximum(20.0 * self.velocity_noise / max(self.cutoff, 1.0), STILL)
-        return np.asarray(np.ptp(self.position, axis=0) > least)
+        travel, speed = np.ptp(self.position, axis=0), np.quantile(np.abs(self.velocity), USUALLY, axis=0)
+        held = (travel < HELD * np.max(travel)) & (speed < HELD * np.max(speed))
+        return np.asarray((travel > least) & ~held)
 
 
 def raw_noise(log: Log, quantity: str, joint: str, clock: Clock) -> float:

@@ -46,7 +46,8 @@ def identified_html(identification: Identification, report: Report) -> str:
         (entry, Markup(figure_html(friction_against_speed(identification, law), f"law-{k}")))
         for k, (entry, law) in enumerate(zip(report.identified, identification.laws, strict=True))
     ]
-    words = {"badge": "identified", "after": "identified", "verb": "identify"}
+    badge = "identified" if report.verdict != "unexplained" else "identified, not explained"
+    words = {"badge": badge, "after": "identified", "verb": "identify"}
     return _page("identified.html.j2", identification, report, [], {**words, "laws": laws})
 
 

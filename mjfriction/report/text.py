@@ -26,15 +26,15 @@ COLOURS = {"explained": "green", "consistent": "green", "ambiguous": "yellow", "
 def print_report(report: Report, console: Console) -> None:
     """Print verdict, joints and findings."""
     console.print(Text(report.verdict.upper(), style=f"bold {COLOURS[report.verdict]}"), Text(report.summary), sep="\n")
-    console.print()
-    band = f", below {report.band_hz:.3g} Hz" if report.band_hz else ""
-    console.print(Text(f"RMS error on motion not fitted{band}", style="italic"))
-    console.print(_joint_table(report))
+    if report.verdict != "bad_data":
+        console.print()
+        band = f", below {report.band_hz:.3g} Hz" if report.band_hz else ""
+        console.print(Text(f"RMS error on motion not fitted{band}", style="italic"))
+        console.print(_joint_table(report))
     for finding in report.findings:
         console.print()
         _print_finding(finding, console)
-    for problem in report.data_problems:
-        console.print(f"\n{problem.kind}: {problem.where}; {problem.action}")
+    _print_problems(report, console)
     moved = [entry for entry in report.adjustments if abs(entry.fitted - entry.stated) > 0.01 * abs(entry.stated)]
     if moved:
         values = ", ".join(f"{e.what} of {e.joint} {e.stated:.3g} → {e.fitted:.3g}" for e in moved)
@@ -59,7 +59,9 @@ def print_reproduced(found: Sequence[Reproduction], console: Console) -> None:
 
 def print_identified(report: Report, console: Console) -> None:
     """Print the laws of an identification."""
-    console.print(Text("IDENTIFIED", style="bold green"), Text(report.summary), sep="\n")
+    trusted = report.verdict != "unexplained"
+    head = Text("IDENTIFIED", style="bold green") if trusted else Text("IDENTIFIED, NOT EXPLAINED", style="bold red")
+    console.print(head, Text(report.summary), sep="\n")
     console.print()
     band = f", below {report.band_hz:.3g} Hz" if report.band_hz else ""
     console.print(Text(f"RMS error on motion not fitted{band}", style="italic"))
@@ -73,10 +75,16 @@ def print_identified(report: Report, console: Console) -> None:
         if not law.trusted:
             share = f"{100 * law.structure:.0f} % of what is left follows {law.follows}"
             console.print(f"  {share}: the law does not hold here")
-    for problem in report.data_problems:
-        console.print(f"\n{problem.kind}: {problem.where}; {problem.action}")
+    _print_problems(report, console)
     if report.not_examined:
         console.print(f"\nNot examined (no motion or no measurement): {', '.join(report.not_examined)}")
+
+
+def _print_problems(report: Report, console: Console) -> None:
+    if report.data_problems:
+        console.print("\nThe log:")
+    for problem in report.data_problems:
+        console.print(f"  {problem.kind}: {problem.where}; {problem.action}")
 
 
 def _print_parameter(parameter: ParameterEntry, console: Console) -> None:

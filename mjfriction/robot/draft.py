@@ -11,7 +11,7 @@ import tomli_w
 
 from mjfriction.body.model import load_body, single_axis_joints
 from mjfriction.errors import RobotError, suggestion
-from mjfriction.robot.robot import resolve_model
+from mjfriction.robot.robot import packaged_model, resolve_model
 
 HEAD = """\
 # A draft. What is left out is taken from the model file, or is none. Take the '#' away from what you know of the
@@ -45,7 +45,7 @@ def draft_robot(model: str, folder: Path, wanted: Sequence[str] | None = None) -
             f"{path}: the model has no hinge and no slide on a body of its own; joints that share a body need one each"
         )
     body = load_body(path, joints)
-    named = model if packaged else Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
+    named = model if packaged else packaged_model(path) or _seen_from(folder, path)
     lines = [HEAD, _line("name", path.stem), _line("model", named)]
     for i, name in enumerate(joints):
         unit = "m" if body.sliding[i] else "rad"
@@ -55,6 +55,10 @@ def draft_robot(model: str, folder: Path, wanted: Sequence[str] | None = None) -
         friction = FRICTION.format(body.dry_friction[i], body.damping[i])
         lines += ["", "[[joint]]", f"{_line('name', name)}  # {kind}{range_}", DRIVE, friction]
     return "\n".join(lines) + "\n"
+
+
+def _seen_from(folder: Path, path: Path) -> str:
+    return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
 
 
 def _line(key: str, value: str) -> str:

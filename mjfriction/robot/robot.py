@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sysconfig
 from dataclasses import dataclass, replace
 from importlib.resources import files
@@ -54,15 +55,20 @@ class Robot:
     def body(self) -> Body:
         """Read the rigid bodies: the model file with this robot's gravity, payload and rotor inertias."""
         payload = self.table.payload
-        body = load_body(
-            self.model_path,
-            self.joints,
-            gravity=self.table.gravity,
-            payload=Load(payload.mass, payload.com, payload.parent) if payload else None,
-            link_scale=self.table.link_scale,
-            link_shift=self.table.link_shift,
-            rotor_inertia=[joint.actuator.rotor_inertia * joint.actuator.gear_ratio**2 for joint in self.table.joint],
-        )
+        try:
+            body = load_body(
+                self.model_path,
+                self.joints,
+                gravity=self.table.gravity,
+                payload=Load(payload.mass, payload.com, payload.parent) if payload else None,
+                link_scale=self.table.link_scale,
+                link_shift=self.table.link_shift,
+                rotor_inertia=[
+                    joint.actuator.rotor_inertia * joint.actuator.gear_ratio**2 for joint in self.table.joint
+                ],
+            )
+        except RobotError as error:
+            raise RobotError(f"robot '{self.name}': {error}") from error
         stated = [joint.top_speed for joint in self.table.joint]
         top = [own or float(model) for own, model in zip(stated, body.top_speed, strict=True)]
         return replace(body, top_speed=np.array(top))
@@ -85,13 +91,25 @@ def resolve_model(model: str, folder: Path) -> Path:
     example-robot-data.  Raises :class:`RobotError` for any other package, and when that one is not installed.
     """
     if not model.startswith("package://"):
-        return folder / model
+        return Path(os.path.normpath(folder / model))
     if not model.startswith(EXAMPLE_ROBOT_DATA):
         raise RobotError(f"model '{model}': the one package that can be named is {EXAMPLE_ROBOT_DATA}…")
-    share = Path(sysconfig.get_paths()["purelib"]) / "cmeel.prefix" / "share" / "example-robot-data" / "robots"
+    share = _example_robots()
     if not share.is_dir():
         raise RobotError(f"model '{model}': example-robot-data is not installed; pip install example-robot-data")
     return share / model.removeprefix(EXAMPLE_ROBOT_DATA)
+
+
+def packaged_model(path: Path) -> str | None:
+    """Return the ``package://…`` name of a model file of the installed example-robot-data, None for any other file."""
+    share = _example_robots().resolve()
+    return (
+        EXAMPLE_ROBOT_DATA + path.resolve().relative_to(share).as_posix() if share in path.resolve().parents else None
+    )
+
+
+def _example_robots() -> Path:
+    return Path(sysconfig.get_paths()["purelib"]) / "cmeel.prefix" / "share" / "example-robot-data" / "robots"
 
 
 def bundled_robots() -> dict[str, Path]:

@@ -48,7 +48,8 @@ def test_diagnose_then_predict(tmp_path: Path, good: tuple[dict[str, np.ndarray]
     assert run.returncode == 0, run.stderr
     assert run.stderr == ""
     assert run.stdout.startswith("EXPLAINED")
-    assert max(len(line) for line in run.stdout.splitlines()) <= 80
+    # A place that was given is not broken across lines, so that it can be copied.
+    assert max(len(line) for line in run.stdout.splitlines() if str(out) not in line) <= 80
     assert {path.name for path in out.iterdir()} == {
         "report.json", "report.html", "recording.rrd", "robot.toml", "ur5_robot.urdf"
     }  # fmt: skip
@@ -128,7 +129,7 @@ def test_wrong_input_is_one_line_and_leaves_nothing(
         (["diagnos"], "No such command 'diagnos'"),
         (["diagnose", "--robt", "x"], "No such option: --robt"),
         (["diagnose", "a.csv", "--robot", "ur5"], "Missing option '--out'"),
-        (["predict", "a.csv", "--robot", "ur5", "--out", "p.csv"], "ends in .parquet"),
+        (["predict", "a.csv", "--robot", "ur5", "--out", "p.xls"], ".csv or .parquet"),
         (["view", "nowhere"], "there is no such recording"),
     ],
 )

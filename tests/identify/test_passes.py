@@ -248,3 +248,30 @@ def test_a_slow_axis_is_planned_for_at_its_own_speeds() -> None:
     assert np.max(speed) == pytest.approx(0.8 * 0.5, rel=0.02)  # of the 0.5 m/s that the robot file states
     assert np.max(np.abs(plan.trajectory.position)) <= 0.25
     assert "m/s" in plan.words[0]
+
+
+def test_joints_that_are_held_while_one_passes_are_not_identified() -> None:
+    # The others' drives take hold with a start and then give by what the elbow makes them: no motion of their own.
+    robot = read_robot("ur5")
+    plan = plan_passes(robot, ["elbow_joint"], count=6)
+    columns = simulate(robot, plan.trajectory, recorder=Recorder(250.0), seed=1)
+    assert np.ptp(columns["position.shoulder_lift_joint"]) > 0.0
+    found = identify_log(log_from_table(pa.table(columns), "passes"), robot)
+    assert [law.joint for law in found.laws] == ["elbow_joint"]
+    (law,) = found.laws
+    # Nothing is recorded with noise: what a richer law explains is a trace.
+    assert law.fit.law.name == "coulomb_viscous"
+    assert law.how == "forward and backward passes"
+    rest = {name for name in found.robot.joints if name != "elbow_joint"}
+    assert all(found.robot.joint(name).friction == robot.joint(name).friction for name in rest)
+
+
+def test_passes_that_cannot_tell_a_law_say_why() -> None:
+    robot = read_robot("ur5")
+    plan = plan_passes(robot, ["elbow_joint"], count=5)
+    columns = simulate(robot, plan.trajectory, recorder=Recorder(250.0), seed=1)
+    log = log_from_table(pa.table(columns), "passes")
+    (law,) = identify_log(log, robot, law="stribeck").laws
+    assert law.how == "free motion; 5 speeds were steady both ways, stribeck needs 6"
+    (law,) = identify_log(log, robot, law="asymmetric").laws
+    assert law.how == "free motion; the passes' differences do not tell asymmetric"

@@ -8,6 +8,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
+from mjfriction.record.faults import glitches
 from mjfriction.record.log import Log
 from mjfriction.record.readers.table import log_from_table
 
@@ -132,3 +133,12 @@ def test_rows_left_out_have_their_place_in_what_is_put_back() -> None:
     there = np.isfinite(back)
     assert np.count_nonzero(~there) == 300
     np.testing.assert_array_equal(back[there], whole[EFFORT][there])
+
+
+def test_the_rounding_of_a_simulation_is_no_glitch() -> None:
+    rng = np.random.default_rng(1)
+    held = 1e-16 * rng.normal(size=2000)
+    held[700] = 1e-12
+    assert not np.any(glitches(held))
+    held[700] = 1e-3
+    assert np.flatnonzero(glitches(held)).tolist() == [700]

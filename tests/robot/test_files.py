@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from mjfriction.errors import RobotError
 from mjfriction.laws.ambient import ambient
+from mjfriction.robot.draft import draft_robot
 from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.friction import (
     raised_levels,
@@ -202,3 +203,15 @@ def test_a_wave_of_friction_is_carried_by_a_law_whatever_the_joint_has(name: str
     laws = [law.law.name for law in robot_laws(robot)[joint]]
     assert laws.count("position_dependent") == 1
     assert len(robot.joint(joint).friction_waves) == 2
+
+
+def test_an_installed_model_is_named_by_its_package() -> None:
+    text = draft_robot(str(read_robot("z1").model_path), Path("anywhere"))
+    assert 'model = "package://example-robot-data/z1_description/' in text
+
+
+def test_a_joint_that_the_model_lacks_is_said_of_the_robot(tmp_path: Path) -> None:
+    model = read_robot("z1").table.model
+    (tmp_path / "robot.toml").write_text(f'name = "mine"\nmodel = "{model}"\n[[joint]]\nname = "joint_3"\n')
+    with pytest.raises(RobotError, match=r"robot 'mine': .*joint_3"):
+        read_robot(tmp_path / "robot.toml").body()

@@ -67,8 +67,8 @@ class Cause(ABC):
     ] = ()  # causes that are the other half of the same thing, asked for once this is found
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Return where the cause may sit, with a starting grid of shapes: by default every examined, moving joint."""
-        return [Site(joint) for joint in gap.examined if gap.motion.moving[joint]]
+        """Return where the cause may sit, with a starting grid of shapes: by default every examined joint."""
+        return [Site(joint) for joint in gap.examined]
 
     @abstractmethod
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
