@@ -12,6 +12,7 @@ from mjfriction.diagnose.findings import make_findings
 from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.diagnose.stated import settle
+from mjfriction.diagnose.stroke_curve import stroke_curves
 from mjfriction.diagnose.untold import find_untold
 from mjfriction.diagnose.verdict import faults_in_words, reach_verdict, summarize, unexplained
 from mjfriction.identify.gap import measure_gap
@@ -38,8 +39,9 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     model = settled.model
     heldout = model.heldout_residual()
     after = tuple(find_structure(gap, heldout))
-    remaining = tuple(unexplained(gap, after, heldout))
-    untold = find_untold(settled, remaining, heldout)
+    curves = stroke_curves(model, heldout)
+    remaining = tuple(unexplained(gap, after, heldout, curves))
+    untold = find_untold(settled, remaining, curves, heldout)
     findings, experiment = make_findings(settled, untold, field, heldout, seed)
     joints = tuple(joint_error(gap, joint, model.residual(), heldout) for joint in gap.examined)
     verdict = Verdict.BAD_DATA if faults else reach_verdict(findings, remaining)

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.links import LinkScale
 from mjfriction.diagnose.model import Chosen, Key, Model, build_model, cause_block, partners
 from mjfriction.diagnose.stated import Settled, without_links
+from mjfriction.diagnose.stroke_curve import StrokeCurve
 from mjfriction.diagnose.trial import LEAST_EFFECT, effect
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
 from mjfriction.record.log import Floats
 
 LEAST_SEEN = 0.15  # of the mean square that is left at a joint, that a cause must take away there: 0.4 of the noise
-DROWNED = 0.5  # of the mean square that is left unexplained at a joint, if any, that it must take away
+DROWNED = 1.0  # of the mean square that is left unexplained at a joint, if any, that it must take away
 
 
 @dataclass(frozen=True)
@@ -26,17 +27,21 @@ class Untold:
     left: dict[int, float]
 
 
-def find_untold(settled: Settled, remaining: tuple[Structure, ...], heldout: Floats) -> Untold:
+def find_untold(
+    settled: Settled, remaining: tuple[Structure, ...], curves: Sequence[StrokeCurve], heldout: Floats
+) -> Untold:
     """Return which causes of a settled model are no findings.
 
     What is next to nothing of the effort, or hardly shows beside what is left on motion not fitted (``heldout``, rows
     by joints), may be what the larger causes leave by a percent of misfit.  And a course that no cause is,
     ``remaining``, can be told in part by many: a hum looks a little like a late effort, a load that swings like a
-    spring.  The other half of a cause that is told was asked for by name, and is told too.
+    spring; and what only spells out one of ``curves`` tells of nothing else.  The other half of a cause that is told
+    was asked for by name, and is told too.
     """
     model, strengths = settled.model, settled.model.strengths
     gap = model.gap
-    left = {gap.robot.joints.index(entry.joint): entry.share for entry in remaining}
+    spelt = {curve.structure.joint for curve in curves}
+    left = {gap.robot.joints.index(entry.joint): entry.share for entry in remaining if entry.joint not in spelt}
     common = {
         choice.key
         for choice, place in zip(model.chosen, model.places, strict=True)
@@ -54,7 +59,8 @@ def find_untold(settled: Settled, remaining: tuple[Structure, ...], heldout: Flo
                 small.add(choice.key)
     told = [choice for choice in model.chosen if choice.key not in common | small]
     asked = {choice.key for choice in model.chosen if partners(choice, told)}
-    return Untold(frozenset(common | (small - asked)), left)
+    spelling = frozenset(key for curve in curves for key in curve.keys)
+    return Untold(frozenset(common | (small - asked)) | spelling, left)
 
 
 def without_cause(model: Model, choice: Chosen) -> Model:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from mjfriction.diagnose.outcome import Finding, Verdict
+from mjfriction.diagnose.stroke_curve import StrokeCurve
 from mjfriction.identify.colour import coloured_share
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.joint_error import JointError
@@ -23,16 +26,20 @@ FAR_ABOVE_NOISE = 5.0  # times the sensor's noise
 REFITTED = 0.8  # of an error that is left when refitted values are worth a word
 
 
-def unexplained(gap: Gap, after: tuple[Structure, ...], heldout: Floats) -> list[Structure]:
+def unexplained(
+    gap: Gap, after: tuple[Structure, ...], heldout: Floats, curves: Sequence[StrokeCurve] = ()
+) -> list[Structure]:
     """Return, for each joint where too much is left on motion not fitted, what it follows most.
 
-    ``after`` are the structured shares of ``heldout`` (rows, joints).
+    ``after`` are the structured shares of ``heldout`` (rows, joints); ``curves`` along strokes are no cause's.
     """
-    out = []
+    out = [one.structure for one in curves]
+    spelt = {structure.joint for structure in out}
     for joint in gap.examined:
         name = gap.robot.joints[joint]
-        curves = [entry for entry in after if entry.joint == name]
-        curve = max(curves, key=lambda entry: entry.share)
+        if name in spelt:
+            continue
+        curve = max((entry for entry in after if entry.joint == name), key=lambda entry: entry.share)
         course = Structure(name, NOTHING, coloured_share(gap, joint, heldout[:, joint]))
         left = gap.rms(heldout[:, joint], joint)
         effort = gap.rms(gap.measured[:, joint], joint)

@@ -34,7 +34,7 @@ def find_structure(gap: Gap, residual: Floats) -> list[Structure]:
         for covariate in COVARIATES:
             values = covariate_rows(gap, joint, covariate)
             if np.ptp(values) > 0.0:
-                share = _share(gap, joint, values, residual)
+                share = curve_share(gap, joint, values, residual)
                 out.append(Structure(gap.robot.joints[joint], covariate, share))
     return out
 
@@ -52,7 +52,10 @@ def covariate_rows(gap: Gap, joint: int, covariate: str) -> Floats:
     return gap.chain.time if covariate == "time" else gap.chain.rows(sources[covariate])
 
 
-def _share(gap: Gap, joint: int, values: Floats, residual: Floats) -> float:
+def curve_share(gap: Gap, joint: int, values: Floats, residual: Floats) -> float:
+    """Return the share of a joint's ``residual`` (rows, joints), squared, that a smooth curve over ``values`` (rows,)
+    predicts on motion not fitted; noise gives 0 or a little less.
+    """
     target = np.zeros_like(residual)
     weight = np.zeros_like(residual)
     target[:, joint] = residual[:, joint]

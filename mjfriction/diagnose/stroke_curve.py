@@ -1,0 +1,46 @@
+"""Waves and a spring that only spell out a curve along the stroke, which no cause is: a soft stop, say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mjfriction.diagnose.causes.spring import Spring
+from mjfriction.diagnose.causes.waves import Cogging
+from mjfriction.diagnose.model import Key, Model
+from mjfriction.identify.structure import Structure, covariate_rows, curve_share
+from mjfriction.record.log import Floats
+
+FEWEST = 2  # causes along the position, waves among them, that may be one curve
+AS_GOOD = 0.97  # of what they take off the mean square, that a smooth curve takes too
+
+
+@dataclass(frozen=True)
+class StrokeCurve:
+    """A curve along one joint's stroke: the causes that spell it (``keys``), and how much of the error it is."""
+
+    keys: frozenset[Key]
+    structure: Structure
+
+
+def stroke_curves(model: Model, heldout: Floats) -> list[StrokeCurve]:
+    """Return the curves among a model's causes; ``heldout`` (rows, joints) is what it leaves on motion not fitted.
+
+    One wave is a wave, and so are those of gears and poles, too short for a smooth curve to follow.  But several waves
+    of a few periods over the stroke, or some with a spring, that one smooth curve over position does as well as, say
+    nothing of gears or poles.
+    """
+    gap, out = model.gap, []
+    for joint in gap.examined:
+        own = [c for c in model.chosen if c.site.joint == joint and isinstance(c.cause, Cogging | Spring)]
+        if len(own) < FEWEST or not any(isinstance(choice.cause, Cogging) for choice in own):
+            continue
+        without = model
+        for choice in own:
+            without = without.without(choice)
+        before = without.heldout_residual()
+        taken = 1.0 - (gap.rms(heldout[:, joint], joint) / max(gap.rms(before[:, joint], joint), 1e-300)) ** 2
+        share = curve_share(gap, joint, covariate_rows(gap, joint, "position"), before)
+        if share > AS_GOOD * taken:
+            structure = Structure(gap.robot.joints[joint], "position", share)
+            out.append(StrokeCurve(frozenset(choice.key for choice in own), structure))
+    return out

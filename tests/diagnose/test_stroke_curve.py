@@ -1,0 +1,44 @@
+"""What pushes back at one end of a stroke is spelt out by waves and a spring, and is neither."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mjfriction.diagnose import stroke_curve
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import Effect, Machine, write_case
+
+PAN = 0
+
+
+def diagnosed(folder: Path, effect: Effect) -> Diagnosis:
+    log, robot = write_case(folder, Machine(hidden={PAN: effect}), seed=21)
+    return diagnose_log(read_log(log), read_robot(robot))
+
+
+def test_a_soft_stop_is_left_open(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stop(i):  # type: ignore[no-untyped-def]
+        begin = np.max(i.q) - 0.5 * np.ptp(i.q)
+        return 4.0 * np.maximum(i.q - begin, 0.0)
+
+    found = diagnosed(tmp_path / "as it is", stop)
+    assert found.verdict is Verdict.UNEXPLAINED
+    assert found.findings == ()
+    (left,) = found.remaining
+    assert (left.joint, left.covariate) == ("shoulder_pan_joint", "position")
+    # What spells the curve out is built in all the same, for it predicts.
+    (pan,) = [error for error in found.joints if error.joint == "shoulder_pan_joint"]
+    assert pan.rms_heldout_after < 0.6 * pan.rms_heldout_before
+    monkeypatch.setattr(stroke_curve, "AS_GOOD", np.inf)
+    assert diagnosed(tmp_path / "without", stop).verdict is Verdict.EXPLAINED
+
+
+def test_waves_of_a_gear_beside_a_spring_stay_what_they_are(tmp_path: Path) -> None:
+    found = diagnosed(tmp_path, lambda i: 2.5 * np.cos(17.0 * i.q) + 9.0 * i.q)
+    assert {finding.cause for finding in found.findings} == {"drive.cogging", "body.spring"}
