@@ -77,7 +77,7 @@ def test_every_page_that_is_named_is_there() -> None:
 def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"makes less than {100 * LEAST_EFFECT:g} % of the effort, or takes less than {100 * LEAST_SEEN:g} %" in told
-    assert (DROWNED, ROOM, COLOURED) == (0.5, 0.5, 0.5), "the page says half as much, half of the effect, half of it"
+    assert (DROWNED, ROOM, COLOURED) == (1.0, 0.5, 0.5), "the page says as much, half of the effect, half of it"
     assert f"more than {100 * LEAST_NOTED:g} %, and by more than {100 * SURELY:g} %" in told
     assert f"({100 * RINGING:g} % of the fastest speed" in told
     assert f"at least {100 * LEAST_KIN_EFFECT:g} % of the joint's effort" in told

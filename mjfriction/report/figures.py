@@ -84,11 +84,11 @@ def styled(figure: go.Figure, height: int) -> go.Figure:
     figure.update_yaxes(**grid)
     return figure.update_layout(
         height=height,
-        margin={"l": 60, "r": 15, "t": 35, "b": 50},
+        margin={"l": 60, "r": 15, "t": 60, "b": 50},
         paper_bgcolor="rgba(0,0,0,0)",
         plot_bgcolor="rgba(0,0,0,0)",
         font={"color": INK, "family": "system-ui, sans-serif", "size": 13},
-        legend={"orientation": "h", "y": 1.12},
+        legend={"orientation": "h", "yanchor": "bottom", "y": 1.06, "font": {"size": 12}},
         barmode="group",
     )
 

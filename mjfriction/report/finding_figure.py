@@ -16,7 +16,7 @@ from mjfriction.identify.structure import covariate_rows
 from mjfriction.record.log import Floats
 from mjfriction.report.figures import AFTER, BEFORE, INK, joint_unit, styled, thinned
 
-SIDES = (("as stated", BEFORE), ("extended, on motion not fitted", AFTER))
+SIDES = (("as stated", BEFORE), ("extended", AFTER))
 BINS = 40
 UNITS = {
     "velocity": ("rad/s", "m/s"),
