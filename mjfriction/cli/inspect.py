@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from mjfriction.cli.logs import GUESS, guess_of, read_logs
+from mjfriction.cli.logs import GUESS, columns_of, guess_of, is_log, read_logs
 from mjfriction.cli.options import Json, LogPath, MapSource
 from mjfriction.cli.progress import working
 
@@ -38,7 +38,7 @@ def inspect(
     from rich.console import Console
 
     from mjfriction.errors import LogError
-    from mjfriction.record.mapping import Mapping
+    from mjfriction.record.mapping import Mapping, template
     from mjfriction.report.folder import whole_file
     from mjfriction.report.inspected import inspected_table
     from mjfriction.report.text import WIDTH, print_inspected, print_mapping
@@ -49,7 +49,15 @@ def inspect(
     console = Console(width=WIDTH, highlight=False, soft_wrap=False)
     guess: Mapping | None = guess_of(log, joints) if map_ in (None, GUESS) else None
     if write_map is not None and guess is None:
-        raise LogError(f"{log}: no columns to guess: they have a log's names already, or none that is known")
+        names = columns_of(log)
+        if is_log(names):
+            raise LogError(f"{log}: no columns to guess: they have a log's names already")
+        with whole_file(write_map) as draft:
+            draft.write_text(template(names, joints if model is not None else joints[:2]), encoding="utf-8")
+        raise LogError(
+            f"{log}: the names of its columns tell too little ({', '.join(names[:6])}{', …' * (len(names) > 6)}); "
+            f"{write_map} has a line for each that is needed: fill it in, and give it with --map"
+        )
     if guess is not None and not json:
         print_mapping(guess, log, write_map, console)
     with working("looking"):

@@ -41,17 +41,31 @@ def guess_of(path: Path, joints: Sequence[str]) -> Mapping | None:
     from mjfriction.errors import LogError
     from mjfriction.record.log import POSITION
     from mjfriction.record.mapping import TIME, guess_mapping
-    from mjfriction.record.readers import read_table
 
     try:
-        names = [name.strip() for name in read_table(path).schema.names]
+        names = columns_of(path)
     except LogError:
         return None
-    if TIME in names and any(name.startswith(f"{POSITION}.") for name in names):
+    if is_log(names):
         return None
     guess = guess_mapping(names, joints)
     complete = TIME in guess.sources and any(name.startswith(f"{POSITION}.") for name in guess.sources)
     return guess if complete else None
+
+
+def columns_of(path: Path) -> list[str]:
+    """Return the names of a file's columns; :class:`~mjfriction.errors.LogError` where it cannot be read."""
+    from mjfriction.record.readers import read_table
+
+    return [name.strip() for name in read_table(path).schema.names]
+
+
+def is_log(names: Sequence[str]) -> bool:
+    """Return whether columns of these names make a log as they stand."""
+    from mjfriction.record.log import POSITION
+    from mjfriction.record.mapping import TIME
+
+    return TIME in names and any(name.startswith(f"{POSITION}.") for name in names)
 
 
 def _mapping(path: Path, joints: Sequence[str], mapping: str | None) -> Mapping | None:

@@ -120,6 +120,8 @@ def read_mapping(path: Path) -> Mapping:
             f"{path}: '{place}': a column's name is allowed, or a table of column, scale and offset; names with a dot "
             f'stand in quotes: "position.elbow" = "q3"'
         ) from None
+    if not table:
+        raise LogError(f"{path}: names no column; fill in a line for each, as docs/logs.md shows")
     for own in table:
         if own not in (TIME, SEGMENT, SUPPLY_PRESSURE) and own.partition(".")[0] not in KNOWN:
             raise LogError(f"{path}: '{own}' is no column of a log; allowed are time, segment and {', '.join(KNOWN)}")
@@ -161,6 +163,15 @@ def guess_mapping(names: Sequence[str], joints: Sequence[str]) -> Mapping:
         if number - first[quantity] < len(joints):
             found.setdefault(f"{quantity}.{joints[number - first[quantity]]}", source)
     return Mapping(found)
+
+
+def template(names: Sequence[str], joints: Sequence[str]) -> str:
+    """Return the text of a mapping file to fill in: every column that is needed, beside the names there are."""
+    wanted = [TIME, *(f"{quantity}.{joint}" for joint in joints for quantity in (POSITION, EFFORT))]
+    lines = ["# Take the '#' away and put in the column's name. The file's columns are:"]
+    lines += [f"#   {name}" for name in names]
+    lines += ['# A column in another unit: { column = "...", scale = 0.0174532925 } turns degrees into radians.', ""]
+    return "\n".join([*lines, *(f'# "{own}" = "..."' for own in wanted)]) + "\n"
 
 
 def _words(name: str) -> list[str]:

@@ -77,3 +77,26 @@ def test_there_is_nothing_to_guess(case: Path, tmp_path: Path) -> None:
     assert done.returncode == 2
     assert "no columns to guess" in done.stderr
     assert list(tmp_path.iterdir()) == []
+
+
+def test_names_that_tell_nothing_give_a_mapping_to_fill_in(case: Path, tmp_path: Path) -> None:
+    columns = (case / "log.csv").read_text().splitlines()
+    names = columns[0].replace('"', "").split(",")
+    odd = tmp_path / "odd.csv"
+    odd.write_text("\n".join([",".join(f"c{chr(97 + k)}" for k in range(len(names))), *columns[1:]]) + "\n")
+    kept = tmp_path / "columns.toml"
+    done = mjfriction("inspect", odd, "--robot", case / "robot.toml", "--write-map", kept)
+    assert done.returncode == 2
+    assert "ca, cb" in done.stderr
+    assert done.stderr.count("\n") == 1
+    text = kept.read_text()
+    assert "#   ca" in text
+    done = mjfriction("inspect", odd, "--robot", case / "robot.toml", "--map", kept)
+    assert "names no column" in done.stderr
+    # Filled in with the right columns, it is what was meant.
+    for k, name in enumerate(names):
+        text = text.replace(f'# "{name}" = "..."', f'"{name}" = "c{chr(97 + k)}"')
+    kept.write_text(text)
+    done = mjfriction("predict", odd, "--robot", case / "robot.toml", "--out", tmp_path / "p.csv", "--map", kept)
+    assert done.returncode == 0, done.stderr
+    assert "RMS error" in done.stdout
