@@ -1,11 +1,17 @@
-"""How long work tells what it is at: a function of one sentence, which does nothing unless someone watches."""
+"""How long work tells what it is at; nobody hears it unless someone watches."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-Tell = Callable[[str], None]
+from typing import Protocol
 
 
-def silently(_: str) -> None:
+class Tell(Protocol):
+    """Hears what is going on: ``step`` in a few words, and how much of the whole is ``done``, 0 to 1, where known."""
+
+    def __call__(self, step: str, done: float | None = None) -> None:
+        """Hear it."""
+        ...
+
+
+def silently(step: str, done: float | None = None) -> None:
     """Tell nobody."""

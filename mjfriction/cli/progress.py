@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+
+from mjfriction.progress import Tell, silently
 
 
 @contextlib.contextmanager
@@ -20,15 +22,29 @@ def working(what: str) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def telling() -> Iterator[Callable[[str], None]]:
-    """Give a function that tells a person who watches what is going on now, and for how long it has been going on."""
+def telling() -> Iterator[Tell]:
+    """Give what tells a person who watches what is going on, since when, and about how long it will be."""
     if not sys.stderr.isatty():
-        yield lambda _: None
+        yield silently
         return
     from rich.console import Console
-    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=20),
+        TimeElapsedColumn(),
+        TextColumn("left about"),
+        TimeRemainingColumn(),
+    )
     with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("beginning", total=None)
-        yield lambda step: progress.update(task, description=step)
+
+        def tell(step: str, done: float | None = None) -> None:
+            if done is None:
+                progress.update(task, description=step)
+            else:
+                progress.update(task, description=step, total=1.0, completed=done)
+
+        yield tell

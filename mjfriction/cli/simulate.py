@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from mjfriction.cli.options import RobotSource
-from mjfriction.cli.progress import working
+from mjfriction.cli.progress import telling, working
 
 TrajectorySource = Annotated[
     Path,
@@ -88,7 +88,7 @@ def simulate(
     from mjfriction.robot.files import read_robot
 
     check_table_name(out, "a log")
-    with working("simulating"):
+    with telling() as tell:
         machine, course = read_robot(robot), read_trajectory(trajectory)
         recorder = Recorder(rate, jitter, velocity, CURRENT if current else EFFORT)
         run = run_machine(
@@ -105,6 +105,7 @@ def simulate(
             ),
             read_robot(controller) if controller else None,
             whole=recording is not None,
+            tell=tell,
         )
         table = pyarrow.table(log_columns(machine, course, recorder, run, seed))
     if recording is None:

@@ -72,6 +72,9 @@ def size(field: Field) -> int:
     return sum(len(entrant.sites) for entrant in field)
 
 
+SEARCHED, FURTHER = 0.8, 0.7  # of a diagnosis, that is search; of what is left of it, that each cause found leaves
+
+
 def compete(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silently) -> Model:
     """Choose the causes that the log shows, strongest first.
 
@@ -103,7 +106,7 @@ def _narrowed(field: Field, refused: list[Chosen]) -> Field:
 def _forward(gap: Gap, nuisance: Nuisance, field: Field, count: int, tell: Tell) -> Model:
     model = build_model(gap, nuisance, ())
     while len(model.chosen) < MOST_CAUSES:
-        tell(f"searching for causes, {len(model.chosen)} so far")
+        tell(f"searching for causes, {len(model.chosen)} so far", SEARCHED * (1.0 - FURTHER ** (1 + len(model.chosen))))
         passing = _passing(model, field, count)
         if not passing:
             break

@@ -22,6 +22,8 @@ from mjfriction.progress import Tell, silently
 from mjfriction.record.log import Log
 from mjfriction.robot.robot import Robot
 
+PROVING = 0.85  # of the work, that is done before the proof
+
 
 def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently) -> Diagnosis:
     """Hold a log against a robot and say what the robot gets wrong.
@@ -29,13 +31,13 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     ``seed`` sets the resampling behind the intervals of the gains; ``tell`` is told each step.  Raises
     :class:`~mjfriction.errors.LogError` or :class:`~mjfriction.errors.RobotError` when either cannot be used.
     """
-    tell("measuring the gap")
+    tell("measuring the gap", 0.0)
     gap = measure_gap(log, robot)
     faults = tuple(find_faults(gap))
     field = make_field(gap, () if faults else STRUCTURAL)
     nuisance = Nuisance((), ()) if faults else make_nuisance(gap)
     settled = settle(compete(gap, nuisance, field, tell), field)
-    tell("proving what was found")
+    tell("proving what was found", PROVING)
     model = settled.model
     heldout = model.heldout_residual()
     after = tuple(find_structure(gap, heldout))
@@ -43,7 +45,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     remaining = tuple(unexplained(gap, after, heldout, curves))
     untold = find_untold(settled, remaining, curves, heldout)
     findings, experiment = make_findings(settled, untold, field, heldout, seed)
-    joints = tuple(joint_error(gap, joint, model.residual(), heldout) for joint in gap.examined)
+    joints = tuple(joint_error(gap, joint, model.residual(), heldout, seed) for joint in gap.examined)
     verdict = Verdict.BAD_DATA if faults else reach_verdict(findings, remaining)
     return Diagnosis(
         gap=gap,

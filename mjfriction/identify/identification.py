@@ -53,7 +53,7 @@ def identify_log(
     :class:`~mjfriction.errors.LawError` when log, robot or law cannot be used.
     """
     names = CANDIDATES if law is None else (find_law(law).name,)
-    tell("measuring the gap")
+    tell("measuring the gap", 0.0)
     stated = measure_gap(log, robot)
     joints = [j for j in stated.examined if np.ptp(stated.measured[:, j]) > 0.0]
     if not joints:
@@ -84,7 +84,10 @@ def identify_log(
         if not fits:
             results: list[tuple[Choice, list[Choice]]] = []
             for problem in problems:
-                tell(f"fitting laws, joint {len(results) + 1} of {len(problems)}")
+                tell(
+                    f"fitting laws, joint {len(results) + 1} of {len(problems)}",
+                    0.1 + 0.7 * len(results) / len(problems),
+                )
                 results.append(choose_law(problem, names))
             fits, tried = [best.fit for best, _ in results], [all_of for _, all_of in results]
             fits = [_from_passes(fit, maps.get(fit.problem.joint)) or fit for fit in fits]

@@ -5,13 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mjfriction.identify.gap import Gap
+from mjfriction.identify.proof import gain_at
 from mjfriction.record.log import Floats
 from mjfriction.robot.effort import reported_unit
 
 
 @dataclass(frozen=True)
 class JointError:
-    """RMS error of one joint before and after, fitted and held out, in the unit of what its drive reports."""
+    """RMS error of one joint before and after, fitted and held out, in the unit of what its drive reports, and the 95 %
+    interval of 1 − after/before, held out.
+    """
 
     joint: str
     signal: str
@@ -21,12 +24,14 @@ class JointError:
     rms_heldout_before: float
     rms_heldout_after: float
     noise_floor: float
+    reduction_ci95: tuple[float, float]
 
 
-def joint_error(gap: Gap, joint: int, residual_after: Floats, heldout: Floats) -> JointError:
+def joint_error(gap: Gap, joint: int, residual_after: Floats, heldout: Floats, seed: int = 0) -> JointError:
     """Return the errors of an examined joint: of the gap's robot, and of what another leaves of the same rows, fitted
-    and held out, (rows, joints).
+    and held out, (rows, joints); ``seed`` sets the resampling behind the interval of the reduction.
     """
+    gain = gain_at(gap, gap.residual, heldout, joint, seed)
     unit = abs(float(gap.per_reported[joint]))
     quantity = gap.motion.quantity[joint]
     assert quantity is not None, "examined joints have a measurement"
@@ -40,4 +45,5 @@ def joint_error(gap: Gap, joint: int, residual_after: Floats, heldout: Floats) -
         rms_heldout_before=before,
         rms_heldout_after=gap.rms(heldout[:, joint], joint) / unit,
         noise_floor=float(gap.noise_floor[joint]) / unit,
+        reduction_ci95=(gain.low, gain.high),
     )

@@ -18,6 +18,7 @@ from mjfriction.plant.passive import Passive, has_passive
 from mjfriction.plant.sensors import Recorder, record
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.plant.varying import Surrounding, Varying, varies, with_pressed_seals, with_room_to_vary
+from mjfriction.progress import Tell, silently
 from mjfriction.record.log import PUSH, VOLTAGE
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Spring
@@ -84,10 +85,11 @@ def run_machine(
     controller_robot: Robot | None = None,
     *,
     whole: bool = False,
+    tell: Tell = silently,
 ) -> Run:
     """Run a robot along a trajectory, at least ``rate`` steps a second, and return what it did at every step.
 
-    With ``whole`` friction's states are kept, for pictures.
+    With ``whole`` friction's states are kept, for pictures; ``tell`` hears how far it is.
     """
     _check(robot, trajectory)
     control, body = control or Control(), robot.body()
@@ -115,6 +117,7 @@ def run_machine(
         around=surrounding,
         laws_at=Varying(robot, surrounding, time, step) if any(map(varies, robot.table.joint)) else None,
         whole=whole,
+        tell=tell,
     )
     notes = [note for name, cylinder in cylinders.items() for note in cylinder.notes(time, name)]
     if control.observer is not None or control.friction == "law":

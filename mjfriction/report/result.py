@@ -37,6 +37,7 @@ class JointEntry(Entry):
     rms_heldout_before: Number
     rms_heldout_after: Number
     noise_floor: Number
+    reduction_ci95: Interval | None = None
 
 
 class ParameterEntry(Entry):

@@ -11,6 +11,7 @@ import numpy as np
 
 from mjfriction.errors import SimulationError
 from mjfriction.laws.law import Floats
+from mjfriction.progress import Tell, silently
 from mjfriction.sim.attach import Laws, attach, rewrite
 from mjfriction.sim.callback import friction_active
 from mjfriction.sim.messages import messages_dropped
@@ -19,6 +20,7 @@ from mjfriction.sim.reading import BROKEN, read_friction
 GIVE = "{}_give"  # the joint behind a transmission's own: how far the link is ahead of its motor
 STOP_TIME = 2.0  # time steps: the stiffest stop that MuJoCo's solver takes
 SETTLING = 0.5  # s
+TELLING = 5000  # steps, after which a run tells how far it is
 GIVE_DAMPING = 0.1  # of critical, of the link on its compliant transmission
 
 
@@ -68,12 +70,13 @@ def play(
     around: Callable[[int], Around] | None = None,
     laws_at: Callable[[int], Laws | None] | None = None,
     whole: bool = False,
+    tell: Tell = silently,
 ) -> Played:
     """Run a model for a number of steps and return what happened at the beginning of every one.
 
     ``start`` are position and velocity (2, joints).  The torque of a step is held through it.  ``around`` is asked,
     after the drive, for what surrounds the joints; ``laws_at`` may give other laws (of the same kinds) for a step on;
-    with ``whole`` the friction laws' states are kept.
+    with ``whole`` the friction laws' states are kept; ``tell`` hears how far it is.
 
     Raises :class:`SimulationError` when the run leaves what can be computed: the joint and the time.
     """
@@ -98,6 +101,8 @@ def play(
     applied = np.zeros(model.nv)
     with friction_active(), messages_dropped():
         for step_number in range(-settling, count):
+            if step_number % TELLING == 0:
+                tell("simulating", max(step_number, 0) / count)
             k = max(step_number, 0)  # what gives first takes up its load, at the course's beginning
             position, velocity = data.qpos[places], data.qvel[dofs]
             torque = drive(k, position, velocity)

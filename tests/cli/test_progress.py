@@ -1,0 +1,63 @@
+"""Long work tells a person at a terminal how far it is, and says nothing in a pipe."""
+
+from __future__ import annotations
+
+import os
+import pty
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from mjfriction.plant.machine import run_machine
+from mjfriction.plant.motions import sine
+from mjfriction.robot.files import read_robot
+
+
+def test_a_run_tells_how_far_it_is() -> None:
+    told: list[tuple[str, float | None]] = []
+    robot = read_robot("linear_axis")
+    run_machine(
+        robot, sine("axis", 0.0, 0.05, 0.5, 8.0), 2000.0, tell=lambda step, done=None: told.append((step, done))
+    )
+    shares = [done for _, done in told]
+    assert len(shares) > 2
+    assert shares[0] == 0.0
+    assert np.all(np.diff(shares) > 0.0)
+    assert shares[-1] < 1.0
+
+
+def test_a_terminal_sees_the_time_that_is_left(tmp_path: Path) -> None:
+    time = np.linspace(0.0, 40.0, 400)
+    course = "\n".join(["time,position.axis", *(f"{t:.4f},{0.05 * np.sin(t):.6f}" for t in time)])
+    (tmp_path / "motion.csv").write_text(course + "\n")
+    words = [
+        "simulate",
+        "--robot",
+        "linear_axis",
+        "--trajectory",
+        "motion.csv",
+        "--out",
+        "run.parquet",
+        "--rate",
+        "4000",
+    ]
+    command = [sys.executable, "-c", "from mjfriction.cli.main import run; run()", *words]
+    screen, terminal = pty.openpty()
+    done = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=terminal)
+    os.close(terminal)
+    seen = b""
+    while True:
+        try:
+            piece = os.read(screen, 4096)
+        except OSError:  # the other end is closed
+            break
+        if not piece:
+            break
+        seen += piece
+    assert done.wait() == 0
+    assert b"simulating" in seen
+    assert b"left about" in seen
+    quiet = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert quiet.stderr == ""
