@@ -123,6 +123,7 @@ def test_play_is_a_delay_unless_the_blows_with_which_links_land_are_kept_out(mon
     assert named(diagnosed(case)) == {("sensor.delay", "wrist_2_joint")}
 
 
+@pytest.mark.bench
 def test_a_play_of_a_third_of_a_millimetre_is_found() -> None:
     setting = Setting("linear_axis", seconds=40.0, rate=500.0, noise=0.05, off=0.03)
     case = make_case(9, setting, (draw_of("drive.backlash"),), SEVERITY["large"])

@@ -232,6 +232,7 @@ def test_what_no_cause_fits_is_unexplained_and_placed(tmp_path: Path) -> None:
     assert "elbow_joint" in diagnosis.summary
 
 
+@pytest.mark.bench
 def test_care_for_reversals_is_what_keeps_a_delay_away(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # A simulated arm whose elbow sticks and breaks loose; rows near that, believed like all others, look late.
     log = tmp_path / "log.parquet"
