@@ -17,6 +17,7 @@ import typer
 from mjfriction.cli.main import app
 from mjfriction.record.readers import read_log
 from scripts.make_schema import schema
+from tests.cli.here import mjfriction_here
 from tests.hidden.machine import UR5_JOINTS, Machine, record, robot_toml
 
 
@@ -116,7 +117,7 @@ def test_wrong_input_is_one_line_and_leaves_nothing(
     log, robot = place(tmp_path, good, **changed)
     before = sorted(tmp_path.iterdir())
     out = tmp_path / (other_out[0] if other_out else "out")
-    run = mjfriction("diagnose", tmp_path / (other_log or log.name), "--robot", other_robot or robot, "--out", out)
+    run = mjfriction_here("diagnose", tmp_path / (other_log or log.name), "--robot", other_robot or robot, "--out", out)
     assert run.returncode == 2, (run.stdout, run.stderr)
     assert run.stdout == ""
     assert run.stderr.startswith("mjfriction: ")
@@ -136,7 +137,7 @@ def test_wrong_input_is_one_line_and_leaves_nothing(
     ],
 )
 def test_wrong_words_are_one_line(words: list[str], message: str, tmp_path: Path) -> None:
-    run = mjfriction(*words, cwd=tmp_path)
+    run = mjfriction_here(*words, cwd=tmp_path)
     assert run.returncode == 2
     assert run.stderr.count("\n") == 1
     assert message in run.stderr

@@ -14,6 +14,7 @@ import pytest
 from mjfriction.plant.trajectory import read_trajectory
 from mjfriction.robot.files import read_robot
 from scripts.make_schema import schema
+from tests.cli.here import mjfriction_here
 from tests.cli.test_cli import mjfriction
 from tests.hidden.machine import Machine, record, robot_toml
 
@@ -91,7 +92,7 @@ def test_plan_writes_a_trajectory(tmp_path: Path) -> None:
 )
 def test_bad_input_is_one_line(words: tuple[str, ...], said: str, case: tuple[Path, Path], tmp_path: Path) -> None:
     places = {"LOG": case[0], "ROBOT": case[1]}
-    done = mjfriction(*(places.get(word, word) for word in words), cwd=tmp_path)
+    done = mjfriction_here(*(places.get(word, word) for word in words), cwd=tmp_path)
     assert done.returncode == 2
     assert said in done.stderr
     assert len(done.stderr.strip().splitlines()) == 1
@@ -106,7 +107,7 @@ def test_bad_input_is_one_line(words: tuple[str, ...], said: str, case: tuple[Pa
     ],
 )
 def test_plan_refuses_options_of_another_protocol(words: tuple[str, ...], said: str, tmp_path: Path) -> None:
-    done = mjfriction("plan", "--robot", "ur5", *words, "--out", tmp_path / "t.csv")
+    done = mjfriction_here("plan", "--robot", "ur5", *words, "--out", tmp_path / "t.csv")
     assert done.returncode == 2
     assert said in done.stderr
 
@@ -115,7 +116,7 @@ def test_a_misspelt_column_is_not_left_out_in_silence(case: tuple[Path, Path], t
     table = pyarrow.parquet.read_table(case[0])
     names = [name.replace("effort.elbow_joint", "efort.elbow_joint") for name in table.schema.names]
     pyarrow.parquet.write_table(table.rename_columns(names), tmp_path / "log.parquet")
-    done = mjfriction("diagnose", tmp_path / "log.parquet", "--robot", case[1], "--out", tmp_path / "out")
+    done = mjfriction_here("diagnose", tmp_path / "log.parquet", "--robot", case[1], "--out", tmp_path / "out")
     assert done.returncode == 2
     assert "did you mean 'effort.elbow_joint'" in done.stderr
 
@@ -126,6 +127,6 @@ def test_compare_names_no_winner_where_there_is_none(case: tuple[Path, Path], tm
     done = mjfriction("compare", case[0], "--robot", case[1], "--robot", same)
     assert done.returncode == 0, done.stderr
     assert "equally near" in done.stdout
-    done = mjfriction("compare", case[0], "--robot", case[1])
+    done = mjfriction_here("compare", case[0], "--robot", case[1])
     assert done.returncode == 2
     assert "compares with nothing" in done.stderr
