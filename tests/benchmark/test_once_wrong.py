@@ -56,6 +56,7 @@ def test_a_soft_stop_is_left_open_and_hides_no_finding_of_another_joint() -> Non
     assert named(diagnosis) == {("drive.offset", "wrist_2_joint")}
 
 
+@pytest.mark.bench
 def test_a_hum_is_no_give_of_the_transmission(monkeypatch: pytest.MonkeyPatch) -> None:
     # It follows none of the covariates; that it is no noise shows in its spectrum alone.
     diagnosis = diagnosed(300084)

@@ -9,6 +9,7 @@ import pytest
 
 from mjfriction.plant.motions import sine
 from mjfriction.record.readers import read_log
+from tests.cli.here import mjfriction_here
 from tests.cli.test_cli import mjfriction
 
 
@@ -50,7 +51,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(swing: Path, tmp_path: Path) -
         (("--trajectory", swing, "--out", tmp_path / "x.txt"), "written as .csv or .parquet"),
     ]
     for words, message in cases:
-        done = mjfriction("simulate", "--robot", "ur5", *words)
+        done = mjfriction_here("simulate", "--robot", "ur5", *words)
         assert done.returncode == 2
         assert message in done.stderr
         assert done.stderr.count("\n") == 1

@@ -203,6 +203,7 @@ def test_a_valve_under_pd_lags_by_its_speed_over_its_gain(cylinder: Robot) -> No
     assert error(soft) == pytest.approx(4.0 * error(hard), rel=0.03)
 
 
+@pytest.mark.bench
 def test_acceleration_fed_back_calms_a_valve_that_is_too_hard(cylinder: Robot) -> None:
     def tafazoli(mass: float, step: float) -> Tafazoli:
         return Tafazoli(mass, 150.0, 300.0)

@@ -18,7 +18,7 @@ def everything(i: Instant) -> np.ndarray:
     return 3.0 * np.sign(i.v) * np.exp(-((i.v / 0.15) ** 2)) + 3.0 * np.abs(i.v) + 0.6
 
 
-@pytest.mark.parametrize("off", [0.0, 0.05])
+@pytest.mark.parametrize("off", [pytest.param(0.0, marks=pytest.mark.bench), 0.05])
 def test_the_robot_file_predicts_what_the_fit_left(off: float, tmp_path: Path) -> None:
     log_path, robot_path = write_case(tmp_path, Machine(hidden={2: everything}), seed=3, off=off)
     diagnosis = diagnose_log(read_log(log_path), read_robot(robot_path))

@@ -42,7 +42,9 @@ def robots() -> tuple[Robot, Robot]:
     return stated, stated.with_joint(sprung)
 
 
-@pytest.mark.parametrize(("seed", "told"), [(5, "drive.offset"), (6, "body.spring")])
+@pytest.mark.parametrize(
+    ("seed", "told"), [(5, "drive.offset"), pytest.param(6, "body.spring", marks=pytest.mark.bench)]
+)
 def test_a_spring_over_a_short_stroke_may_be_an_offset(robots: tuple[Robot, Robot], seed: int, told: str) -> None:
     stated, machine = robots
     short = excitation(stated.joints, HOME, np.full(6, 0.12), np.full(6, 0.6), 40.0, seed=seed)
