@@ -28,6 +28,7 @@ class Gain:
 
 def measure_gain(before: Floats, after: Floats, block: Integers, seed: int) -> Gain:
     """Compare two residuals of one joint, each (rows,), with an interval from resampling whole blocks of motion."""
+    block = np.unique(block, return_inverse=True)[1]  # some blocks may have no rows at all
     count = int(np.max(block)) + 1
     size = np.bincount(block, minlength=count)
     sums = np.stack([np.bincount(block, np.square(values), minlength=count) for values in (before, after)])

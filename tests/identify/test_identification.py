@@ -82,6 +82,7 @@ def test_the_law_that_is_there_is_chosen_and_its_values_found(tmp_path: Path) ->
     assert values["stribeck_exponent"].low < 2.0 < values["stribeck_exponent"].high
 
 
+@pytest.mark.bench
 def test_load_dependence_is_chosen_where_it_is(tmp_path: Path) -> None:
     law = at_elbow(identify_log(log_of("load"), robot_of(machine("load"), tmp_path)))
     assert law.fit.law.name == "load_dependent"

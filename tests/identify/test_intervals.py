@@ -31,7 +31,7 @@ def covered(machine: Machine, logs: int, folder: Path) -> dict[str, np.ndarray]:
     return out
 
 
-@pytest.mark.parametrize("logs", [5, pytest.param(200, marks=pytest.mark.bench)])
+@pytest.mark.parametrize("logs", [3, pytest.param(200, marks=pytest.mark.bench)])
 def test_intervals_hold_the_truth_as_often_as_they_say(logs: int, tmp_path: Path) -> None:
     held = covered(Machine(noise=0.1), logs, tmp_path)
     for name, own in held.items():
