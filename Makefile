@@ -20,7 +20,7 @@ docs: $(READY)
 	$(BIN)/python -m scripts.law_pages
 	$(BIN)/python -m scripts.api_page
 	MUJOCO_GL=egl $(BIN)/python -m scripts.robot_pages
-	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build
+	$(BIN)/python -m mkdocs build
 
 # Over an hour: two hundred cases, three tools.
 bench: $(READY)

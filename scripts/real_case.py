@@ -32,7 +32,7 @@ def main() -> None:
     errors = " and ".join(f"{one.effort:.3g} N {name}" for one, (name, _) in zip(axis.errors, robots, strict=True))
     draw_figure(mjf.finding_figure(diagnosis, diagnosis.findings[0]), PICTURE)
     text = out.getvalue().strip()
-    proof = f"The second run, with force pulses and fitted to nothing, is predicted with an RMS error of {errors}."
+    proof = f"The second run, with force pulses and fitted to nothing, is predicted with an RMS error of\n{errors}."
     write_marked(ROOT / "README.md", "real", f"```text\n{text}\n```\n\n{proof}")
 
 

@@ -21,8 +21,9 @@ from mjfriction.diagnose.stated import OUTLYING
 from mjfriction.diagnose.trial import LEAST_EFFECT
 from mjfriction.diagnose.untold import DROWNED, LEAST_SEEN
 from mjfriction.diagnose.verdict import COLOURED
+from mjfriction.identify import choose
 from mjfriction.laws.catalog import LAWS
-from mjfriction.record.motion import RINGING
+from mjfriction.record.motion import HELD, RINGING, USUALLY
 from mjfriction.reproduce.catalog import DOCUMENTS
 from mjfriction.robot.robot import bundled_robots
 
@@ -84,6 +85,16 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert f"first or last {100 * EDGE:g} %" in told
     assert (GONE_BY, LEAST_PART, OUTLYING) == (0.7, 0.1, 3.0), "the page says seven tenths, a tenth and three times"
     assert (Cogging.times, PositionFriction.times) == (3, 2), "the page says three waves of cogging and two of friction"
+
+
+def test_the_pages_tell_which_joints_and_traces_are_left_out() -> None:
+    decides, records = (" ".join(text(f"docs/{page}.md").split()) for page in ("how_it_decides", "recording"))
+    held = f"less than {100 * HELD:g} % of the farthest joint's travel"
+    assert f"({held}, and of the fastest one's speed {100 * USUALLY:g} % of the time) is not examined" in decides
+    assert f"({held}) is not examined at all" in records
+    identification = " ".join(text("docs/identification.md").split())
+    assert f"must be at least {100 * choose.LEAST_EFFECT:g} % of the joint's friction" in identification
+    assert f"by {100 * choose.LEAST_GAIN:g} % of the squared error" in identification
 
 
 def test_the_pages_build_without_a_warning(tmp_path: Path) -> None:

@@ -36,7 +36,7 @@ def compare(log: LogPath, robot: Robots, out: Out = None, map_: MapSource = None
     from mjfriction.robot.files import read_robot
 
     with working("comparing"):
-        robots = [(name, read_robot(source)) for name, source in zip(_names(robot), robot, strict=True)]
+        robots = [(name, read_robot(source)) for name, source in zip(short_names(robot), robot, strict=True)]
         comparison = compare_robots(read_logs([log], robots[0][1].joints, map_), robots)
     if out is not None:
         with whole_folder(out) as folder, working("writing the report"):
@@ -49,8 +49,8 @@ def compare(log: LogPath, robot: Robots, out: Out = None, map_: MapSource = None
     show(partial(print_comparison, comparison), out)
 
 
-def _names(sources: list[str]) -> list[str]:
-    # As short as tells them apart: the file's name, or its folder's where it is called robot.toml, as results are.
+def short_names(sources: list[str]) -> list[str]:
+    """Return names as short as tells robots apart: a file's, or its folder's where it is robot.toml, as results are."""
     paths = [Path(source) for source in sources]
     short = [path.absolute().parent.name if path.name == "robot.toml" else path.stem for path in paths]
     return short if len(set(short)) == len(short) else list(sources)

@@ -35,13 +35,15 @@ def inspect(
 
     Example: mjfriction inspect run1.csv --robot ur5 --write-map columns.toml
     """
+    import json as writer
+
     from rich.console import Console
 
     from mjfriction.errors import LogError
     from mjfriction.record.mapping import Mapping, template
     from mjfriction.report.folder import whole_file
     from mjfriction.report.inspected import inspected_table
-    from mjfriction.report.text import WIDTH, print_inspected, print_mapping
+    from mjfriction.report.text import WIDTH, print_inspected, print_mapping, print_unguessed
     from mjfriction.robot.files import read_robot
 
     model = read_robot(robot) if robot is not None else None
@@ -54,10 +56,11 @@ def inspect(
             raise LogError(f"{log}: no columns to guess: they have a log's names already")
         with whole_file(write_map) as draft:
             draft.write_text(template(names, joints if model is not None else joints[:2]), encoding="utf-8")
-        raise LogError(
-            f"{log}: the names of its columns tell too little ({', '.join(names[:6])}{', …' * (len(names) > 6)}); "
-            f"{write_map} has a line for each that is needed: fill it in, and give it with --map"
-        )
+        if json:
+            typer.echo(writer.dumps({"columns": names, "mapping": str(write_map)}, indent=2, ensure_ascii=False))
+        else:
+            print_unguessed(names, log, write_map, console)
+        return
     if guess is not None and not json:
         print_mapping(guess, log, write_map, console)
     with working("looking"):
@@ -69,8 +72,6 @@ def inspect(
         with whole_file(write_map) as draft:
             draft.write_text(guess.text(), encoding="utf-8")
     if json:
-        import json as writer
-
         typer.echo(writer.dumps(told, indent=2, ensure_ascii=False))
         return
     print_inspected(told, console)

@@ -35,9 +35,10 @@ def view(folder: Folder, serve: Serve = False) -> None:
         raise InputError(f"there is no screen here; mjfriction view {folder} --serve shows it in a browser")
     way = []
     if serve:
-        host = socket.gethostname()
-        proxy = quote(f"rerun+http://{host}:{GRPC_PORT}/proxy", safe="")
-        print(f"Open http://{host}:{WEB_PORT}?url={proxy} in a browser; Ctrl-C ends it.", flush=True)
+        print("Open in a browser; Ctrl-C ends it.")
+        for place, host in (("here", "localhost"), ("elsewhere", socket.gethostname())):
+            proxy = quote(f"rerun+http://{host}:{GRPC_PORT}/proxy", safe="")
+            print(f"  {place}: http://{host}:{WEB_PORT}?url={proxy}", flush=True)
         way = ["--serve-web", "--web-viewer-port", str(WEB_PORT), "--port", str(GRPC_PORT)]
     # In this process's place, so that what stops it stops Rerun.
     os.execv(sys.executable, [sys.executable, "-m", "rerun", *way, str(recording)])

@@ -112,9 +112,9 @@ def _observer(make: ObserverFor, mass: float, step: float) -> Observer:
 def _effort_limit(robot: Robot, joint: int) -> float:
     # Infinite where the robot file states no limit.
     drive = robot.table.joint[joint].actuator
-    if drive.current_limit is None or drive.torque_constant is None:
+    if drive.current_limit is None or drive.effort_per_ampere is None:
         return float("inf")
-    return drive.current_limit * drive.torque_constant * abs(drive.gear_ratio)
+    return drive.current_limit * abs(drive.effort_per_ampere)
 
 
 def _masses(robot: Robot, q: Floats) -> list[Floats]:

@@ -11,12 +11,13 @@ from mjfriction.identify.structure import Structure, covariate_rows, curve_share
 from mjfriction.record.log import Floats
 
 FEWEST = 2  # causes along the position, waves among them, that may be one curve
+ALONG_STROKE = "one smooth curve along its stroke"
 AS_GOOD = 0.97  # of what they take off the mean square, that a smooth curve takes too
 
 
 @dataclass(frozen=True)
 class StrokeCurve:
-    """A curve along one joint's stroke: the causes that spell it (``keys``), and how much of the error it is."""
+    """A curve along one joint's stroke: the causes that spell it (``keys``), and its share of the error without."""
 
     keys: frozenset[Key]
     structure: Structure
@@ -41,6 +42,6 @@ def stroke_curves(model: Model, heldout: Floats) -> list[StrokeCurve]:
         taken = 1.0 - (gap.rms(heldout[:, joint], joint) / max(gap.rms(before[:, joint], joint), 1e-300)) ** 2
         share = curve_share(gap, joint, covariate_rows(gap, joint, "position"), before)
         if share > AS_GOOD * taken:
-            structure = Structure(gap.robot.joints[joint], "position", share)
+            structure = Structure(gap.robot.joints[joint], ALONG_STROKE, share)
             out.append(StrokeCurve(frozenset(choice.key for choice in own), structure))
     return out

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from mjfriction.diagnose.outcome import Finding, Verdict
-from mjfriction.diagnose.stroke_curve import StrokeCurve
+from mjfriction.diagnose.stroke_curve import ALONG_STROKE, StrokeCurve
 from mjfriction.identify.colour import coloured_share
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.joint_error import JointError
@@ -27,7 +27,7 @@ REFITTED = 0.8  # of an error that is left when refitted values are worth a word
 
 
 def unexplained(
-    gap: Gap, after: tuple[Structure, ...], heldout: Floats, curves: Sequence[StrokeCurve] = ()
+    gap: Gap, after: tuple[Structure, ...], heldout: Floats, curves: Sequence[StrokeCurve]
 ) -> list[Structure]:
     """Return, for each joint where too much is left on motion not fitted, what it follows most.
 
@@ -123,6 +123,8 @@ def _refits(joints: tuple[JointError, ...]) -> str:
 def _left(entry: Structure, joints: tuple[JointError, ...]) -> str:
     error = next(error for error in joints if error.joint == entry.joint)
     share = f"{100 * entry.share:.0f} %"
+    if entry.covariate == ALONG_STROKE:
+        return f"{share} of the error at {entry.joint} is {ALONG_STROKE}, as a soft stop or a cable makes"
     course = f", of which {share} follow {entry.covariate}" if entry.share > STRUCTURED else ""
     if course and entry.covariate == NOTHING:
         course = f", of which {share} are no noise, but follow {NOTHING}"

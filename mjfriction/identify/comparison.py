@@ -102,9 +102,8 @@ def compare_robots(log: Log, robots: Sequence[tuple[str, Robot]]) -> Comparison:
         errors = []
         for (_, robot), own in zip(robots, gaps, strict=True):
             rms = gap.rms(own.residual[:, joint], joint)
-            actuator = robot.table.joint[joint].actuator
-            constant = actuator.torque_constant
-            current = rms / abs(actuator.gear_ratio * constant) if constant else None
+            worth = robot.table.joint[joint].actuator.effort_per_ampere
+            current = None if worth is None else rms / abs(worth)
             errors.append(ModelError(rms, current, rms / max(measured, 1e-300)))
         unit = reported_unit("effort", gap.body.sliding[joint])
         joints.append(

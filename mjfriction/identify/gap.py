@@ -41,11 +41,11 @@ class Gap:
     """Measured against stated, along one log.
 
     ``residual`` (rows, joints): reported effort less the stated robot's, N·m or N at the joint, NaN where a joint
-    has no measurement.  ``measured`` (rows, joints) is the effort itself.  ``noise_floor`` (joints,) is the effort
-    sensor's own noise in the rows' band.  ``doubt`` (rows, joints): what the unknown direction of friction near
-    reversals and at rest may add to a row, same unit.  ``doubt_speed`` (joints,): the speed under which that is so.
-    ``blocks``: the stretches of motion the rows fall into.  ``per_reported`` (joints,): effort per unit of what the
-    drive reports, 1 or N·m/A.
+    has no measurement or is merely held.  ``measured`` (rows, joints) is the effort itself.  ``noise_floor``
+    (joints,) is the effort sensor's own noise in the rows' band.  ``doubt`` (rows, joints): what the unknown direction
+    of friction near reversals and at rest may add to a row, same unit.  ``doubt_speed`` (joints,): the speed
+    under which that is so.  ``blocks``: the stretches of motion the rows fall into.  ``per_reported``
+    (joints,): effort per unit of what the drive reports, 1 or N·m/A.
     """
 
     robot: Robot
@@ -65,7 +65,7 @@ class Gap:
 
     @property
     def examined(self) -> tuple[int, ...]:
-        """The joints that move and have a measurement, as indices."""
+        """The joints that move, rather than being held, and have a measurement, as indices."""
         return tuple(i for i in range(len(self.robot.joints)) if np.isfinite(self.residual[0, i]))
 
     @functools.cached_property

@@ -74,7 +74,14 @@ def _write(models: Sequence[_Model], first: Sequence[str], text: str, summary: s
     drawn = _scene(gap)
     last = models[-1].gap
     states = friction_states(last.robot, last.body, gap.motion)
-    tabs = [_tab(name, current=_ampere(gap, name) is not None, states=sorted(states.get(name, {}))) for name in joints]
+    tabs = [
+        _tab(
+            name,
+            current=gap.robot.joint(name).actuator.effort_per_ampere is not None,
+            states=sorted(states.get(name, {})),
+        )
+        for name in joints
+    ]
     stream.save(path, default_blueprint=_blueprint(tabs, drawn[1] if drawn else None))
     if drawn is not None:
         send_scene(stream, *drawn, CLOCK)
@@ -95,7 +102,7 @@ def _send_joint(stream: rr.RecordingStream, models: Sequence[_Model], name: str)
     time, measured, velocity = gap.chain.time, gap.measured[:, joint], gap.at_rows("velocity")[:, joint]
     colours = [_rgb(MEASURED), *itertools.islice(itertools.cycle(map(_rgb, MODELS)), len(models))]
     told = {"measured": measured} | {model.name: measured - model.left[:, joint] for model in models}
-    for quantity, unit in (("torque", 1.0), ("current", _ampere(gap, name))):
+    for quantity, unit in (("torque", 1.0), ("current", gap.robot.joint(name).actuator.effort_per_ampere)):
         if unit is not None:
             for (source, course), colour in zip(told.items(), colours, strict=True):
                 send(stream, f"{name}/{quantity}/{source}", time, course / unit, colour)
@@ -110,12 +117,6 @@ def _send_joint(stream: rr.RecordingStream, models: Sequence[_Model], name: str)
     send_plane(
         stream, f"{name}/friction", CLOCK, time, velocity, shown, colours, ("m/s", "N") if sliding else ("rad/s", "N·m")
     )
-
-
-def _ampere(gap: Gap, name: str) -> float | None:
-    # Effort per ampere of the motor, where the robot states it.
-    actuator = gap.robot.joint(name).actuator
-    return actuator.gear_ratio * actuator.torque_constant if actuator.torque_constant else None
 
 
 def _rgb(colour: str) -> tuple[int, int, int]:

@@ -150,6 +150,13 @@ def print_mapping(guess: Mapping, log: Path, written: Path | None, console: Cons
     console.print(f"If that is right, add {kept} to the command; below, the log is read so.\n", markup=False)
 
 
+def print_unguessed(names: Sequence[str], log: Path, written: Path, console: Console) -> None:
+    """Print that a file's columns were not guessed, and where a mapping to fill in is."""
+    told = f"{', '.join(names[:6])}{', …' * (len(names) > 6)}"
+    console.print(f"The names of the columns of {log} tell too little ({told}).", markup=False)
+    console.print(f"{written} has a line for each that is needed: fill it in, and give it with --map.", markup=False)
+
+
 def print_inspected(told: dict[str, Any], console: Console) -> None:
     """Print what a log holds, and what it could show."""
     segments = f", {told['segments']} segments" if told["segments"] > 1 else ""

@@ -45,18 +45,7 @@ def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
 
     At rest friction is not known from the motion; :func:`~mjfriction.robot.rubbing.direction` says what is taken.
     """
-    motor = without_offsets(robot, motion)
-    linked = link_motion(robot, body, motor)
-    rigid = inverse_dynamics(body, linked.position, linked.velocity, linked.acceleration)
-    # Rotors turn with the sensor, not with the link.
-    rigid += body.armature * (motor.acceleration - linked.acceleration)
-    for i, joint in enumerate(robot.table.joint):
-        for drive in joint.common_drive:
-            other = robot.joints.index(drive.joint)
-            turned = drive.inertia * (motor.acceleration[:, i] + drive.ratio * motor.acceleration[:, other])
-            rigid[:, i] += turned
-            rigid[:, other] += drive.ratio * turned
-    rubbing = _where_friction_acts(robot, motor, linked)
+    motor, linked, rubbing, rigid = _carried(robot, body, motion)
     friction = friction_along(robot, rubbing, rigid)
     total, reported = np.empty_like(rigid), np.empty_like(rigid)
     for i, joint in enumerate(robot.table.joint):
@@ -74,10 +63,24 @@ def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
 
 def friction_states(robot: Robot, body: Body, motion: Motion) -> dict[str, dict[str, Floats]]:
     """Return what friction's states are along a motion as its sensors saw it: by joint and law, (n, states)."""
+    _, _, rubbing, rigid = _carried(robot, body, motion)
+    return states_along(robot, rubbing, rigid)
+
+
+def _carried(robot: Robot, body: Body, motion: Motion) -> tuple[Motion, Motion, Motion, Floats]:
+    # The motors' motion, the links', that of where friction acts, and what links and rotors need along these.
     motor = without_offsets(robot, motion)
     linked = link_motion(robot, body, motor)
     rigid = inverse_dynamics(body, linked.position, linked.velocity, linked.acceleration)
-    return states_along(robot, _where_friction_acts(robot, motor, linked), rigid)
+    # Rotors turn with the sensor, not with the link.
+    rigid += body.armature * (motor.acceleration - linked.acceleration)
+    for i, joint in enumerate(robot.table.joint):
+        for drive in joint.common_drive:
+            other = robot.joints.index(drive.joint)
+            turned = drive.inertia * (motor.acceleration[:, i] + drive.ratio * motor.acceleration[:, other])
+            rigid[:, i] += turned
+            rigid[:, other] += drive.ratio * turned
+    return motor, linked, _where_friction_acts(robot, motor, linked), rigid
 
 
 def as_reported(joint: Joint, torque: Floats, motion: Motion, position: Floats) -> Floats:
@@ -164,9 +167,10 @@ def effort_per_reported(joint: Joint, quantity: str | None, robot_name: str) -> 
     """
     if quantity != CURRENT:
         return 1.0
-    if joint.actuator.torque_constant is None:
+    worth = joint.actuator.effort_per_ampere
+    if worth is None:
         raise RobotError(
             f"robot '{robot_name}', joint '{joint.name}': the log has current.{joint.name} but the robot file no "
             "actuator.torque_constant (N·m/A at the motor); add it"
         )
-    return joint.actuator.gear_ratio * joint.actuator.torque_constant
+    return worth

@@ -36,7 +36,8 @@ def friction_along(robot: Robot, motion: Motion, rigid: Floats) -> Floats:
 
 def states_along(robot: Robot, motion: Motion, rigid: Floats) -> dict[str, dict[str, Floats]]:
     """Return the states of friction along a motion of the links that needs ``rigid`` (n, joints): by joint and law,
-    (n, states).  What :func:`term_torque` takes at its steady curve has none to show.
+    (n, states), side by side where a joint has a law twice.  What :func:`term_torque` takes at its steady curve has
+    none.
     """
     out: dict[str, dict[str, Floats]] = {}
     for i, joint in enumerate(robot.table.joint):
@@ -47,7 +48,9 @@ def states_along(robot: Robot, motion: Motion, rigid: Floats) -> dict[str, dict[
                 states = np.empty((motion.time.size, friction.state_count))
                 for own in motion.pieces:
                     states[own] = friction.follow(motion.velocity[own, i], around[own], 1.0 / motion.rate)[1]
-                out.setdefault(joint.name, {})[term.law] = states
+                own_states = out.setdefault(joint.name, {})
+                before = own_states.get(term.law)
+                own_states[term.law] = states if before is None else np.hstack([before, states])
     return out
 
 

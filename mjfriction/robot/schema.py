@@ -51,6 +51,14 @@ class Actuator(Table):
     current_bandwidth: Positive | None = None
     ripple: tuple[Wave, ...] = ()
 
+    @property
+    def effort_per_ampere(self) -> float | None:
+        """``gear_ratio`` · ``torque_constant``: effort at the joint for a current, N·m/A or N/A; none where not stated.
+
+        Negative where the motor turns against the joint.
+        """
+        return None if self.torque_constant is None else self.gear_ratio * self.torque_constant
+
     @field_validator("gear_ratio")
     @classmethod
     def _turns(cls, value: float) -> float:

@@ -44,6 +44,13 @@ def place(folder: Path, good: tuple[dict[str, np.ndarray], str], **changed: obje
     return folder / "log.parquet", folder / "robot.toml"
 
 
+def test_without_a_word_it_shows_its_help() -> None:
+    bare, asked = mjfriction_here(), mjfriction_here("--help")
+    assert bare.returncode == asked.returncode == 0
+    assert bare.stdout == asked.stdout
+    assert "diagnose" in bare.stdout
+
+
 def test_diagnose_then_predict(tmp_path: Path, good: tuple[dict[str, np.ndarray], str]) -> None:
     log, robot = place(tmp_path, good)
     out = tmp_path / "out"

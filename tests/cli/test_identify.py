@@ -11,6 +11,7 @@ import pyarrow.csv
 import pyarrow.parquet
 import pytest
 
+from mjfriction.cli.compare import short_names
 from mjfriction.plant.trajectory import read_trajectory
 from mjfriction.robot.files import read_robot
 from scripts.make_schema import schema
@@ -68,6 +69,12 @@ def test_compare_prints_and_writes_both_robots(case: tuple[Path, Path], identifi
     done = mjfriction(*words)
     assert done.returncode == 0, done.stderr
     assert max(len(line) for line in done.stdout.splitlines() if "/" not in line) <= 80
+
+
+def test_compare_names_robots_as_shortly_as_tells_them_apart() -> None:
+    assert short_names(["arm/robot.toml", "result/robot.toml", "ur5"]) == ["arm", "result", "ur5"]
+    assert short_names(["a/arm/robot.toml", "b/arm/robot.toml"]) == ["a/arm/robot.toml", "b/arm/robot.toml"]
+    assert short_names(["before.toml", "after.toml"]) == ["before", "after"]
 
 
 def test_plan_writes_a_trajectory(tmp_path: Path) -> None:

@@ -9,10 +9,15 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.identify.identification import identify_log
 from mjfriction.plant.machine import run_machine
 from mjfriction.plant.motions import sine
+from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
+from tests.hidden.machine import Machine, write_case
 
 
 def test_a_run_tells_how_far_it_is() -> None:
@@ -26,6 +31,28 @@ def test_a_run_tells_how_far_it_is() -> None:
     assert shares[0] == 0.0
     assert np.all(np.diff(shares) > 0.0)
     assert shares[-1] < 1.0
+
+
+@pytest.mark.parametrize("verb", ["diagnose", "identify"])
+def test_long_work_tells_its_steps(verb: str, tmp_path: Path) -> None:
+    log_path, robot_path = write_case(tmp_path, Machine(hidden={2: lambda i: 3.0 * np.abs(i.v)}), seed=2, seconds=12.0)
+    log, robot = read_log(log_path), read_robot(robot_path)
+    told: list[tuple[str, float | None]] = []
+
+    def tell(step: str, done: float | None = None) -> None:
+        told.append((step, done))
+
+    if verb == "diagnose":
+        found = diagnose_log(log, robot, tell=tell).findings
+        assert found == diagnose_log(log, robot).findings, "who is told changes nothing"
+        assert "searching for causes, 1 so far" in dict(told)
+    else:
+        identify_log(log, robot, law="coulomb_viscous", tell=tell)
+        assert "fitting laws, joint 6 of 6" in dict(told)
+    shares = [done for _, done in told]
+    assert told[0] == ("measuring the gap", 0.0)
+    assert np.all(np.diff(shares) >= 0.0)
+    assert 0.5 < shares[-1] < 1.0
 
 
 def test_a_terminal_sees_the_time_that_is_left(tmp_path: Path) -> None:

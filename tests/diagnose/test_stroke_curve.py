@@ -10,6 +10,7 @@ import pytest
 from mjfriction.diagnose import stroke_curve
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.diagnose.stroke_curve import ALONG_STROKE
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Effect, Machine, write_case
@@ -31,7 +32,8 @@ def test_a_soft_stop_is_left_open(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert found.verdict is Verdict.UNEXPLAINED
     assert found.findings == ()
     (left,) = found.remaining
-    assert (left.joint, left.covariate) == ("shoulder_pan_joint", "position")
+    assert (left.joint, left.covariate) == ("shoulder_pan_joint", ALONG_STROKE)
+    assert f"of the error at shoulder_pan_joint is {ALONG_STROKE}" in found.summary
     # What spells the curve out is built in all the same, for it predicts.
     (pan,) = [error for error in found.joints if error.joint == "shoulder_pan_joint"]
     assert pan.rms_heldout_after < 0.6 * pan.rms_heldout_before

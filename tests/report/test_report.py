@@ -70,6 +70,27 @@ def test_the_page_holds_all_it_shows(diagnosis: Diagnosis) -> None:
         assert joint.joint in without_script
 
 
+def test_every_joints_reduction_has_an_interval_that_tells_gain_from_none(diagnosis: Diagnosis) -> None:
+    page = report_html(diagnosis, make_report(diagnosis))
+    for error in diagnosis.joints:
+        low, high = error.reduction_ci95
+        gained = 1.0 - error.rms_heldout_after / error.rms_heldout_before
+        assert low - 1e-12 <= gained <= high + 1e-12
+        assert (low > 0.2) is (error.joint == "elbow_joint"), "what is hidden is hidden there"
+        shown = f"({100 * low:.0f} … {100 * high:.0f})"
+        (row,) = re.findall(rf"<tr><td>{error.joint}</td>[^\n]*\n<td>[^\n]* \({error.signal}\)</td></tr>", page)
+        assert (shown in row) is (error.rms_heldout_after != error.rms_heldout_before)
+
+
+def test_the_page_tells_what_the_error_follows_before_any_cause_is_assumed(diagnosis: Diagnosis) -> None:
+    page = report_html(diagnosis, make_report(diagnosis))
+    rows = dict(re.findall(r"<tr><td>(\w+)</td>((?:<td>[^\n]*? → [^\n]*?</td>)+)</tr>", page.split('id="followed"')[1]))
+    assert set(rows) == {error.joint for error in diagnosis.joints}
+    marked = {joint: row.count("<strong>") for joint, row in rows.items()}
+    assert marked.pop("elbow_joint") > 0
+    assert not any(marked.values())
+
+
 def test_equal_inputs_give_equal_bytes(diagnosis: Diagnosis, tmp_path: Path) -> None:
     again = diagnose_log(diagnosis.gap.log, diagnosis.gap.robot)
     for name, result in (("one", diagnosis), ("two", again)):

@@ -13,6 +13,7 @@ from mjfriction.laws.ambient import ambient
 from mjfriction.record.log import Log
 from mjfriction.record.motion import Motion, estimate_motion
 from mjfriction.record.readers import read_log
+from mjfriction.robot.effort import friction_states
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
@@ -53,6 +54,26 @@ def test_currents_go_through_ratio_and_constant(tmp_path: Path) -> None:
     driven = robot.with_joint(elbow.model_copy(update={"actuator": drive}))
     current = predict_log(in_amperes, driven)["current.elbow_joint"]
     np.testing.assert_allclose(-5.0 * current, predict_log(log, robot)["effort.elbow_joint"], rtol=1e-2, atol=1e-2)
+
+
+def test_a_law_twice_on_a_joint_has_the_states_of_both(tmp_path: Path) -> None:
+    log_path, robot_path = write_case(tmp_path, Machine(), seed=1, seconds=5.0)
+    robot = read_robot(robot_path)
+    body, motion = robot.body(), estimate_motion(read_log(log_path), robot.joints, 20.0)
+    soft, stiff = (
+        FrictionTerm(
+            law="dahl",
+            parameters={"coulomb": 3.0, "bristle_stiffness": stiffness, "shape_exponent": 1.0, "viscous": 0.0},
+        )
+        for stiffness in (30.0, 300.0)
+    )
+    each = []
+    for terms in ((soft,), (stiff,), (soft, stiff)):
+        rubbed = robot.with_joint(robot.joint("elbow_joint").model_copy(update={"friction": terms}))
+        each.append(friction_states(rubbed, body, motion)["elbow_joint"]["dahl"])
+    assert each[0].shape == (motion.time.size, 1)
+    assert np.mean(np.abs(each[1])) > np.mean(np.abs(each[0])), "the stiffer one builds up sooner"
+    np.testing.assert_array_equal(each[2], np.hstack(each[:2]))
 
 
 def test_friction_passes_over_as_a_joint_turns_and_is_none_at_rest() -> None:

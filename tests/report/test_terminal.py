@@ -1,0 +1,68 @@
+"""What is printed at a terminal: no more than can be believed."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from rich.console import Console
+
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.outcome import Verdict
+from mjfriction.identify.identification import identify_log
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.report.html import identified_html, report_html
+from mjfriction.report.identified import make_identified_report
+from mjfriction.report.result import make_report
+from mjfriction.report.text import print_identified, print_report
+from mjfriction.robot.files import read_robot
+from mjfriction.robot.robot import Robot
+from tests.hidden.machine import UR5_JOINTS, Machine, record, robot_toml
+
+ERRORS = "RMS error on motion not fitted"
+
+
+@pytest.fixture
+def stated(tmp_path: Path) -> Robot:
+    (tmp_path / "robot.toml").write_text(robot_toml(Machine()), encoding="utf-8")
+    return read_robot(tmp_path / "robot.toml")
+
+
+def console() -> Console:
+    return Console(width=80, file=io.StringIO(), highlight=False)
+
+
+def printed(console: Console) -> str:
+    assert isinstance(console.file, io.StringIO)
+    return console.file.getvalue()
+
+
+@pytest.mark.parametrize("degrees", [False, True])
+def test_a_log_that_is_at_fault_is_given_no_errors_to_believe(stated: Robot, degrees: bool) -> None:
+    columns = dict(record(Machine(), 4, 12.0))
+    for joint in UR5_JOINTS:
+        columns[f"position.{joint}"] = (
+            np.degrees(columns[f"position.{joint}"]) if degrees else (columns[f"position.{joint}"])
+        )
+    diagnosis = diagnose_log(log_from_table(pa.table(columns), "log"), stated)
+    assert (diagnosis.verdict is Verdict.BAD_DATA) is degrees
+    report, terminal = make_report(diagnosis), console()
+    print_report(report, terminal)
+    page = report_html(diagnosis, report)
+    assert ("data.unit" in printed(terminal)) is degrees
+    for told, title in ((printed(terminal), ERRORS), (page, "What the error follows"), (page, 'id="errors"')):
+        assert (title in told) is not degrees, title
+
+
+@pytest.mark.parametrize("wave", [0.0, 3.0])
+def test_a_law_that_does_not_hold_is_not_printed_as_one_that_does(stated: Robot, wave: float) -> None:
+    log = record(Machine(noise=0.1, hidden={2: lambda i: wave * np.sin(7.0 * i.q)}), 11, 20.0)
+    found = identify_log(log_from_table(pa.table(log), "log"), stated, law="coulomb_viscous")
+    report, terminal = make_identified_report(found), console()
+    print_identified(report, terminal)
+    assert printed(terminal).startswith("IDENTIFIED, NOT EXPLAINED\n" if wave else "IDENTIFIED\n")
+    assert ("the law does not hold here" in printed(terminal)) is bool(wave)
+    assert ("identified, not explained" in identified_html(found, report)) is bool(wave)
