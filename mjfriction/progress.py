@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Callable
 from typing import Protocol
 
 
@@ -15,3 +17,13 @@ class Tell(Protocol):
 
 def silently(step: str, done: float | None = None) -> None:
     """Tell nobody."""
+
+
+def counting(tell: Tell, steps: int) -> Callable[[str], None]:
+    """Return what is told each of so many steps as it begins, and tells with it what share of them is over."""
+    begun = itertools.count()
+
+    def begin(step: str) -> None:
+        tell(step, next(begun) / steps)
+
+    return begin

@@ -5,6 +5,7 @@ Run: python -m scripts.five_cases
 
 from __future__ import annotations
 
+import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,11 +20,13 @@ from scripts.pictures import draw_figure
 ROOT = Path(__file__).resolve().parent.parent
 PAGE, PICTURES = ROOT / "docs/hidden_effects_five.md", ROOT / "docs/images"
 
+WIDTH = 118
+
 INTRODUCTION = """# Five hidden effects, from the picture to the cause
 
 Written by `python -m scripts.five_cases`. Each is a machine in closed loop with one effect hidden in it; mjfriction saw
 the log and a robot file that knows nothing of it. Every picture shows what the log says beyond the robot file, as
-stated and with the finding in the model, against the quantity that the cause goes with.
+stated and with the finding in the model, against the quantity that the cause goes with; of waves, their spectrum.
 """
 
 
@@ -62,16 +65,16 @@ FIVE = (
         "drive.cogging",
         12,
         Setting("machine_table", rate=500.0, noise=0.1),
-        "The same force returns at the same places, and it does not turn when the table does. Friction that varies "
-        "along the stroke would.",
+        "One wavelength stands out: the same force returns at the same places. It does not turn when the table does; "
+        "friction that varies along the stroke would, and no such line would stand here.",
     ),
     Told(
         "A joint that warms up",
         "friction.temperature",
         21,
         Setting("z1", rate=250.0, noise=0.1, off=0.03),
-        "The longer the joint has run, the further its two directions part from what is stated, and alike: friction "
-        "falls as the joint warms. A step in the level would have a moment.",
+        "Counted against the motion, so that friction has one sign: the longer the joint has run, the less it rubs, "
+        "and ever more slowly so, as it warms. A step in the level would have a moment.",
     ),
     Told(
         "Seals under pressure",
@@ -96,20 +99,24 @@ def section(number: int, told: Told) -> str:
         f"Hidden: `{hidden.cause}`{where} of `{told.setting.robot}`, {hidden.severity:.2g} times as large as the "
         "noise.",
         "",
-        told.look,
+        textwrap.fill(told.look, WIDTH),
     ]
     for k, finding in enumerate(diagnosis.findings):
         name = f"five_{number}{'' if k == 0 else f'_{k}'}.png"
         draw_figure(finding_figure(diagnosis, finding), PICTURES / name)
         lines += ["", f"![{finding.cause}](images/{name})", ""]
-        values = "; ".join(f"{p.name} {p.value:.4g} ({p.low:.4g} to {p.high:.4g}) {p.unit}" for p in finding.parameters)
-        lines += [
+        values = "; ".join(
+            f"{p.name} {p.value:.4g} ({p.low:.4g} to {p.high:.4g}){'' if p.unit == '1' else f' {p.unit}'}"
+            for p in finding.parameters
+        )
+        found = (
             f"Found: `{finding.cause}`"
             + (f" at `{finding.joint}`" if finding.joint else "")
             + f": {finding.evidence}. "
             f"Parameters: {values}. On motion not fitted, the error at that joint falls from "
-            f"{finding.gain.before:.3g} to {finding.gain.after:.3g}.",
-        ]
+            f"{finding.gain.before:.3g} to {finding.gain.after:.3g}."
+        )
+        lines.append(textwrap.fill(found, WIDTH))
     return "\n".join([*lines, ""])
 
 

@@ -10,7 +10,7 @@ import typer
 
 from mjfriction.cli.logs import read_logs
 from mjfriction.cli.options import Json, LogPath, MapSource
-from mjfriction.cli.progress import working
+from mjfriction.cli.progress import telling, working
 from mjfriction.cli.show import show
 
 Robots = Annotated[
@@ -35,9 +35,9 @@ def compare(log: LogPath, robot: Robots, out: Out = None, map_: MapSource = None
     from mjfriction.report.text import print_comparison
     from mjfriction.robot.files import read_robot
 
-    with working("comparing"):
+    with telling() as tell:
         robots = [(name, read_robot(source)) for name, source in zip(short_names(robot), robot, strict=True)]
-        comparison = compare_robots(read_logs([log], robots[0][1].joints, map_), robots)
+        comparison = compare_robots(read_logs([log], robots[0][1].joints, map_), robots, tell)
     if out is not None:
         with whole_folder(out) as folder, working("writing the report"):
             write_comparison(comparison, folder)

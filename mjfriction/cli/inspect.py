@@ -9,7 +9,7 @@ import typer
 
 from mjfriction.cli.logs import GUESS, columns_of, guess_of, is_log, read_logs
 from mjfriction.cli.options import Json, LogPath, MapSource
-from mjfriction.cli.progress import working
+from mjfriction.cli.progress import telling
 
 Robot = Annotated[
     str | None,
@@ -63,9 +63,9 @@ def inspect(
         return
     if guess is not None and not json:
         print_mapping(guess, log, write_map, console)
-    with working("looking"):
+    with telling() as tell:
         found = read_logs([log], joints, GUESS if guess is not None else map_)
-        told = inspected_table(found, model)
+        told = inspected_table(found, model, tell)
     if guess is not None:
         told["guessed_columns"] = {own: source.model_dump() for own, source in guess.sources.items()}
     if write_map is not None and guess is not None:

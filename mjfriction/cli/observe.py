@@ -10,7 +10,7 @@ import typer
 
 from mjfriction.cli.logs import read_logs
 from mjfriction.cli.options import Json, LogPath, MapSource, RobotSource
-from mjfriction.cli.progress import working
+from mjfriction.cli.progress import READ, telling
 
 Out = Annotated[Path, typer.Option("--out", metavar="T", help="Table to write, .csv or .parquet.", show_default=False)]
 
@@ -51,9 +51,12 @@ def observe(
     from mjfriction.robot.files import read_robot
 
     check_table_name(out, "what was observed")
-    with working("observing"):
+    with telling() as tell:
+        tell("reading the log", 0.0)
         stated = read_robot(robot)
-        found = observe_log(read_logs([log], stated.joints, map_), stated, observer.value, bandwidth)
+        measured = read_logs([log], stated.joints, map_)
+        tell("observing", READ)
+        found = observe_log(measured, stated, observer.value, bandwidth)
         write_table(pa.table(found), out)
     sizes = {
         name.removeprefix("friction."): {

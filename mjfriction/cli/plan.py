@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from mjfriction.cli.options import RobotSource
-from mjfriction.cli.progress import working
+from mjfriction.cli.progress import telling
 
 
 class Protocol(enum.Enum):
@@ -88,11 +88,11 @@ def plan(
         if value is not None and protocol not in OF_PROTOCOL[name]:
             listed = " or ".join(f"'{one.value}'" for one in OF_PROTOCOL[name])
             raise RobotError(f"{name} is of the protocol {listed}; leave it out, or ask for that one")
-    with working("planning"):
+    with telling() as tell:
         model = read_robot(robot)
         joints = joint or model.joints
         if protocol is Protocol.FORWARD_BACKWARD:
-            found = plan_passes(model, joints, count=speeds or USUAL_SPEEDS, seed=seed)
+            found = plan_passes(model, joints, count=speeds or USUAL_SPEEDS, seed=seed, tell=tell)
         elif protocol is Protocol.SINE:
             found = plan_sine(model, joints)
         elif protocol is Protocol.SAWTOOTH:
@@ -104,11 +104,11 @@ def plan(
         elif protocol is Protocol.VOLTAGES:
             found = plan_voltages(model, joints)
         elif protocol is Protocol.EXCITATION:
-            found = plan_excitation(model, seconds or USUAL_SECONDS, seed=seed)
+            found = plan_excitation(model, seconds or USUAL_SECONDS, seed=seed, tell=tell)
         elif against is None:
             raise RobotError("the protocol 'separate' needs the other model of the robot: give it with --against")
         else:
-            found = plan_separation((model, read_robot(against)), seed=seed)
+            found = plan_separation((model, read_robot(against)), seed=seed, tell=tell)
         write_table(found.trajectory.table(), out)
     typer.echo(f"{out}: {float(found.trajectory.time[-1]):.4g} s")
     for line in found.words:

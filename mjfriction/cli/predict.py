@@ -9,7 +9,7 @@ import typer
 
 from mjfriction.cli.logs import read_logs
 from mjfriction.cli.options import Json, LogPath, MapSource, RobotSource
-from mjfriction.cli.progress import working
+from mjfriction.cli.progress import READ, telling
 
 Out = Annotated[
     Path, typer.Option("--out", metavar="P.parquet", help="A .parquet or .csv to write.", show_default=False)
@@ -31,9 +31,11 @@ def predict(log: LogPath, robot: RobotSource, out: Out, map_: MapSource = None, 
     from mjfriction.robot.predict import predict_log
 
     check_table_name(out, "a prediction")
-    with working("predicting"):
+    with telling() as tell:
+        tell("reading the log", 0.0)
         stated = read_robot(robot)
         measured = read_logs([log], stated.joints, map_)
+        tell("predicting", READ)
         predicted = predict_log(measured, stated)
         write_table(pa.table(predicted), out)
     errors = {}

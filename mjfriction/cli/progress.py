@@ -8,6 +8,8 @@ from collections.abc import Iterator
 
 from mjfriction.progress import Tell, silently
 
+READ = 0.3  # of what a command takes that goes through a log once, when the log is read
+
 
 @contextlib.contextmanager
 def working(what: str) -> Iterator[None]:

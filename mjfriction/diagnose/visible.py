@@ -14,6 +14,7 @@ from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
 from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.trial import FALSE_ALARM, LEAST_EFFECT, LEAST_SHARE
 from mjfriction.identify.gap import Gap
+from mjfriction.progress import Tell, counting, silently
 from mjfriction.record.log import Floats
 
 
@@ -29,12 +30,13 @@ class Visible:
     share: float
 
 
-def visible_causes(gap: Gap) -> tuple[Visible, ...]:
+def visible_causes(gap: Gap, tell: Tell = silently) -> tuple[Visible, ...]:
     """Return the least effect of every cause that the motion of a log excites, of each joint the least first.
 
     A cause's strengths θ are found beyond chance when θᵀC⁻¹θ exceeds the χ² quantile of the competition's level, C
     being what the regression leaves of them once everything that is always refitted is; of their effects the mean over
     directions is taken, and of a cause's shapes the middle one.  The noise is what the robot as it is stated leaves.
+    ``tell`` hears each cause.
     """
     field = make_field(gap, STRUCTURAL)
     model = build_model(gap, make_nuisance(gap), ())
@@ -48,7 +50,9 @@ def visible_causes(gap: Gap) -> tuple[Visible, ...]:
         for joint in gap.examined
     }
     least: dict[tuple[str, str | None], Visible] = {}
+    begin = counting(tell, len(field))
     for entrant in field:
+        begin(f"could it show {entrant.cause.name}")
         joint = entrant.joint
         if joint not in alike:
             continue

@@ -9,6 +9,7 @@ import numpy as np
 
 from mjfriction.errors import RobotError
 from mjfriction.identify.gap import Gap, gap_of, measure_gap
+from mjfriction.progress import Tell, counting, silently
 from mjfriction.record.log import Log
 from mjfriction.robot.effort import reported_unit
 from mjfriction.robot.robot import Robot
@@ -75,12 +76,13 @@ class Comparison:
         )
 
 
-def compare_robots(log: Log, robots: Sequence[tuple[str, Robot]]) -> Comparison:
+def compare_robots(log: Log, robots: Sequence[tuple[str, Robot]], tell: Tell = silently) -> Comparison:
     """Hold named robots with the same joints against a log.
 
     Errors are over the same rows for all, through one low-pass (see :mod:`mjfriction.identify.rows`): where the joint
-    moves, for at rest and in reversals friction may be anything within its level.  Raises :class:`RobotError` where the
-    robots have not the same joints or two have one name, and what :func:`measure_gap` raises.
+    moves, for at rest and in reversals friction may be anything within its level.  ``tell`` hears which robot is held
+    against it.  Raises :class:`RobotError` where the robots have not the same joints or two have one name, and what
+    :func:`measure_gap` raises.
     """
     names = [name for name, _ in robots]
     if len(names) < 2:
@@ -94,8 +96,13 @@ def compare_robots(log: Log, robots: Sequence[tuple[str, Robot]]) -> Comparison:
                 f"{name}: has joints {', '.join(robot.joints)}, but {robots[0][0]} has {', '.join(first.joints)}; "
                 "compare robots with the same joints in the same order"
             )
+    begin = counting(tell, len(robots))
+    begin(f"holding the log against {names[0]}")
     gap = measure_gap(log, first)
-    gaps = (gap, *(gap_of(robot, gap) for _, robot in robots[1:]))
+    gaps = [gap]
+    for name, robot in robots[1:]:
+        begin(f"holding the log against {name}")
+        gaps.append(gap_of(robot, gap))
     joints = []
     for joint in gap.examined:
         measured = gap.rms(gap.measured[:, joint], joint)
@@ -109,4 +116,4 @@ def compare_robots(log: Log, robots: Sequence[tuple[str, Robot]]) -> Comparison:
         joints.append(
             JointComparison(gap.robot.joints[joint], unit, measured, float(gap.noise_floor[joint]), tuple(errors))
         )
-    return Comparison(tuple(names), gaps, tuple(joints))
+    return Comparison(tuple(names), tuple(gaps), tuple(joints))

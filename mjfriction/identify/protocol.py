@@ -16,6 +16,7 @@ from mjfriction.errors import RobotError
 from mjfriction.identify.background import USUAL_OFFSET, USUAL_SCALE, USUAL_SHIFT
 from mjfriction.plant.motions import KNOTS, excitation, forward_backward, move
 from mjfriction.plant.trajectory import Trajectory
+from mjfriction.progress import Tell, counting, silently
 from mjfriction.record.log import EFFORT, POSITION, Floats
 from mjfriction.record.motion import Motion, estimate_motion
 from mjfriction.record.readers.table import log_from_table
@@ -59,12 +60,13 @@ def plan_passes(
     count: int = USUAL_SPEEDS,
     speeds: Mapping[str, Floats] | None = None,
     seed: int = 0,
+    tell: Tell = silently,
 ) -> Plan:
     """Plan passes forward and backward of one joint after another, each where gravity loads it least.
 
     ``count`` speeds a joint, evenly in logarithm from a two-hundredth of its usual top speed up, or those given for it
     in ``speeds`` (rad/s or m/s at the joint, rising), past that top speed or not; slow ones over a part
-    of the stroke.
+    of the stroke.  ``tell`` hears each joint.
 
     Raises :class:`RobotError` for a joint that the robot has not, or fewer than three speeds.
     """
@@ -74,7 +76,9 @@ def plan_passes(
     _, reach = room(body)
     parts: list[Floats] = []
     words = []
+    begin = counting(tell, len(joints))
     for name in joints:
+        begin(f"freeing {name} of gravity")
         if name not in robot.joints:
             raise RobotError(f"robot '{robot.name}' has no joint '{name}'. Its joints are {', '.join(robot.joints)}")
         index = robot.joints.index(name)
@@ -102,17 +106,19 @@ def plan_passes(
     return Plan(joined(robot.joints, parts, body), tuple(words))
 
 
-def plan_excitation(robot: Robot, seconds: float = USUAL_SECONDS, *, seed: int = 0) -> Plan:
+def plan_excitation(robot: Robot, seconds: float = USUAL_SECONDS, *, seed: int = 0, tell: Tell = silently) -> Plan:
     """Plan a motion of all joints at once, within limits, that tells links and friction apart.
 
     Of several sums of sines the one is taken whose regressor of links and friction, in usual sizes, has the largest
-    smallest singular value.
+    smallest singular value.  ``tell`` hears each draw.
     """
     body = robot.body()
     middle, reach = room(body)
     top = np.minimum(body.top_speed, UNSTATED_SPEED)
     best: tuple[float, Trajectory] | None = None
+    begin = counting(tell, DRAWS)
     for draw in range(DRAWS):
+        begin("drawing motions")
         trajectory = excitation(robot.joints, middle, reach, top, seconds, seed=seed * DRAWS + draw)
         told = least_told(body, motion_along(robot, trajectory))
         if best is None or told > best[0]:
@@ -123,8 +129,10 @@ def plan_excitation(robot: Robot, seconds: float = USUAL_SECONDS, *, seed: int =
     )
 
 
-def plan_separation(robots: tuple[Robot, Robot], *, seed: int = 0) -> Plan:
+def plan_separation(robots: tuple[Robot, Robot], *, seed: int = 0, tell: Tell = silently) -> Plan:
     """Plan the motion, of a few dozen within limits, on which two robots predict efforts that differ most.
+
+    ``tell`` hears which joint's motions are tried.
 
     Raises :class:`RobotError` where they have not the same joints, or predict the same on all.
     """
@@ -134,7 +142,9 @@ def plan_separation(robots: tuple[Robot, Robot], *, seed: int = 0) -> Plan:
     body = one.body()
     top = np.minimum(body.top_speed, UNSTATED_SPEED)
     best: tuple[float, int, Trajectory] | None = None
+    begin = counting(tell, len(one.joints))
     for joint in range(len(one.joints)):
+        begin(f"trying motions of {one.joints[joint]}")
         for trajectory in candidate_motions(one.joints, body, top, joint, all_joints=joint == 0, seed=seed):
             size = difference(robots, motion_along(one, trajectory))
             worst = int(np.argmax(size))

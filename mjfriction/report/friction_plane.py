@@ -37,10 +37,14 @@ def send_plane(
         # Down is positive in Rerun's pictures.
         place = np.column_stack([velocity / top, -TALL * course / most]).astype(np.float32)
         cloud = rr.Points2D(place[kept], radii=0.006, colors=[colour])
-        stream.log(f"{entity}/{name}", cloud, static=True)
-        stream.log(f"{entity}/now/{name}", rr.Points2D.from_fields(radii=0.02, colors=[colour]), static=True)
+        stream.log(f"{entity}/{rr.escape_entity_path_part(name)}", cloud, static=True)
+        stream.log(
+            f"{entity}/now/{rr.escape_entity_path_part(name)}",
+            rr.Points2D.from_fields(radii=0.02, colors=[colour]),
+            static=True,
+        )
         stream.send_columns(
-            f"{entity}/now/{name}",
+            f"{entity}/now/{rr.escape_entity_path_part(name)}",
             indexes=[rr.TimeColumn(clock, duration=time)],
             columns=rr.Points2D.columns(positions=place),
         )

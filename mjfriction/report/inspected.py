@@ -9,6 +9,7 @@ import numpy as np
 from mjfriction.diagnose.audit import find_faults
 from mjfriction.diagnose.visible import Visible, visible_causes
 from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.progress import Tell, silently
 from mjfriction.record.log import CURRENT, EFFORT, KNOWN, VELOCITY, Log
 from mjfriction.record.motion import Motion, estimate_motion
 from mjfriction.record.resample import read_clock
@@ -20,11 +21,14 @@ _UNSURE = {CURRENT: "A", EFFORT: "N·m or N"}  # where no robot says how a joint
 FASTEST = 0.99  # quantile of the speed that counts as the top
 
 
-def inspected_table(log: Log, robot: Robot | None) -> dict[str, Any]:
+def inspected_table(log: Log, robot: Robot | None, tell: Tell = silently) -> dict[str, Any]:
     """Return what a log holds as plain data and, with a robot, the least effect of every cause that could be found.
+
+    ``tell`` hears how far it is.
 
     Raises :class:`~mjfriction.errors.LogError` or :class:`~mjfriction.errors.RobotError` when either cannot be used.
     """
+    tell("measuring the log")
     clock = read_clock(log)
     gap = measure_gap(log, robot) if robot is not None else None
     motion = gap.motion if gap is not None else estimate_motion(log, log.joints, min(PLAIN_CUTOFF, 0.1 / clock.step))
@@ -45,7 +49,7 @@ def inspected_table(log: Log, robot: Robot | None) -> dict[str, Any]:
         ],
     }
     if gap is not None:
-        told["could_show"] = [_visible(gap, one) for one in visible_causes(gap)]
+        told["could_show"] = [_visible(gap, one) for one in visible_causes(gap, tell)]
     return told
 
 

@@ -91,7 +91,7 @@ def _write(models: Sequence[_Model], first: Sequence[str], text: str, summary: s
         _send_joint(stream, models, name)
         for law, course in states.get(name, {}).items():
             for k, column in enumerate(course[thin].T):
-                send(stream, f"{name}/state/{law}/{k + 1}", gap.motion.time[thin], column)
+                send(stream, f"{place_of(name)}/state/{law}/{k + 1}", gap.motion.time[thin], column)
     stream.flush()
     stream.disconnect()
 
@@ -101,22 +101,35 @@ def _send_joint(stream: rr.RecordingStream, models: Sequence[_Model], name: str)
     joint = gap.robot.joints.index(name)
     time, measured, velocity = gap.chain.time, gap.measured[:, joint], gap.at_rows("velocity")[:, joint]
     colours = [_rgb(MEASURED), *itertools.islice(itertools.cycle(map(_rgb, MODELS)), len(models))]
+    place = place_of(name)
     told = {"measured": measured} | {model.name: measured - model.left[:, joint] for model in models}
     for quantity, unit in (("torque", 1.0), ("current", gap.robot.joint(name).actuator.effort_per_ampere)):
         if unit is not None:
             for (source, course), colour in zip(told.items(), colours, strict=True):
-                send(stream, f"{name}/{quantity}/{source}", time, course / unit, colour)
+                send(stream, f"{place}/{quantity}/{place_of(source)}", time, course / unit, colour)
     friction = {model.name: model.gap.chain.rows(model.gap.effort.friction[:, joint]) for model in models}
     last = models[-1]
     left_to_friction = friction[last.name] + last.left[:, joint]
     for model, colour in zip(models, colours[1:], strict=True):
-        send(stream, f"{name}/error/{model.name}", time, model.left[:, joint], colour)
-    send(stream, f"{name}/velocity", time, velocity)
+        send(stream, f"{place}/error/{place_of(model.name)}", time, model.left[:, joint], colour)
+    send(stream, f"{place}/velocity", time, velocity)
     sliding = gap.body.sliding[joint]
     shown = {"measured": left_to_friction, **friction}
     send_plane(
-        stream, f"{name}/friction", CLOCK, time, velocity, shown, colours, ("m/s", "N") if sliding else ("rad/s", "N·m")
+        stream,
+        f"{place}/friction",
+        CLOCK,
+        time,
+        velocity,
+        shown,
+        colours,
+        ("m/s", "N") if sliding else ("rad/s", "N·m"),
     )
+
+
+def place_of(name: str) -> str:
+    """Return where a joint's or a model's courses are in a recording: its name, as one step of a path."""
+    return rr.escape_entity_path_part(name)
 
 
 def _rgb(colour: str) -> tuple[int, int, int]:
@@ -151,15 +164,16 @@ def _scene(gap: Gap) -> tuple[Floats, Scene] | None:
 
 
 def _tab(name: str, *, current: bool, states: Sequence[str]) -> rrb.Horizontal:
-    courses = [rrb.TimeSeriesView(origin=f"{name}/torque", name="torque")]
+    place = place_of(name)
+    courses = [rrb.TimeSeriesView(origin=f"{place}/torque", name="torque")]
     if current:
-        courses.append(rrb.TimeSeriesView(origin=f"{name}/current", name="current"))
+        courses.append(rrb.TimeSeriesView(origin=f"{place}/current", name="current"))
     courses += [
-        rrb.TimeSeriesView(origin=f"{name}/error", name="error"),
-        rrb.TimeSeriesView(origin=f"{name}/velocity", name="velocity"),
+        rrb.TimeSeriesView(origin=f"{place}/error", name="error"),
+        rrb.TimeSeriesView(origin=f"{place}/velocity", name="velocity"),
     ]
-    beside: list[rrb.View] = [plane_view(f"{name}/friction")]
-    beside += [rrb.TimeSeriesView(origin=f"{name}/state/{law}", name=f"states of {law}") for law in states]
+    beside: list[rrb.View] = [plane_view(f"{place}/friction")]
+    beside += [rrb.TimeSeriesView(origin=f"{place}/state/{law}", name=f"states of {law}") for law in states]
     return rrb.Horizontal(rrb.Vertical(*courses), rrb.Vertical(*beside), name=name, column_shares=[3, 2])
 
 

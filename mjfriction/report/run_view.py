@@ -12,7 +12,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from mjfriction.plant.machine import Run
-from mjfriction.report.rerun_view import CLOCK, NAMESPACE, send, thinned_to_see
+from mjfriction.report.rerun_view import CLOCK, NAMESPACE, place_of, send, thinned_to_see
 from mjfriction.report.scene_view import scene_along, scene_view, send_scene
 from mjfriction.robot.robot import Robot
 from mjfriction.sim.scene import Scene
@@ -28,17 +28,19 @@ def write_run(robot: Robot, run: Run, path: Path) -> None:
     send_scene(stream, when, scene, CLOCK)
     thin = thinned_to_see(run.time)
     for i, name in enumerate(robot.joints):
-        send(stream, f"{name}/drive", run.time[thin], run.played.torque[thin, i])
-        send(stream, f"{name}/friction", run.time[thin], run.played.friction[thin, i])
-        send(stream, f"{name}/compensation", run.time[thin], run.estimates[thin, i])
-        send(stream, f"{name}/position", run.time[thin], run.played.position[thin, i])
-        send(stream, f"{name}/velocity", run.time[thin], run.played.velocity[thin, i])
+        place = place_of(name)
+        send(stream, f"{place}/drive", run.time[thin], run.played.torque[thin, i])
+        send(stream, f"{place}/friction", run.time[thin], run.played.friction[thin, i])
+        send(stream, f"{place}/compensation", run.time[thin], run.estimates[thin, i])
+        send(stream, f"{place}/position", run.time[thin], run.played.position[thin, i])
+        send(stream, f"{place}/velocity", run.time[thin], run.played.velocity[thin, i])
         for k, course in enumerate(run.played.states.get(name, np.empty((0, 0)))[thin].T):
-            send(stream, f"{name}/state/{k + 1}", run.time[thin], course)
+            send(stream, f"{place}/state/{k + 1}", run.time[thin], course)
     for name, cylinder in run.cylinders.items():
-        send(stream, f"{name}/pressure/head", run.time[thin], cylinder.p1[thin])
-        send(stream, f"{name}/pressure/rod", run.time[thin], cylinder.p2[thin])
-        send(stream, f"{name}/voltage", run.time[thin], cylinder.volts[thin])
+        place = place_of(name)
+        send(stream, f"{place}/pressure/head", run.time[thin], cylinder.p1[thin])
+        send(stream, f"{place}/pressure/rod", run.time[thin], cylinder.p2[thin])
+        send(stream, f"{place}/voltage", run.time[thin], cylinder.volts[thin])
     stream.flush()
     stream.disconnect()
 
@@ -46,17 +48,18 @@ def write_run(robot: Robot, run: Run, path: Path) -> None:
 def _blueprint(joints: Sequence[str], run: Run, scene: Scene) -> rrb.Blueprint:
     tabs = []
     for name in joints:
+        place = place_of(name)
         views = [
             rrb.TimeSeriesView(
-                origin=f"/{name}",
-                contents=[f"/{name}/drive", f"/{name}/friction", f"/{name}/compensation"],
+                origin=f"/{place}",
+                contents=[f"/{place}/drive", f"/{place}/friction", f"/{place}/compensation"],
                 name="drive, friction and its compensation",
             ),
-            rrb.TimeSeriesView(origin=f"/{name}", contents=[f"/{name}/velocity"], name="velocity"),
+            rrb.TimeSeriesView(origin=f"/{place}", contents=[f"/{place}/velocity"], name="velocity"),
         ]
         if run.played.states.get(name, np.empty((0, 0))).size:
-            views.append(rrb.TimeSeriesView(origin=f"/{name}/state", name="states of friction"))
+            views.append(rrb.TimeSeriesView(origin=f"/{place}/state", name="states of friction"))
         if name in run.cylinders:
-            views.append(rrb.TimeSeriesView(origin=f"/{name}/pressure", name="pressures"))
+            views.append(rrb.TimeSeriesView(origin=f"/{place}/pressure", name="pressures"))
         tabs.append(rrb.Vertical(*views, name=name))
     return rrb.Blueprint(rrb.Horizontal(scene_view(scene), rrb.Tabs(*tabs), column_shares=[1, 1]), collapse_panels=True)

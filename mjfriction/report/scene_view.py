@@ -32,7 +32,7 @@ def send_scene(stream: rr.RecordingStream, time: Floats, scene: Scene, clock: st
     for i, body in enumerate(scene.bodies):
         if body not in shown:
             continue
-        entity = f"{ROOT}/{body}"
+        entity = f"{ROOT}/{rr.escape_entity_path_part(body)}"
         for number, shape in enumerate(shape for shape in scene.shapes if shape.body == body):
             stream.log(f"{entity}/{number}", _drawn(shape), static=True)
         stream.send_columns(

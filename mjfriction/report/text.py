@@ -189,7 +189,8 @@ def print_inspected(told: dict[str, Any], console: Console) -> None:
 def _print_visible(told: dict[str, Any], console: Console) -> None:
     console.print(
         "\nWhat it could show: the effect, in % of the joint's RMS effort, from which on a cause is found; joints by "
-        "their numbers above, with what concerns the whole arm first"
+        "their numbers above, with what concerns the whole arm first. "
+        f"Where a cell is empty it would take more than {100 * HIDDEN:.0f} %, or the motion cannot show it"
     )
     places = [None, *(joint["joint"] for joint in told["joints"])]
     least = {(one["cause"], one["joint"]): one["share"] for one in told["could_show"] if one["share"] < HIDDEN}

@@ -3,46 +3,44 @@
 from __future__ import annotations
 
 import multiprocessing
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from functools import partial
 from importlib import import_module
 
+from mjfriction.progress import Tell, silently
 from mjfriction.reproduce.outcome import Reproduction
 
 DOCUMENTS = ("table", "hydraulic", "manipulator")
 
 
-def reproduce(
-    documents: Sequence[str], progress: Callable[[str], None], *, seed: int = 0, jobs: int = 1
-) -> list[Reproduction]:
+def reproduce(documents: Sequence[str], tell: Tell = silently, *, seed: int = 0, jobs: int = 1) -> list[Reproduction]:
     """Run the experiments of documents by name, ``jobs`` at a time, and return them in their order.
 
-    ``progress`` is told what is going on.  The results are the same whatever ``jobs`` is.
+    ``tell`` hears what is going on.  The results are the same whatever ``jobs`` is.
     """
     if jobs == 1 or len(documents) == 1:
-        return [_run(name, seed, partial(_told, progress, name)) for name in documents]
+        return [_run(name, seed, _part(tell, k, documents)) for k, name in enumerate(documents)]
     # Fresh processes: the one MuJoCo callback and what is compiled belong to a process.
     with ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
         # The longest first.
         running = {name: pool.submit(_run, name, seed) for name in sorted(documents, key=DOCUMENTS.index, reverse=True)}
         out = []
         for k, name in enumerate(documents):
-            progress(f"{', '.join(documents[k:])} in {jobs} processes")
+            tell(f"{', '.join(documents[k:])} in {jobs} processes", k / len(documents))
             out.append(running[name].result())
         return out
 
 
-def _run(name: str, seed: int, progress: Callable[[str], None] | None = None) -> Reproduction:
+def _run(name: str, seed: int, tell: Tell = silently) -> Reproduction:
     run = getattr(import_module(f"mjfriction.reproduce.{name}.told"), f"reproduce_{name}")
-    found = run(progress or _silent, seed)
+    found = run(tell, seed)
     assert isinstance(found, Reproduction)
     return found
 
 
-def _told(progress: Callable[[str], None], document: str, step: str) -> None:
-    progress(f"{document}: {step}")
+def _part(tell: Tell, number: int, documents: Sequence[str]) -> Tell:
+    # What one document's experiments tell, as a part of the whole.
+    def told(step: str, done: float | None = None) -> None:
+        tell(f"{documents[number]}: {step}", (number + (done or 0.0)) / len(documents))
 
-
-def _silent(step: str) -> None:
-    del step
+    return told

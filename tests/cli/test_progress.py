@@ -6,13 +6,18 @@ import os
 import pty
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.visible import visible_causes
+from mjfriction.identify.comparison import compare_robots
+from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.identification import identify_log
+from mjfriction.identify.protocol import plan_excitation, plan_passes
 from mjfriction.plant.machine import run_machine
 from mjfriction.plant.motions import sine
 from mjfriction.record.readers import read_log
@@ -53,6 +58,27 @@ def test_long_work_tells_its_steps(verb: str, tmp_path: Path) -> None:
     assert told[0] == ("measuring the gap", 0.0)
     assert np.all(np.diff(shares) >= 0.0)
     assert 0.5 < shares[-1] < 1.0
+
+
+def test_what_has_steps_alike_counts_them(tmp_path: Path) -> None:
+    log_path, robot_path = write_case(tmp_path, Machine(), seed=2, seconds=8.0)
+    log, robot = read_log(log_path), read_robot(robot_path)
+    told: list[float | None] = []
+
+    def tell(step: str, done: float | None = None) -> None:
+        told.append(done)
+
+    works: tuple[Callable[[], object], ...] = (
+        lambda: plan_passes(robot, robot.joints[:3], count=3, tell=tell),
+        lambda: plan_excitation(robot, 5.0, tell=tell),
+        lambda: compare_robots(log, [("a", robot), ("b", robot), ("c", robot)], tell),
+        lambda: visible_causes(measure_gap(log, robot), tell),
+    )
+    for work in works:
+        told.clear()
+        work()
+        assert len(told) > 2
+        np.testing.assert_allclose(told, np.arange(len(told)) / len(told))
 
 
 def test_a_terminal_sees_the_time_that_is_left(tmp_path: Path) -> None:

@@ -45,6 +45,22 @@ def test_states_of_friction_are_kept_only_when_asked_for() -> None:
     assert set(np.unique(kept[:, 12:])) <= {-1.0, 0.0, 1.0}
 
 
+def test_a_joint_by_any_name_is_one_step_of_a_path(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "arm.urdf").write_text(
+        '<robot name="arm"><link name="base"/><link name="arm 1"><inertial><mass value="1"/><inertia ixx=".1" '
+        'iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial></link><joint name="hinge 1/2" type="revolute"><parent '
+        'link="base"/><child link="arm 1"/><axis xyz="0 0 1"/><limit lower="-2" upper="2" effort="9" velocity="3"/>'
+        "</joint></robot>"
+    )
+    (tmp_path / "robot.toml").write_text('name = "arm"\nmodel = "arm.urdf"\n[[joint]]\nname = "hinge 1/2"\n')
+    robot = read_robot(tmp_path / "robot.toml")
+    run = run_machine(robot, sine("hinge 1/2", 0.0, 0.5, 1.0, 3.0), 500.0, whole=True)
+    write_run(robot, run, tmp_path / "run.rrd")
+    assert {r"/hinge\ 1\/2/drive", r"/hinge\ 1\/2/friction"} <= entities(tmp_path / "run.rrd")
+    told = capfd.readouterr()
+    assert "WARN" not in told.err + told.out
+
+
 @pytest.mark.parametrize(
     ("name", "content"), [("arm.dae", b"<COLLADA/>"), ("arm.stl", b"solid arm\nfacet normal 0 0 1\n")]
 )

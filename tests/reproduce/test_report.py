@@ -65,7 +65,7 @@ def test_a_document_that_there_is_not_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.bench
 def test_the_documents_orders_come_out_at_any_number_of_processes(tmp_path: Path) -> None:
-    found = reproduce(DOCUMENTS, lambda _: None, jobs=2)
+    found = reproduce(DOCUMENTS, jobs=2)
     claims = {claim.sentence: claim.holds for one in found for claim in one.claims}
     for sentence in (
         "Of the document's four combinations the one with GMS is the best.",
@@ -78,5 +78,7 @@ def test_the_documents_orders_come_out_at_any_number_of_processes(tmp_path: Path
     ):
         assert claims[sentence], sentence
     write_reproduced(found, tmp_path)
-    alone = reproduce(("hydraulic",), lambda _: None, jobs=1)
+    told: list[float | None] = []
+    alone = reproduce(("hydraulic",), lambda step, done=None: told.append(done), jobs=1)
+    np.testing.assert_allclose(told, np.arange(len(told)) / len(told), err_msg="every step is counted")
     assert alone[0].tables == found[1].tables

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from mjfriction.control.valve import FrictionSource, ValveGains
+from mjfriction.progress import Tell, counting
 from mjfriction.reproduce.hydraulic.identified import (
     Identified,
     identify_cylinder,
@@ -35,21 +35,20 @@ class Compared:
     runs: dict[str, Tracked]
 
 
-def run_cylinder(
-    progress: Callable[[str], None], seed: int = 0
-) -> tuple[Identified, dict[str, Compared], tuple[ValveGains, ValveGains]]:
-    """Identify the cylinder, tune every controller, follow the reference with each; ``progress`` is told each step.
+def run_cylinder(tell: Tell, seed: int = 0) -> tuple[Identified, dict[str, Compared], tuple[ValveGains, ValveGains]]:
+    """Identify the cylinder, tune every controller, follow the reference with each; ``tell`` hears each step.
 
     Last come the gains of the variable-structure observer's controller, apart for the two directions.
     """
-    progress("identifying the cylinder")
+    begin = counting(tell, 3 + 2 * (2 + len(OBSERVERS)))
+    begin("identifying the cylinder")
     identified = identify_cylinder(seed)
     sources: dict[str, FrictionSource | None] = {"PD": None, LAW: identified.law(), **OBSERVERS}
     heavy, compared = cylinder(mass=HEAVY), {}
     for name, source in sources.items():
-        progress(f"tuning {name}")
+        begin(f"tuning {name}")
         gains = tuned_pd(seed) if source is None else tuned_acceleration(source, seed)
-        progress(f"following the reference: {name}")
+        begin(f"following the reference: {name}")
         pair = (gains, gains)
         runs = {
             "nominal": follow(pair, source, periods=2.0, seed=seed),
@@ -58,11 +57,11 @@ def run_cylinder(
         }
         compared[name] = Compared(source, gains, runs)
     best = compared["variable structure"]
-    progress("separate gains")
+    begin("separate gains")
     assert best.friction is not None
     separate = separate_gains(best.gains, best.friction, seed)
     best.runs["separate gains"] = follow(separate, best.friction, periods=2.0, seed=seed)
-    progress("sharp switching, and the law as printed")
+    begin("sharp switching, and the law as printed")
     best.runs["sharp"] = follow((best.gains, best.gains), SHARP, periods=2.0, seed=seed)
     law = compared[LAW]
     law.runs["as printed"] = follow((law.gains, law.gains), identified.law(3), periods=2.0, seed=seed)

@@ -12,6 +12,7 @@ import numpy as np
 from mjfriction.control.chattering import spectrum
 from mjfriction.laws.ambient import ambient
 from mjfriction.laws.law import Floats
+from mjfriction.progress import Tell
 from mjfriction.reproduce.hydraulic.experiments import LAW, Compared, run_cylinder
 from mjfriction.reproduce.hydraulic.identified import (
     SUPPLIES,
@@ -36,9 +37,9 @@ from mjfriction.reproduce.outcome import Claim, Line, Picture, Reproduction
 THIN = slice(None, None, 50)
 
 
-def reproduce_hydraulic(progress: Callable[[str], None], seed: int = 0) -> Reproduction:
-    """Run the document's experiments; ``progress`` is told each step."""
-    identified, compared, separate = run_cylinder(progress, seed)
+def reproduce_hydraulic(tell: Tell, seed: int = 0) -> Reproduction:
+    """Run the document's experiments; ``tell`` hears each step."""
+    identified, compared, separate = run_cylinder(tell, seed)
     return Reproduction(
         name="hydraulic",
         title="Friction of a hydraulic cylinder identified, observed and compensated",

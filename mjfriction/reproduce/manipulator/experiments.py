@@ -30,6 +30,7 @@ from mjfriction.robot.robot import Robot
 
 DAMPING_TIME = 1.9e-3  # s, σ₁/σ₀ of the document's first joint
 LAWS = ("Coulomb-viscous", "static law", "dynamic law")
+STEPS = 4  # of an arm's experiments
 
 
 @dataclass(frozen=True)
@@ -64,16 +65,16 @@ class Arm:
     work: Told
 
 
-def run_arm(name: str, progress: Callable[[str], None], seed: int) -> Arm:
-    """Run an arm's experiments; ``progress`` is told each step."""
-    progress(f"{name}: passes forward and backward")
+def run_arm(name: str, begin: Callable[[str], None], seed: int) -> Arm:
+    """Run an arm's experiments; ``begin`` hears each of :data:`STEPS` as it begins."""
+    begin(f"{name}: passes forward and backward")
     robot = stated_arm(name)
     fits = identify_arm(name, seed)
-    progress(f"{name}: near-sinusoidal motion")
+    begin(f"{name}: near-sinusoidal motion")
     trajectory = slow_sine(robot)
     log = record(name, trajectory, seed + 10)
     stiffness = _stiffnesses(robot, fits, trajectory, log)
-    progress(f"{name}: pick and place")
+    begin(f"{name}: pick and place")
     other = work(robot)
     best = np.array([pair[1] for pair in stiffness])
     models = {
@@ -83,7 +84,7 @@ def run_arm(name: str, progress: Callable[[str], None], seed: int) -> Arm:
     }
     slow = _told(models, trajectory, log)
     worked = _told(models, other, record(name, other, seed + 11))
-    progress(f"{name}: passes with its payload")
+    begin(f"{name}: passes with its payload")
     return Arm(name, classes(robot), fits, stiffness, load_extension(name, fits, seed + 20), slow, worked)
 
 

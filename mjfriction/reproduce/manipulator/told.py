@@ -5,17 +5,16 @@ Indri, Lazzero, Antoniazza, Bottero, "Friction modeling and identification for i
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from mjfriction.laws.ambient import ambient
 from mjfriction.laws.law import Floats
+from mjfriction.progress import Tell, counting
 from mjfriction.reproduce.manipulator.arm import (
     ARMS,
     stated_arm,
 )
-from mjfriction.reproduce.manipulator.experiments import LAWS, Arm, run_arm
+from mjfriction.reproduce.manipulator.experiments import LAWS, STEPS, Arm, run_arm
 from mjfriction.reproduce.manipulator.tables import (
     current_errors,
     gravity_classes,
@@ -31,9 +30,10 @@ THIN = slice(None, None, 5)
 SLOW_SPEED = 8.0  # rad/s of the motor, up to which figure 1 is drawn
 
 
-def reproduce_manipulator(progress: Callable[[str], None], seed: int = 0) -> Reproduction:
-    """Run the document's experiments on both arms; ``progress`` is told each step."""
-    arms = [run_arm(name, progress, seed) for name in ARMS]
+def reproduce_manipulator(tell: Tell, seed: int = 0) -> Reproduction:
+    """Run the document's experiments on both arms; ``tell`` hears each step."""
+    begin = counting(tell, STEPS * len(ARMS))
+    arms = [run_arm(name, begin, seed) for name in ARMS]
     first = arms[0]
     return Reproduction(
         name="manipulator",

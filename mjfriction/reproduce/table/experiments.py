@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,6 +11,7 @@ from mjfriction.laws.law import Floats
 from mjfriction.plant.machine import Run, run_machine
 from mjfriction.plant.motions import inner_loops
 from mjfriction.plant.trajectory import Trajectory
+from mjfriction.progress import Tell, counting
 from mjfriction.reproduce.table.identified import (
     Identified,
     identify_table,
@@ -54,19 +54,20 @@ class Tracked:
         return float(np.sqrt(np.mean(np.square(self.error))))
 
 
-def run_table(progress: Callable[[str], None], seed: int = 0) -> tuple[Identified, dict[str, Tracked]]:
-    """Identify the table, tune the laws, follow the reference with each; ``progress`` is told each step."""
-    progress("identifying the table")
+def run_table(tell: Tell, seed: int = 0) -> tuple[Identified, dict[str, Tracked]]:
+    """Identify the table, tune the laws, follow the reference with each; ``tell`` hears each step."""
+    begin = counting(tell, 4 + 3 * len(LAWS))
+    begin("identifying the table")
     identified = identify_table(seed)
     machine, known = true_table(), identified.robot_without_friction()
     laws = {}
     for law in LAWS:
-        progress(f"tuning {law}")
+        begin(f"tuning {law}")
         laws[law] = _tuned(machine, identified, law, seed)
     runs: dict[str, Tracked] = {}
 
     def follow(name: str, model: Robot, *, friction: bool, observer: bool, period: float = PERIOD) -> None:
-        progress(f"following the reference: {name}")
+        begin(f"following the reference: {name}")
         runs[name] = _tracked(machine, model, friction=friction, observer=observer, period=period, seed=seed)
 
     follow("PD", known, friction=False, observer=False)

@@ -6,11 +6,10 @@ the neighbourhood of pre-sliding friction".
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from mjfriction.laws.rules import array
+from mjfriction.progress import Tell
 from mjfriction.reproduce.outcome import Claim, Line, Picture, Reproduction
 from mjfriction.reproduce.table.experiments import LAWS, Tracked, run_table
 from mjfriction.reproduce.table.identified import (
@@ -27,9 +26,9 @@ from mjfriction.reproduce.table.tables import loops_left, numbers_stored, parame
 THIN = slice(None, None, 10)
 
 
-def reproduce_table(progress: Callable[[str], None], seed: int = 0) -> Reproduction:
-    """Run the document's experiments; ``progress`` is told each step."""
-    identified, runs = run_table(progress, seed)
+def reproduce_table(tell: Tell, seed: int = 0) -> Reproduction:
+    """Run the document's experiments; ``tell`` hears each step."""
+    identified, runs = run_table(tell, seed)
     return Reproduction(
         name="table",
         title="Pre-sliding friction compensated on a machine-tool table",
