@@ -10,7 +10,7 @@ import typer
 
 from mjfriction.cli.logs import read_logs
 from mjfriction.cli.options import Json, LogPath, MapSource
-from mjfriction.cli.progress import telling, working
+from mjfriction.cli.progress import telling
 from mjfriction.cli.show import show
 
 Robots = Annotated[
@@ -39,7 +39,8 @@ def compare(log: LogPath, robot: Robots, out: Out = None, map_: MapSource = None
         robots = [(name, read_robot(source)) for name, source in zip(short_names(robot), robot, strict=True)]
         comparison = compare_robots(read_logs([log], robots[0][1].joints, map_), robots, tell)
     if out is not None:
-        with whole_folder(out) as folder, working("writing the report"):
+        with whole_folder(out) as folder, telling() as tell:
+            tell("writing the report")
             write_comparison(comparison, folder)
     if json:
         import json as writer

@@ -10,7 +10,7 @@ import typer
 
 from mjfriction.cli.logs import read_logs
 from mjfriction.cli.options import Json, LogPaths, MapSource, RobotSource
-from mjfriction.cli.progress import telling, working
+from mjfriction.cli.progress import WRITING, telling
 from mjfriction.cli.show import show
 
 Out = Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the results.", show_default=False)]
@@ -38,13 +38,12 @@ def report_diagnosis(logs: list[Path], robot: str, out: Path, *, mapping: str | 
     from mjfriction.report.write import write_results
     from mjfriction.robot.files import read_robot
 
-    with whole_folder(out) as folder:
-        with telling() as tell:
-            stated = read_robot(robot)
-            diagnosis = diagnose_log(read_logs(logs, stated.joints, mapping), stated, seed=seed, tell=tell)
-            report = make_report(diagnosis)
-        with working("writing the report"):
-            write_results(diagnosis, report, folder)
+    with whole_folder(out) as folder, telling() as tell:
+        stated = read_robot(robot)
+        diagnosis = diagnose_log(read_logs(logs, stated.joints, mapping), stated, seed=seed, tell=tell)
+        report = make_report(diagnosis)
+        tell("writing the report", WRITING)
+        write_results(diagnosis, report, folder)
     if json:
         typer.echo(report_json(report), nl=False)
         return

@@ -11,7 +11,7 @@ import typer
 
 from mjfriction.cli.logs import read_logs
 from mjfriction.cli.options import Json, LogPaths, MapSource, RobotSource
-from mjfriction.cli.progress import telling, working
+from mjfriction.cli.progress import WRITING, telling
 from mjfriction.cli.show import show
 
 
@@ -57,16 +57,15 @@ def identify(
     from mjfriction.report.write import write_identified
     from mjfriction.robot.files import read_robot
 
-    with whole_folder(out) as folder:
-        with telling() as tell:
-            stated = read_robot(robot)
-            log = read_logs(logs, stated.joints, map_)
-            identification = identify_log(
-                log, stated, law=law, side=side.value, links=links, simulated=simulated, tell=tell
-            )
-            report = make_identified_report(identification)
-        with working("writing the report"):
-            write_identified(identification, report, folder)
+    with whole_folder(out) as folder, telling() as tell:
+        stated = read_robot(robot)
+        log = read_logs(logs, stated.joints, map_)
+        identification = identify_log(
+            log, stated, law=law, side=side.value, links=links, simulated=simulated, tell=tell
+        )
+        report = make_identified_report(identification)
+        tell("writing the report", WRITING)
+        write_identified(identification, report, folder)
     if json:
         typer.echo(report_json(report), nl=False)
         return

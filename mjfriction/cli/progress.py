@@ -9,18 +9,7 @@ from collections.abc import Iterator
 from mjfriction.progress import Tell, silently
 
 READ = 0.3  # of what a command takes that goes through a log once, when the log is read
-
-
-@contextlib.contextmanager
-def working(what: str) -> Iterator[None]:
-    """Show a spinner on standard error while work goes on, when a person watches."""
-    if not sys.stderr.isatty():
-        yield
-        return
-    from rich.console import Console
-
-    with Console(stderr=True).status(what):
-        yield
+WRITING = 0.95  # of what a diagnosis takes, or an identification, when its report is written
 
 
 @contextlib.contextmanager

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from mjfriction.cli.options import RobotSource
-from mjfriction.cli.progress import telling, working
+from mjfriction.cli.progress import telling
 
 TrajectorySource = Annotated[
     Path,
@@ -113,7 +113,8 @@ def simulate(
     else:
         from mjfriction.report.run_view import write_run
 
-        with working("drawing"), whole_file(recording) as draft:
+        with telling() as tell, whole_file(recording) as draft:
+            tell("drawing")
             write_run(machine, run, draft)
             write_table(table, out)  # a log that cannot be written leaves no recording either
     lost = not_followed(machine, run)
