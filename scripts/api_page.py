@@ -5,12 +5,22 @@ Run: python -m scripts.api_page
 
 from __future__ import annotations
 
+import enum
 import functools
 import inspect
 import re
 from pathlib import Path
 
 import mjfriction
+from mjfriction.diagnose.extend import Adjustment
+from mjfriction.diagnose.outcome import Verdict
+from mjfriction.diagnose.separate import Experiment
+from mjfriction.identify.fitted import Fitted
+from mjfriction.identify.joint_error import JointError
+from mjfriction.identify.outcome import Candidate, JointLaw
+from mjfriction.identify.proof import Gain
+from mjfriction.identify.structure import Structure
+from mjfriction.record.faults import Fault
 
 PAGE = Path(__file__).resolve().parent.parent / "docs/api.md"
 TEXT = """# In Python
@@ -29,7 +39,11 @@ report says with which version it was made.
 {functions}
 
 {classes}
+
+{held}
 """
+HELD = (Verdict, Fitted, Gain, JointError, Structure, Adjustment, Fault, Experiment, Candidate, JointLaw)
+"""What the fields of the classes hold, for reading: these are made by the package alone."""
 READ = (property, functools.cached_property)
 ANNOTATION = re.compile(r"(: |-> )'([^']*)'")
 FUNCTION = re.compile(r"<function (\w+) at 0x[0-9a-f]+>")  # a default that is one
@@ -52,8 +66,15 @@ def function_entry(name: str) -> str:
 
 def class_entry(name: str) -> str:
     """Return the entry of a class: what it is, its fields, and its methods by their first line."""
-    own = getattr(mjfriction, name)
-    lines = [f"### `{name}`", "", told(own.__doc__), ""]
+    return entry_of(getattr(mjfriction, name))
+
+
+def entry_of(own: type) -> str:
+    """Return the entry of a class that is at hand."""
+    lines = [f"### `{own.__name__}`", "", told(own.__doc__ or ""), ""]
+    if issubclass(own, enum.Enum):
+        lines += [f"- `{one.name}`: `{one.value!r}`" for one in own]
+        return "\n".join(lines) + "\n"
     for field, kind in getattr(own, "__annotations__", {}).items():
         if not field.startswith("_"):
             lines.append(f"- `{field}: {kind}`")
@@ -71,6 +92,7 @@ def page() -> str:
     return TEXT.format(
         functions="## Functions\n\n" + "\n".join(map(function_entry, functions)),
         classes="## Classes\n\n" + "\n".join(map(class_entry, classes)),
+        held="## What their fields hold\n\n" + "\n".join(map(entry_of, HELD)),
     )
 
 

@@ -10,18 +10,19 @@ from pathlib import Path
 from mjfriction.control.observe import OBSERVERS
 from mjfriction.diagnose.alike import ROOM
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
-from mjfriction.diagnose.causes.links import LEAST_NOTED
+from mjfriction.diagnose.causes.links import LEAST_MOVED, LEAST_NOTED
 from mjfriction.diagnose.causes.presliding import LEAST_PART
 from mjfriction.diagnose.causes.stribeck import GONE_BY
 from mjfriction.diagnose.causes.varying import EDGE
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.compete import LEAST_KIN_EFFECT, NEAR_BEST
 from mjfriction.diagnose.link_finding import SURELY
+from mjfriction.diagnose.nuisance import FARTHEST, LINK_SCALE, LINK_SHIFT
 from mjfriction.diagnose.stated import OUTLYING
 from mjfriction.diagnose.trial import LEAST_EFFECT
 from mjfriction.diagnose.untold import DROWNED, LEAST_SEEN
-from mjfriction.diagnose.verdict import COLOURED
 from mjfriction.identify import choose
+from mjfriction.identify.colour import COLOURED
 from mjfriction.laws.catalog import LAWS
 from mjfriction.record.motion import HELD, RINGING, USUALLY
 from mjfriction.reproduce.catalog import DOCUMENTS
@@ -80,6 +81,10 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert f"makes less than {100 * LEAST_EFFECT:g} % of the effort, or takes less than {100 * LEAST_SEEN:g} %" in told
     assert (DROWNED, ROOM, COLOURED) == (1.0, 0.5, 0.5), "the page says as much, half of the effect, half of it"
     assert f"more than {100 * LEAST_NOTED:g} %, and by more than {100 * SURELY:g} %" in told
+    assert f"lies more than {100 * LEAST_MOVED:g} cm off" in told
+    most = f"({100 * LINK_SCALE:g} % as a rule, {100 * FARTHEST * LINK_SCALE:g} % at most)"
+    assert most in told
+    assert f"({1e3 * LINK_SHIFT:g} mm along each axis as a rule, {1e3 * FARTHEST * LINK_SHIFT:g} mm at most)" in told
     assert f"({100 * RINGING:g} % of the fastest speed" in told
     assert f"at least {100 * LEAST_KIN_EFFECT:g} % of the joint's effort" in told
     assert f"first or last {100 * EDGE:g} %" in told

@@ -61,6 +61,9 @@ def inspect(
         else:
             print_unguessed(names, log, write_map, console)
         return
+    if write_map is not None and guess is not None:
+        with whole_file(write_map) as draft:
+            draft.write_text(guess.text(), encoding="utf-8")
     if guess is not None and not json:
         print_mapping(guess, log, write_map, console)
     with telling() as tell:
@@ -68,9 +71,6 @@ def inspect(
         told = inspected_table(found, model, tell)
     if guess is not None:
         told["guessed_columns"] = {own: source.model_dump() for own, source in guess.sources.items()}
-    if write_map is not None and guess is not None:
-        with whole_file(write_map) as draft:
-            draft.write_text(guess.text(), encoding="utf-8")
     if json:
         typer.echo(writer.dumps(told, indent=2, ensure_ascii=False))
         return

@@ -40,15 +40,17 @@ def guess_of(path: Path, joints: Sequence[str]) -> Mapping | None:
     """Return what the names of a file's columns say, None where that is no log or the file needs no guess."""
     from mjfriction.errors import LogError
     from mjfriction.record.log import POSITION
-    from mjfriction.record.mapping import TIME, guess_mapping
+    from mjfriction.record.mapping import TIME, clocked, guess_mapping
+    from mjfriction.record.readers import read_table
 
     try:
-        names = columns_of(path)
+        table = read_table(path)
     except LogError:
         return None
+    names = [name.strip() for name in table.schema.names]
     if is_log(names):
         return None
-    guess = guess_mapping(names, joints)
+    guess = clocked(guess_mapping(names, joints), table.rename_columns(names))
     complete = TIME in guess.sources and any(name.startswith(f"{POSITION}.") for name in guess.sources)
     return guess if complete else None
 

@@ -24,7 +24,8 @@ from mjfriction.cli.simulate import simulate
 from mjfriction.cli.view import view
 from mjfriction.errors import InputError
 
-WRONG_INPUT, OWN_FAILURE = 2, 1
+WRONG_INPUT, OWN_FAILURE, INTERRUPTED = 2, 1, 130
+STOPPED = "stopped; nothing was written"
 
 app = typer.Typer(
     name="mjfriction",
@@ -80,13 +81,15 @@ def run() -> None:
     except InputError as error:
         _stop(f"{error}", WRONG_INPUT)
     except (KeyboardInterrupt, exceptions.Abort):
-        _stop("stopped; nothing was written", 130)
+        _stop(STOPPED, INTERRUPTED)
     except Exception as error:
         message = _usage_message(error)
         if message is None:
             _stop(f"internal error, please report it: {type(error).__name__}: {error}", OWN_FAILURE)
         else:
             _stop(message, WRONG_INPUT)
+    if status == INTERRUPTED:
+        _stop(STOPPED, INTERRUPTED)
     sys.exit(status if isinstance(status, int) else 0)
 
 

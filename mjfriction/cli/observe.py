@@ -47,7 +47,9 @@ def observe(
     import pyarrow as pa
 
     from mjfriction.control.observe import observe_log
+    from mjfriction.record.log import EFFORT
     from mjfriction.report.table_file import check_table_name, write_table
+    from mjfriction.robot.effort import reported_unit
     from mjfriction.robot.files import read_robot
 
     check_table_name(out, "what was observed")
@@ -71,5 +73,7 @@ def observe(
 
         typer.echo(writer.dumps({"out": str(out), "friction": sizes}, indent=2))
         return
+    sliding = stated.body().sliding
     for name, size in sizes.items():
-        typer.echo(f"{name}: friction RMS {size['rms']:.4g}, at most {size['largest']:.4g}")
+        unit = reported_unit(EFFORT, sliding[stated.joints.index(name)])
+        typer.echo(f"{name}: friction RMS {size['rms']:.4g} {unit}, at most {size['largest']:.4g} {unit}")

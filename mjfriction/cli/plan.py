@@ -113,3 +113,4 @@ def plan(
     typer.echo(f"{out}: {float(found.trajectory.time[-1]):.4g} s")
     for line in found.words:
         typer.echo(f"  {line}")
+    typer.echo("Collisions are not checked: look at it simulated before a machine runs it.")

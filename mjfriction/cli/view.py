@@ -9,7 +9,7 @@ from urllib.parse import quote
 import typer
 
 SCREENS = ("DISPLAY", "WAYLAND_DISPLAY")
-WEB_PORT, GRPC_PORT = 9090, 9876
+PORTS = ((9090, 9876), (9091, 9877), (9092, 9878), (9093, 9879))  # of the pages and of what they show
 
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A folder of results, or a recording.", show_default=False)]
 Serve = Annotated[bool, typer.Option("--serve", help="Serve it to browsers, here and on other machines, until Ctrl-C.")]
@@ -35,10 +35,39 @@ def view(folder: Folder, serve: Serve = False) -> None:
         raise InputError(f"there is no screen here; mjfriction view {folder} --serve shows it in a browser")
     way = []
     if serve:
+        free = next((pair for pair in PORTS if all(map(_is_free, pair))), None)
+        if free is None:
+            listed = ", ".join(str(port) for pair in PORTS for port in pair)
+            raise InputError(f"ports {listed} are taken, by other recordings perhaps; end one of them")
+        web, data = free
         print("Open in a browser; Ctrl-C ends it.")
         for place, host in (("here", "localhost"), ("elsewhere", socket.gethostname())):
-            proxy = quote(f"rerun+http://{host}:{GRPC_PORT}/proxy", safe="")
-            print(f"  {place}: http://{host}:{WEB_PORT}?url={proxy}", flush=True)
-        way = ["--serve-web", "--web-viewer-port", str(WEB_PORT), "--port", str(GRPC_PORT)]
+            proxy = quote(f"rerun+http://{host}:{data}/proxy", safe="")
+            print(f"  {place}: http://{host}:{web}?url={proxy}", flush=True)
+        way = ["--serve-web", "--web-viewer-port", str(web), "--port", str(data)]
+        os.environ.setdefault("RUST_LOG", "error")
     # In this process's place, so that what stops it stops Rerun.
-    os.execv(sys.executable, [sys.executable, "-m", "rerun", *way, str(recording)])
+    command = _rerun()
+    os.execv(command[0], [*command, *way, str(recording)])
+
+
+def _is_free(port: int) -> bool:
+    import socket
+
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind(("", port))
+        except OSError:
+            return False
+    return True
+
+
+def _rerun() -> list[str]:
+    # Its program itself, where it is: the module of that name would run it as a child, which outlives it.
+    import sys
+    from importlib.util import find_spec
+
+    spec = find_spec("rerun_cli")
+    program = Path(spec.origin).with_name("rerun") if spec is not None and spec.origin is not None else Path()
+    return [str(program)] if program.is_file() else [sys.executable, "-m", "rerun"]

@@ -10,9 +10,11 @@ import numpy as np
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Key, Model
+from mjfriction.diagnose.nuisance import PER_LINK
 from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
+from mjfriction.record.log import Floats
 from mjfriction.robot.friction import raised_levels, stated_levels
-from mjfriction.robot.links import link_scale, scaled_link
+from mjfriction.robot.links import link_scale, link_shift, scaled_link, shifted_link
 from mjfriction.robot.robot import Robot
 
 
@@ -43,8 +45,8 @@ def extend_robot(model: Model) -> Robot:
         joint = level.site.joint
         coulomb, viscous = strengths[2 * i : 2 * i + 2] / sensor[joint]
         robot = raised_levels(robot, robot.joints[joint], float(coulomb), float(viscous))
-    for k, link in enumerate(nuisance.links, start=2 * len(nuisance.levels)):
-        robot = scaled_link(robot, link.name, 1.0 + float(strengths[k]))
+    for link, (scale, *shift) in zip(nuisance.links, model.link_changes.tolist(), strict=True):
+        robot = shifted_link(scaled_link(robot, link.name, 1.0 + scale), link.name, shift)
     for choice, place in zip(model.chosen, model.places, strict=True):
         joint = choice.site.joint
         before = sensor[joint] if choice.cause.before_sensor else 1.0
@@ -65,10 +67,9 @@ def adjustments(model: Model, untold: Collection[Key]) -> list[Adjustment]:
             unit = COULOMB_VISCOUS.parameter(name).unit_for(sliding=sliding)
             fitted = stated[k] + float(strengths[2 * i + k])
             out.append(Adjustment(name, gap.robot.joints[joint], unit, stated[k], fitted, float(half[2 * i + k])))
-    for k, link in enumerate(model.nuisance.links, start=2 * len(model.nuisance.levels)):
-        stated_scale = link_scale(gap.robot, link.name)
-        fitted = stated_scale * (1.0 + float(strengths[k]))
-        out.append(Adjustment("link_scale", link.name, "1", stated_scale, fitted, stated_scale * float(half[k])))
+    of_links = half[model.nuisance.of_links].reshape(-1, PER_LINK)
+    for link, change, own in zip(model.nuisance.links, model.link_changes, of_links, strict=True):
+        out += _moved_link(gap.robot, link.name, change, own)
     for choice, place, width in zip(model.chosen, model.places, widths.causes, strict=True):
         if choice.key not in untold:
             continue
@@ -79,4 +80,16 @@ def adjustments(model: Model, untold: Collection[Key]) -> list[Adjustment]:
             where = "all joints" if choice.cause.whole_arm else gap.robot.joints[choice.site.joint]
             entry = Adjustment(quantity.parameter.name, where, unit, quantity.shift, quantity.shift + change, spread)
             out.append(entry)
+    return out
+
+
+def _moved_link(robot: Robot, name: str, change: Floats, half: Floats) -> list[Adjustment]:
+    # Its scale, and those shifts of its centre that the motion shows.
+    scale = link_scale(robot, name)
+    fitted = scale * (1.0 + float(change[0]))
+    out = [Adjustment("link_scale", name, "1", scale, fitted, scale * float(half[0]))]
+    for k, (axis, stated) in enumerate(zip("xyz", link_shift(robot, name), strict=True), start=1):
+        if abs(change[k]) > half[k]:
+            moved = stated + float(change[k])
+            out.append(Adjustment(f"link_shift_{axis}", name, "m", stated, moved, float(half[k])))
     return out

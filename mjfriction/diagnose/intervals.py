@@ -32,7 +32,7 @@ def half_widths(model: Model) -> HalfWidths:
     ones.  Where the motion repeats, the repetitions are what the interval is drawn from.
     """
     gap, nuisance, strengths = model.gap, model.nuisance, model.strengths
-    columns, precisions = nuisance.columns, nuisance.precisions
+    columns, precisions = [nuisance.columns], [model.known_of_nuisance]
     sizes = []
     for choice, place in zip(model.chosen, model.places, strict=True):
         own, precision = cause_block(gap, choice)

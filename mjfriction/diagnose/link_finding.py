@@ -9,9 +9,9 @@ from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LEAST_NOTED, LinkScale
 from mjfriction.diagnose.compete import Field
 from mjfriction.diagnose.model import Chosen, Model, build_model
-from mjfriction.diagnose.nuisance import Nuisance
+from mjfriction.diagnose.nuisance import PER_LINK, Nuisance
 from mjfriction.diagnose.outcome import Finding
-from mjfriction.diagnose.stated import link_changes, without_links
+from mjfriction.diagnose.stated import without_links
 from mjfriction.diagnose.untold import Untold, shows
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.proof import gain_at
@@ -29,11 +29,11 @@ def link_finding(
     on motion not fitted.
     """
     gap, nuisance = model.gap, model.nuisance
-    changes = link_changes(model)
+    changes = model.link_changes[:, 0]
     named = [choice for choice in model.chosen if choice.cause.name == LinkScale.name]
     if not changes.size or any(choice.key not in untold.keys for choice in named):
         return None  # a link was named on its own; the others' few percent are refitted along
-    widths = half[2 * len(nuisance.levels) :]
+    widths = half[nuisance.of_links].reshape(-1, PER_LINK)[:, 0]
     noted = (np.abs(changes) > LEAST_NOTED) & (np.abs(changes) - widths > SURELY)
     if not np.any(noted):
         return None

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mjfriction.diagnose.causes.cause import Cause, Site
-from mjfriction.diagnose.nuisance import Nuisance
+from mjfriction.diagnose.nuisance import PER_LINK, Nuisance
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import UNSEEN, Columns, Normal, Rows, System
 from mjfriction.identify.row_noise import least_noise, row_noise
@@ -64,6 +64,16 @@ class Model:
         return self.system.normal.strengths(np.ones(self.gap.blocks.count, dtype=bool))
 
     @property
+    def known_of_nuisance(self) -> Floats:
+        """What is known beforehand of the nuisances' strengths, those of links drawn tighter that would go too far."""
+        return self.system.normal.precision[: self.nuisance.count]
+
+    @property
+    def link_changes(self) -> Floats:
+        """How far each refitted link is from what is stated: its scale, relative, and its centre, m, (links, 4)."""
+        return self.strengths[self.nuisance.of_links].reshape(-1, PER_LINK)
+
+    @property
     def places(self) -> list[slice]:
         """Where the strengths of each chosen cause stand."""
         ends = [self.nuisance.count]
@@ -97,8 +107,8 @@ class Model:
         rows = replace(self.system.rows, target=self.system.rows.target - choice.tangent.bend)
         return System(
             rows,
-            [*self.nuisance.columns, *(block for block, _ in blocks), columns],
-            [*self.nuisance.precisions, *(own for _, own in blocks), precision],
+            [self.nuisance.columns, *(block for block, _ in blocks), columns],
+            [self.known_of_nuisance, *(own for _, own in blocks), precision],
         ).normal
 
     def friction_is_physical(self, strengths: Floats, joints: list[int], candidate: Chosen) -> bool:
@@ -158,11 +168,12 @@ def build_model(gap: Gap, nuisance: Nuisance, chosen: tuple[Chosen, ...]) -> Mod
     """Set up the regression of a model.
 
     The noise of each joint is measured on what the model itself leaves, where friction's direction is not in doubt, in
-    a few rounds; every row then counts by that noise and its doubt.
+    a few rounds; every row then counts by that noise and its doubt.  Links stay within what stated ones are ever off
+    by: what takes them farther is a cause of its own.
     """
     blocks = [cause_block(gap, choice) for choice in chosen]
-    columns = nuisance.columns + [block for block, _ in blocks]
-    precisions = nuisance.precisions + [precision for _, precision in blocks]
+    columns = [nuisance.columns, *(block for block, _ in blocks)]
+    precisions = [nuisance.precision, *(precision for _, precision in blocks)]
     target = np.nan_to_num(gap.residual) - sum(choice.tangent.bend for choice in chosen if choice.tangent)
     noise = np.maximum(least_noise(gap), np.sqrt(np.mean(np.square(np.nan_to_num(gap.residual)), axis=0)))
     for _ in range(3):
@@ -170,7 +181,8 @@ def build_model(gap: Gap, nuisance: Nuisance, chosen: tuple[Chosen, ...]) -> Mod
         left = model.residual()
         for joint in gap.examined:
             noise[joint] = row_noise(gap, joint, left[:, joint], float(noise[joint]))
-    return Model(gap, nuisance, chosen, System(_weighted_rows(gap, target, noise), columns, precisions))
+    system = System(_weighted_rows(gap, target, noise), columns, precisions)
+    return Model(gap, nuisance, chosen, system.kept_within(nuisance.of_links, nuisance.link_reach))
 
 
 def _weighted_rows(gap: Gap, target: Floats, noise: Floats) -> Rows:

@@ -1,11 +1,13 @@
 """What is refitted with every candidate, because nothing stated is ever exact.
 
-Each joint's Coulomb and viscous level is free.  Each link's mass and inertia may scale by a few percent, stated as a
-prior, so that a payload or a wrong torque constant is not swallowed by links of half the mass.
+Each joint's Coulomb and viscous level is free.  Each link's mass and inertia may scale by a few percent and its centre
+of mass lie some millimetres off, stated as a prior, so that a payload or a wrong torque constant is not swallowed by
+links of half the mass.
 """
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +19,9 @@ from mjfriction.identify.regression import Columns
 from mjfriction.record.log import Floats
 
 LINK_SCALE = 0.03  # one standard deviation of how far a stated link may be off
+LINK_SHIFT = 0.002  # m, and its centre of mass, along each axis
+FARTHEST = 3.0  # of these deviations, that a link goes at most
+PER_LINK = 4  # a scale and three shifts
 LEVEL_SCALE = 10.0  # of the joint's RMS effort: next to no restraint
 
 
@@ -30,8 +35,10 @@ class Level:
 
 
 @dataclass(frozen=True)
-class LinkScale:
-    """The scale of one link's mass and inertia, named after the joint that moves it: one column."""
+class Link:
+    """A link, named after the joint that moves it: the scale of its mass and inertia, and the shift of its centre of
+    mass along x, y and z (m): four columns.
+    """
 
     name: str
     columns: Columns
@@ -40,25 +47,38 @@ class LinkScale:
 
 @dataclass(frozen=True)
 class Nuisance:
-    """The stated values that are refitted: levels first, then link scales, in the order of their columns."""
+    """The stated values that are refitted: levels first, then links, in the order of their columns."""
 
     levels: tuple[Level, ...]
-    links: tuple[LinkScale, ...]
+    links: tuple[Link, ...]
 
-    @property
-    def columns(self) -> list[Columns]:
+    @functools.cached_property
+    def columns(self) -> Columns:
         """All columns, in order."""
-        return [*(level.columns for level in self.levels), *(link.columns for link in self.links)]
+        parts: list[Level | Link] = [*self.levels, *self.links]
+        joints = dict.fromkeys(joint for part in parts for joint in part.columns)
+        return {joint: np.hstack([_of_joint(part, joint) for part in parts]) for joint in joints}
 
     @property
-    def precisions(self) -> list[Floats]:
-        """What is known beforehand of all strengths, in order."""
-        return [*(level.precision for level in self.levels), *(link.precision for link in self.links)]
+    def precision(self) -> Floats:
+        """What is known beforehand of all strengths, in order, (count,)."""
+        parts = [*(level.precision for level in self.levels), *(link.precision for link in self.links)]
+        return np.concatenate(parts) if parts else np.empty(0)
+
+    @property
+    def link_reach(self) -> Floats:
+        """How far the links' strengths go at most, in order."""
+        return FARTHEST / np.sqrt(self.precision[self.of_links])
 
     @property
     def count(self) -> int:
         """How many columns."""
-        return 2 * len(self.levels) + len(self.links)
+        return 2 * len(self.levels) + PER_LINK * len(self.links)
+
+    @property
+    def of_links(self) -> slice:
+        """Where the links' strengths stand, four for each."""
+        return slice(2 * len(self.levels), self.count)
 
     def without_level(self, joint: int) -> Nuisance:
         """Return the nuisances with one joint's levels held at what is stated."""
@@ -75,7 +95,12 @@ def make_nuisance(gap: Gap) -> Nuisance:
         levels.append(Level(site, STATED_LEVELS.columns(gap, site), precision))
     links = []
     for k, name in enumerate(gap.body.links):
-        block = {joint: rows[:, k, :1] for joint, rows in gap.link_rows.items()}
+        block = {joint: rows[:, k] for joint, rows in gap.link_rows.items()}
         if any(np.any(values) for values in block.values()):
-            links.append(LinkScale(name, block, np.array([1.0 / LINK_SCALE**2])))
+            links.append(Link(name, block, np.array([LINK_SCALE**-2.0, *[LINK_SHIFT**-2.0] * 3])))
     return Nuisance(tuple(levels), tuple(links))
+
+
+def _of_joint(part: Level | Link, joint: int) -> Floats:
+    rows = next(iter(part.columns.values())).shape[0]
+    return part.columns.get(joint, np.zeros((rows, part.precision.size)))

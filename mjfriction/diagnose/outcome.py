@@ -46,7 +46,7 @@ class Finding:
     shown_at: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Diagnosis:
     """Everything a diagnosis found.  ``residual_after`` and ``heldout`` (rows, joints) are what the extended model
     leaves, fitted to everything and fitted elsewhere; ``remaining`` names structure no cause explains;
@@ -69,3 +69,7 @@ class Diagnosis:
     next_experiment: Experiment | None
     residual_after: Floats
     heldout: Floats
+
+    def __repr__(self) -> str:
+        """The verdict and the sentence."""
+        return f"<Diagnosis {self.verdict.value}: {self.summary}>"

@@ -87,11 +87,6 @@ def without_links(model: Model) -> Model:
     return build_model(model.gap, Nuisance(model.nuisance.levels, ()), model.chosen)
 
 
-def link_changes(model: Model) -> Floats:
-    """Return how far each refitted link scale is from what is stated, relative, (links,)."""
-    return model.strengths[2 * len(model.nuisance.levels) : model.nuisance.count]
-
-
 def _changes(model: Model) -> dict[int, float]:
     full = model.strengths
     return {
@@ -109,9 +104,9 @@ def _simpler(held: Model, own: Trial, field: Field) -> Chosen | None:
 
 def _links_help(model: Model) -> bool:
     nuisance, normal = model.nuisance, model.system.normal
-    if not nuisance.links or np.any(np.abs(link_changes(model)) > MOST_LINK_CHANGE):
+    if not nuisance.links or np.any(np.abs(model.link_changes[:, 0]) > MOST_LINK_CHANGE):
         return False
-    without = normal.without(list(range(2 * len(nuisance.levels), nuisance.count)))
+    without = normal.without(list(range(nuisance.of_links.start, nuisance.count)))
     folds = model.gap.blocks.folds
     gain = (without.heldout_errors(folds) - normal.heldout_errors(folds)).sum(axis=0)
     return bool(np.mean(gain) > LINK_BAR * np.std(gain, ddof=1) / np.sqrt(gain.size))

@@ -101,13 +101,16 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
 
 
 def effect(gap: Gap, choice: Chosen, strengths: Floats) -> float:
-    """Return the RMS effort that strengths of a cause make at its joint, relative to the joint's."""
+    """Return the RMS effort that strengths of a cause make at its joint, relative to the joint's; of a cause of the
+    whole arm, at the joint where that is most.
+    """
     columns, _ = cause_block(gap, choice)
-    joint = seat(choice, columns)
-    return float(np.linalg.norm(columns[joint] @ strengths) / np.linalg.norm(gap.measured[:, joint]))
+    joints = list(columns) if choice.cause.whole_arm else [seat(choice, columns)]
+    shares = [np.linalg.norm(columns[one] @ strengths) / np.linalg.norm(gap.measured[:, one]) for one in joints]
+    return float(max(shares))
 
 
 def _strain(model: Model, strengths: Floats) -> float:
     # A link of half its stated mass fits as well as the cause it stands in for, but is as unlikely as its prior says.
-    links = slice(2 * len(model.nuisance.levels), model.nuisance.count)
+    links = model.nuisance.of_links
     return float(np.sum(model.system.normal.precision[links] * np.square(strengths[links])))

@@ -15,7 +15,7 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
 from mjfriction.record.log import Floats
 
-LEAST_SEEN = 0.15  # of the mean square that is left at a joint, that a cause must take away there: 0.4 of the noise
+LEAST_SEEN = 0.2  # of the mean square that is left at a joint, that a cause must take away there: half of the noise
 DROWNED = 1.0  # of the mean square that is left unexplained at a joint, if any, that it must take away
 
 

@@ -8,17 +8,15 @@ import numpy as np
 
 from mjfriction.diagnose.outcome import Finding, Verdict
 from mjfriction.diagnose.stroke_curve import ALONG_STROKE, StrokeCurve
-from mjfriction.identify.colour import coloured_share
+from mjfriction.identify.colour import COLOURED, NOTHING, coloured_share
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.joint_error import JointError
 from mjfriction.identify.structure import Structure
 from mjfriction.record.faults import Fault
 from mjfriction.record.log import Floats
 
-NOTHING = "nothing that is known"  # what a course follows that is no noise, nor any covariate's
 STRUCTURED = 0.1  # share of what is left that a smooth curve may predict before it counts as unexplained
 OUTWEIGHED = 0.5  # of what was explained that it must reach besides
-COLOURED = 0.5  # share of what is left that may stand above the noise in its spectrum before it counts
 OUTWEIGHED_COURSE = 0.25  # of what was explained that it must reach besides
 LEAST_EFFORT = 0.01  # of a joint's RMS effort that either must reach
 MUCH_LEFT = 0.1  # of a joint's effort; more than that left, and far above the noise, is never agreement

@@ -7,6 +7,8 @@ import numpy as np
 from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats
 
+NOTHING = "nothing that is known"  # what a course follows that is no noise, nor any covariate's
+COLOURED = 0.5  # share of what is left that may stand above the noise in its spectrum before it counts
 BINS = 60  # of the spectrum, even in frequency
 FASTEST = 1.0 / 3.0  # of the spectrum, whose level no slow course raises
 STANDS_OUT = 4.0  # deviations of a bin above the noise's level

@@ -11,6 +11,7 @@ from scipy.stats import t as student
 from mjfriction.identify.background import Background
 from mjfriction.identify.checks import notes
 from mjfriction.identify.choose import Choice
+from mjfriction.identify.colour import COLOURED, NOTHING, coloured_share
 from mjfriction.identify.fit import LawFit
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.friction_map import FrictionMap
@@ -67,7 +68,7 @@ def conclude(
     for joint, fit, others, before in zip(joints, fits, tried, begun, strict=True):
         own = slice(place, place + fit.x.size)
         place += fit.x.size
-        worst = max((s for s in after if s.joint == gap.robot.joints[joint]), key=lambda s: s.share)
+        worst = _worst(gap, joint, after, heldout)
         half, spread = _half_widths(fit, covariance[own, own], quantile, passed.get(joint), before)
         law = JointLaw(
             joint=gap.robot.joints[joint],
@@ -77,7 +78,7 @@ def conclude(
             candidates=tuple(_candidate(gap, joint, other) for other in others),
             structure=worst.share,
             follows=worst.covariate,
-            trusted=not _structured(gap, joint, worst),
+            trusted=not _counts(gap, joint, worst),
             passes=maps.get(joint),
             by_slope=statics_by_slope(fit, maps.get(joint)),
         )
@@ -172,9 +173,18 @@ def _candidate(gap: Gap, joint: int, choice: Choice) -> Candidate:
     return Candidate(choice.fit.law.name, choice.parameters, error)
 
 
-def _structured(gap: Gap, joint: int, worst: Structure) -> bool:
+def _worst(gap: Gap, joint: int, after: Sequence[Structure], heldout: Floats) -> Structure:
+    # What the error follows most; where that does not count, but the error is no noise, nothing that is known.
+    name = gap.robot.joints[joint]
+    curve = max((entry for entry in after if entry.joint == name), key=lambda entry: entry.share)
+    course = Structure(name, NOTHING, coloured_share(gap, joint, heldout[:, joint]))
+    return course if _counts(gap, joint, course) and not _counts(gap, joint, curve) else curve
+
+
+def _counts(gap: Gap, joint: int, worst: Structure) -> bool:
     size = np.sqrt(max(worst.share, 0.0)) * gap.rms(gap.residual[:, joint], joint)
-    return bool(worst.share > STRUCTURED and size > LEAST_EFFORT * gap.rms(gap.measured[:, joint], joint))
+    least = COLOURED if worst.covariate == NOTHING else STRUCTURED
+    return bool(worst.share > least and size > LEAST_EFFORT * gap.rms(gap.measured[:, joint], joint))
 
 
 def _far_above_noise(gap: Gap, heldout: Floats, joint: int) -> bool:
@@ -213,7 +223,7 @@ def _summary(
     doubtful = [law.joint for law in laws if not law.trusted]
     if doubtful:
         text += (
-            f" At {', '.join(doubtful)} an error is left that follows the motion: no law of friction explains it, and "
+            f" At {', '.join(doubtful)} an error is left that is no noise: no law of friction explains it, and "
             "the intervals there are too narrow; mjfriction diagnose looks for its cause."
         )
     return text

@@ -46,7 +46,7 @@ class JointLaw:
     by_slope: MapFit | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Identification:
     """The whole: ``gap`` is that of the stated robot, ``robot`` the identified one, ``heldout`` (rows, joints) what it
     leaves of the same rows on motion not fitted; ``background`` are the fitted values of links and offsets;
@@ -61,3 +61,7 @@ class Identification:
     heldout: Floats
     summary: str
     simulated: Refined | None = None
+
+    def __repr__(self) -> str:
+        """The sentence."""
+        return f"<Identification: {self.summary}>"

@@ -10,7 +10,8 @@ from __future__ import annotations
 import functools
 import itertools
 from collections.abc import Mapping
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,8 @@ from mjfriction.record.log import Floats, Integers
 Columns = Mapping[int, Floats]
 """A block of regressor columns: joint index → rows (rows, k), in units of effort per unit of strength."""
 
+WITHIN = 1.05  # of its reach, that a strength may go to
+MOST_TIGHTER = 20  # times that what is known beforehand of it is drawn tighter
 UNSEEN = 1e-6  # of a block's largest column: a smaller one is rounding, not motion
 
 
@@ -144,6 +147,24 @@ class System:
         moment = np.stack([rows.products(base, self.target[:, [j]])[:, :, 0] for j, base in enumerate(self.base)])
         power = np.stack([rows.products(self.target[:, [j]], self.target[:, [j]])[:, 0, 0] for j in range(rows.joints)])
         self.normal = Normal(gram, moment, power, np.concatenate(precisions) if precisions else np.empty(0))
+
+    def kept_within(self, place: slice, reach: Floats) -> System:
+        """Return the system with what is known beforehand of some strengths drawn tighter, so that they stay within.
+
+        ``place`` are those strengths, ``reach`` (k,) how far from zero each may go.
+        """
+        out, everything = self.normal, np.ones(self.normal.power.shape[1], dtype=bool)
+        for _ in range(MOST_TIGHTER):
+            over = np.abs(out.strengths(everything)[place]) / reach
+            if not np.any(over > WITHIN):
+                break
+            precision = out.precision.copy()
+            precision[place] *= np.maximum(over, 1.0) ** 2
+            out = replace(out, precision=precision)
+        kept = copy(self)
+        kept.normal = out
+        kept.__dict__.pop("_kept", None)
+        return kept
 
     def residual(self, strengths: Floats) -> Floats:
         """Return what given strengths leave of the target, unweighted, (rows, joints); 0 where nothing is measured."""

@@ -24,8 +24,9 @@ LEAST_WILD = 1e-9  # in any unit: less is the rounding of a simulation
 SHORTEST_STUCK = 20  # samples
 STUCK_SPEED = 0.4  # of the usual speed, just before or after a standstill, that no joint stops from at once
 NO_RUN_UP = 0.7  # of the speed further away, that a joint has right beside a standstill if it did not slow down for it
+ALL_BUT_JUMPS, JUMP = 0.999, 5.0  # quantile of a channel's steps, and how many of it no joint makes at once
 LONGER = 4.0  # times the longest ordinary run of equal samples, for a run to be no rest of the encoder
-MOSTLY = 0.8  # of a frozen stretch that the joint moves in
+MOVED = 0.3  # of a frozen stretch that the joint moves in: more than a rest with its run-down
 FEWEST_CLIPPED = 12  # samples at the same extreme, in runs
 CLIPPED_RUN = 4  # samples of one of them at least
 AT_THE_EDGE = 8.0  # times as many samples at the extreme as beside it
@@ -91,20 +92,22 @@ def stuck(values: Floats, speed: Floats) -> Mask:
     """Return where a channel stands still at once in the middle of motion, (n,).
 
     ``speed`` (n,) is how fast the joint moves by another account (its own neighbours' samples, or its velocity column).
-    A rest has a run-down before and a run-up after; a stuck channel has not.
+    A rest has a run-down before and a run-up after; a stuck channel has not, and jumps to where the joint has gone.
     """
     out = np.zeros(values.size, dtype=bool)
     runs = [(a, b) for a, b in _runs(values) if b - a > 1]
     if not runs:
         return out
     usual = float(np.sqrt(np.mean(np.square(speed))))
+    longest = float(np.quantile(np.abs(np.diff(values)), ALL_BUT_JUMPS))
     lengths = np.sort([b - a for a, b in runs])
     ordinary = float(lengths[int(0.9 * (lengths.size - 1))]) if lengths.size > 10 else 2.0
     for a, b in runs:
         if b - a < max(SHORTEST_STUCK, LONGER * ordinary):
             continue
         before, after = np.abs(speed[max(a - 6, 0) : a]), np.abs(speed[b - 1 : b + 5])
-        if _at_once(before[::-1], usual) or _at_once(after, usual):
+        jumps = b < values.size and abs(values[b] - values[b - 1]) > JUMP * longest
+        if jumps or _at_once(before[::-1], usual) or _at_once(after, usual):
             out[a:b] = True
     return out
 
@@ -124,7 +127,7 @@ def frozen(values: Floats, moving: Mask) -> Mask:
     lengths = np.sort([b - a for a, b in runs])
     ordinary = float(lengths[int(0.99 * (lengths.size - 1))])
     for a, b in runs:
-        if b - a >= max(SHORTEST_STUCK, LONGER * ordinary) and np.mean(moving[a:b]) > MOSTLY:
+        if b - a >= max(SHORTEST_STUCK, LONGER * ordinary) and np.mean(moving[a:b]) > MOVED:
             out[a:b] = True
     return out
 

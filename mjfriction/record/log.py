@@ -26,7 +26,7 @@ KNOWN = (
 LIKE = 0.8  # of likeness to a known quantity, from which on a column's name is taken for misspelt
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Log:
     """A table of instants, in SI units.
 
@@ -46,6 +46,11 @@ class Log:
     unusable: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
     recorded: Floats | None = None
     kept: NDArray[np.bool_] | None = None
+
+    def __repr__(self) -> str:
+        """The file, how much it holds, and of which joints."""
+        seconds = float(self.time[-1] - self.time[0]) if self.time.size else 0.0
+        return f"<Log '{self.source}': {self.time.size} rows over {seconds:.4g} s; {', '.join(self.joints)}>"
 
     def channel(self, quantity: str, joint: str) -> Floats | None:
         """Return a joint's column (``position``, ``velocity``, ``effort``, ``current``, …), or None if not recorded."""

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.compute
 import tomli_w
@@ -50,6 +51,8 @@ SCALES: dict[str, dict[str, float]] = {
 }
 """What a unit in a column's name makes of its numbers, by the quantity that it can be a unit of."""
 PLAIN_UNITS = {"rad", "rads", "s", "sec", "m", "nm", "n", "a", "c", "celsius"}
+CLOCKS = (1.0, 1e-3, 1e-6, 1e-9)  # s a tick of a clock may be worth
+STEPS = (1e-4, 0.1)  # s, of logs that can be used
 UNITS = PLAIN_UNITS.union(*SCALES.values())
 GENERIC = {"joint", "joints", "link", "axis", "motor"}  # words of a joint's name that columns leave out
 
@@ -163,6 +166,21 @@ def guess_mapping(names: Sequence[str], joints: Sequence[str]) -> Mapping:
         if number - first[quantity] < len(joints):
             found.setdefault(f"{quantity}.{joints[number - first[quantity]]}", source)
     return Mapping(found)
+
+
+def clocked(guess: Mapping, table: pa.Table) -> Mapping:
+    """Return a guess for a table's columns whose clock, where its name tells no unit, goes by its usual step: seconds,
+    or what of milli-, micro- and nanoseconds makes the log one of 10 Hz to 10 kHz.
+    """
+    source = guess.sources.get(TIME)
+    if source is None or source.scale != 1.0:
+        return guess
+    column = table.column(source.column)
+    if not (pa.types.is_integer(column.type) or pa.types.is_floating(column.type)) or len(column) < 2:
+        return guess
+    step = float(np.nanmedian(np.diff(column.to_numpy())))
+    scale = next((scale for scale in CLOCKS if STEPS[0] <= step * scale <= STEPS[1]), 1.0)
+    return Mapping({**guess.sources, TIME: source.model_copy(update={"scale": scale})})
 
 
 def template(names: Sequence[str], joints: Sequence[str]) -> str:

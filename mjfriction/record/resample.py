@@ -52,7 +52,7 @@ def read_clock(log: Log) -> Clock:
     if ordinary > SLOWEST:
         raise LogError(
             f"{log.source}: time steps of {ordinary:.4g} s are too long to differentiate (at most {SLOWEST:g} s); "
-            "time must be in seconds: a clock in milliseconds or nanoseconds is divided by 1e3 or 1e9"
+            "time must be in seconds: a clock in milli-, micro- or nanoseconds is divided by 1e3, 1e6 or 1e9"
         )
     gap = joined & (step > GAP_STEPS * ordinary)
     steady = step[joined & ~gap]

@@ -51,7 +51,7 @@ def write_comparison(comparison: Comparison, folder: Path) -> None:
     for k, joint in enumerate(comparison.joints):
         place = gap.robot.joints.index(joint.joint)
         own = {name: one.residual[:, place] for name, one in zip(comparison.names, comparison.gaps, strict=True)}
-        figure = courses(gap.chain.time, gap.measured[:, place], own, joint.unit)
+        figure = courses(gap.chain.time, gap.measured[:, place], own, joint.unit, gap.clear[:, place])
         pictures.append((joint.joint, Markup(figure_html(figure, f"course-{k}"))))
     page = rendered(
         "comparison.html.j2",

@@ -5,7 +5,9 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 
+import numpy as np
 import plotly.graph_objects as go
+from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
 from mjfriction.record.log import Floats
@@ -16,6 +18,7 @@ BEFORE, AFTER, MEASURED, NOISE = "#d1495b", "#1b80c4", "#8a8d91", "#b7a26a"
 MODELS = (BEFORE, AFTER, "#2a9d6f", "#8f5bb5", "#c98a1b")
 INK = "#7d8590"
 MOST_POINTS = 3000
+COUNTED, ROOM = 0.995, 1.4  # of the errors that count, a quantile, and how far beyond it an axis goes
 
 
 def error_bars(compared: Compared, after: str) -> go.Figure:
@@ -35,11 +38,16 @@ def time_course(compared: Compared, joint_name: str, after: str) -> go.Figure:
     joint = gap.robot.joints.index(joint_name)
     unit = float(gap.per_reported[joint])
     left = {"stated": gap.residual[:, joint] / unit, after: compared.heldout[:, joint] / unit}
-    return courses(gap.chain.time, gap.measured[:, joint] / unit, left, joint_unit(compared, joint))
+    clear = gap.clear[:, joint]
+    return courses(gap.chain.time, gap.measured[:, joint] / unit, left, joint_unit(compared, joint), clear)
 
 
-def courses(time: Floats, measured: Floats, left: Mapping[str, Floats], unit: str) -> go.Figure:
-    """A measured course (rows,), what each named model predicts of it, and below what it leaves."""
+def courses(
+    time: Floats, measured: Floats, left: Mapping[str, Floats], unit: str, clear: NDArray[np.bool_]
+) -> go.Figure:
+    """A measured course (rows,), what each named model predicts of it, and below what it leaves: grey where rows are
+    not ``clear`` (rows,) of rests and reversals, which may stick out.
+    """
     figure = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.08, subplot_titles=("effort", "error"))
     kept = thinned(time.size)
     figure.add_scattergl(
@@ -47,11 +55,16 @@ def courses(time: Floats, measured: Floats, left: Mapping[str, Floats], unit: st
     )
     for (name, residual), colour in zip(left.items(), itertools.cycle(MODELS)):
         line = {"color": colour, "width": 1.3}
-        for row, values in ((1, measured - residual), (2, residual)):
-            figure.add_scattergl(
-                x=time[kept], y=values[kept], name=name, line=line, showlegend=row == 1, row=row, col=1
-            )
+        figure.add_scattergl(x=time[kept], y=(measured - residual)[kept], name=name, line=line, row=1, col=1)
+        for own, shade, width in ((~clear, INK, 0.5), (clear, colour, 1.3)):
+            error = np.where(own, residual, np.nan)[kept]
+            shown = {"color": shade, "width": width}
+            figure.add_scattergl(x=time[kept], y=error, name=name, line=shown, showlegend=False, row=2, col=1)
+    counted = [np.abs(residual[clear]) for residual in left.values() if np.any(clear)]
+    top = ROOM * max((float(np.quantile(own, COUNTED)) for own in counted), default=0.0)
     figure.update_yaxes(title_text=unit)
+    if top > 0.0:
+        figure.update_yaxes(range=[-top, top], row=2, col=1)
     figure.update_xaxes(title_text="time, s", row=2, col=1)
     return styled(figure, 520)
 

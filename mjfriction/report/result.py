@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, PlainSerializer
 
 from mjfriction.diagnose.outcome import Diagnosis, Finding
+from mjfriction.identify.colour import NOTHING
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
@@ -130,6 +131,16 @@ class LawEntry(Entry):
     candidates: list[CandidateEntry]
     passes: list[PassEntry] = []
     by_slope: dict[str, Number] = {}
+
+    @property
+    def doubt(self) -> str:
+        """Why a law that is not to be trusted is not, in words."""
+        share = f"{100 * self.structure:.0f} % of what is left"
+        return (
+            f"{share} is no noise, but follows {NOTHING}"
+            if self.follows == NOTHING
+            else (f"{share} follows {self.follows}")
+        )
 
 
 class Report(Entry):

@@ -34,7 +34,8 @@ def print_report(report: Report, console: Console) -> None:
     for finding in report.findings:
         console.print()
         _print_finding(finding, console)
-    _print_problems(report, console)
+    if report.verdict != "bad_data" or len(report.data_problems) > 1:  # one alone has been told
+        _print_problems(report, console)
     moved = [entry for entry in report.adjustments if abs(entry.fitted - entry.stated) > 0.01 * abs(entry.stated)]
     if moved:
         values = ", ".join(f"{e.what} of {e.joint} {e.stated:.3g} → {e.fitted:.3g}" for e in moved)
@@ -73,8 +74,7 @@ def print_identified(report: Report, console: Console) -> None:
         for parameter in law.parameters:
             _print_parameter(parameter, console)
         if not law.trusted:
-            share = f"{100 * law.structure:.0f} % of what is left follows {law.follows}"
-            console.print(f"  {share}: the law does not hold here")
+            console.print(f"  {law.doubt}: the law does not hold here")
     _print_problems(report, console)
     if report.not_examined:
         console.print(f"\nNot examined (no motion or no measurement): {', '.join(report.not_examined)}")
@@ -136,7 +136,7 @@ def print_comparison(comparison: Comparison, console: Console) -> None:
         table.add_row(joint.joint, *efforts, f"{joint.noise_floor:.2g}", joint.unit)
         currents = [error.current for error in joint.errors]
         if all(current is not None for current in currents):
-            table.add_row("", *(f"{current:.3g}" for current in currents), "", "A")
+            table.add_row("  in current", *(f"{current:.3g}" for current in currents), "", "A")
     console.print(table)
 
 

@@ -24,11 +24,9 @@ def write_results(diagnosis: Diagnosis, report: Report, folder: Path) -> None:
     write_recording(diagnosis, report, folder / "recording.rrd")
     if diagnosis.next_experiment is not None:
         pyarrow.parquet.write_table(diagnosis.next_experiment.trajectory.table(), folder / "next_experiment.parquet")
-    write_robot(
-        diagnosis.robot,
-        folder,
-        comment=f"Extended by mjfriction from {Path(diagnosis.gap.log.source).name}.\n{report.summary}",
-    )
+    source = Path(diagnosis.gap.log.source).name
+    made = "As stated: nothing was fitted to" if report.verdict == "bad_data" else "Extended by mjfriction from"
+    write_robot(diagnosis.robot, folder, comment=f"{made} {source}.\n{report.summary}")
 
 
 def save_diagnosis(diagnosis: Diagnosis, folder: Path | str) -> Report:

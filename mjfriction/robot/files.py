@@ -19,7 +19,7 @@ from mjfriction.robot.schema import RobotTable
 
 
 def read_robot(source: Path | str) -> Robot:
-    """Read a robot file, or one of the bundled robots by its name.
+    """Read a robot file, that of a folder of results, or one of the bundled robots by its name.
 
     Raises :class:`RobotError`: file, key, what is allowed.
     """
@@ -32,8 +32,10 @@ def read_robot(source: Path | str) -> Robot:
                 f"Bundled: {', '.join(bundled)}"
             )
         path = bundled[str(source)]
+    if path.is_dir():
+        path = path / "robot.toml"
     if not path.is_file():
-        raise RobotError(f"{path}: there is no such robot file")
+        raise RobotError(f"{path}: there is no such robot file; bundled robots are {', '.join(bundled_robots())}")
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:

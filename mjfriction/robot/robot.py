@@ -18,12 +18,16 @@ from mjfriction.robot.schema import FrictionTerm, Joint, RobotTable
 EXAMPLE_ROBOT_DATA = "package://example-robot-data/"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Robot:
     """A robot: ``table`` holds the keys of its file, ``folder`` is what a relative model path starts from."""
 
     table: RobotTable
     folder: Path
+
+    def __repr__(self) -> str:
+        """The name and the joints."""
+        return f"<Robot '{self.name}': {', '.join(self.joints)}>"
 
     @property
     def name(self) -> str:

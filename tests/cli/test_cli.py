@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import jsonschema
@@ -42,6 +45,21 @@ def place(folder: Path, good: tuple[dict[str, np.ndarray], str], **changed: obje
     )
     (folder / "robot.toml").write_text(robot, encoding="utf-8")
     return folder / "log.parquet", folder / "robot.toml"
+
+
+def test_ctrl_c_leaves_nothing_and_says_so(tmp_path: Path, good: tuple[dict[str, np.ndarray], str]) -> None:
+    log, robot = place(tmp_path, good)
+    words = ["diagnose", str(log), "--robot", str(robot), "--out", str(tmp_path / "out")]
+    command = [sys.executable, "-c", "from mjfriction.cli.main import run; run()", *words]
+    running = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    until = time.monotonic() + 60.0
+    while len(list(tmp_path.iterdir())) < 3 and time.monotonic() < until:  # the folder being made, beside the two
+        time.sleep(0.02)
+    os.killpg(running.pid, signal.SIGINT)
+    _, told = running.communicate(timeout=60.0)
+    assert running.returncode == 130
+    assert told.strip() == "mjfriction: stopped; nothing was written"
+    assert {path.name for path in tmp_path.iterdir()} == {log.name, robot.name}
 
 
 def test_without_a_word_it_shows_its_help() -> None:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.csv
 import pytest
 
+from tests.cli.here import mjfriction_here
 from tests.cli.test_cli import mjfriction
 from tests.hidden.machine import UR5_JOINTS, Machine, record, robot_toml
 
@@ -70,6 +72,31 @@ def test_foreign_names_are_shown_confirmed_and_used(case: Path, tmp_path: Path) 
         assert done.returncode == 0, done.stderr
         results.append(done.stdout)
     assert results[0] == results[1] == results[2]
+
+
+@pytest.mark.parametrize(("tick", "unit"), [(1e6, "µs"), (1e9, "ns"), (1e3, "ms"), (1.0, "s")])
+def test_a_clock_whose_name_tells_no_unit_goes_by_its_steps(tick: float, unit: str, case: Path, tmp_path: Path) -> None:
+    table = pyarrow.csv.read_csv(case / "foreign.csv")
+    clock = np.round(tick * 1e-3 * table["t_ms"].to_numpy(), 6)
+    table = table.drop_columns(["t_ms"]).append_column("timestamp", pa.array(clock))
+    pyarrow.csv.write_csv(table, tmp_path / "log.csv")
+    shown = mjfriction_here("inspect", tmp_path / "log.csv", "--robot", case / "robot.toml", "--json")
+    assert shown.returncode == 0, shown.stderr
+    told = json.loads(shown.stdout)
+    assert told["rate"] == pytest.approx(250.0)
+    assert told["guessed_columns"]["time"]["scale"] == pytest.approx(1.0 / tick), unit
+
+
+def test_a_mapping_is_kept_even_where_the_log_cannot_be_read_by_it(case: Path, tmp_path: Path) -> None:
+    table = pyarrow.csv.read_csv(case / "foreign.csv")
+    slow = 1e9 * np.arange(table.num_rows)  # no unit makes that a log
+    table = table.drop_columns(["t_ms"]).append_column("timestamp", pa.array(slow))
+    pyarrow.csv.write_csv(table, tmp_path / "log.csv")
+    kept = tmp_path / "columns.toml"
+    done = mjfriction_here("inspect", tmp_path / "log.csv", "--robot", case / "robot.toml", "--write-map", kept)
+    assert done.returncode == 2
+    assert "time must be in seconds" in done.stderr
+    assert "timestamp" in kept.read_text()
 
 
 def test_there_is_nothing_to_guess(case: Path, tmp_path: Path) -> None:

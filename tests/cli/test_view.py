@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+import mjfriction.cli.view as module
 from mjfriction.cli.view import SCREENS, view
 from mjfriction.errors import InputError
 
@@ -35,7 +36,9 @@ def test_a_folder_of_results_is_opened(asked: list[list[str]], tmp_path: Path, m
     (tmp_path / "recording.rrd").touch()
     with pytest.raises(ReplacedError):
         view(tmp_path)
-    assert asked[0][2:] == ["rerun", str(tmp_path / "recording.rrd")]
+    program, recording = asked[0]
+    assert Path(program).name == "rerun", "the program itself: a child of a module would outlive what started it"
+    assert recording == str(tmp_path / "recording.rrd")
 
 
 def test_one_that_is_served_says_where(
@@ -49,6 +52,24 @@ def test_one_that_is_served_says_where(
     # A browser on another machine has to find both servers by this machine's name, which this one may not know.
     assert elsewhere.count(socket.gethostname()) == 2
     assert here.count("localhost") == 2
+
+
+def test_what_is_served_already_stays(
+    asked: list[list[str]], tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "recording.rrd").touch()
+    with socket.socket() as taken:
+        taken.bind(("", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        monkeypatch.setattr(module, "PORTS", ((port, 9876), (0, 0)))
+        with pytest.raises(ReplacedError):
+            view(tmp_path, serve=True)
+        assert str(port) not in capsys.readouterr().out
+        assert str(port) not in asked[0]
+        monkeypatch.setattr(module, "PORTS", ((port, 9876),))
+        with pytest.raises(InputError, match=f"ports {port}, 9876 are taken"):
+            view(tmp_path, serve=True)
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="screens are asked of differently elsewhere")

@@ -78,7 +78,6 @@ LIFT, BEND = "position.shoulder_lift_joint", "position.elbow_joint"
     ("damage", "kind", "names"),
     [
         (lambda c: {BEND: -c[BEND]}, "data.sign", ["elbow_joint"]),
-        # Two joints whose positions are exchanged look like two whose efforts are.
         (lambda c: {BEND: c[LIFT], LIFT: c[BEND]}, "data.swap", ["elbow_joint", "shoulder_lift_joint"]),
     ],
 )
@@ -90,11 +89,34 @@ def test_positions_of_wrong_sign_or_joint(
     (fault,) = diagnosis.faults
     assert fault.kind == kind
     assert all(name in fault.where for name in names)
+    # Two joints whose positions are exchanged look like two whose efforts are, but for what the others carry.
+    assert fault.where.startswith("position.")
+
+
+def test_efforts_that_a_large_cause_disguises_are_still_known_as_exchanged(tmp_path: Path) -> None:
+    machine = Machine(hidden={2: lambda i: 25.0 * np.cos(9.0 * i.q)})
+    log_path, robot = write_case(tmp_path, machine, seed=3, seconds=20.0)
+    log = read_log(log_path)
+    lift, elbow = log.columns[ELBOW.replace("elbow", "shoulder_lift")], log.columns[ELBOW]
+    assert diagnose_log(log, read_robot(robot)).faults == ()
+    exchanged = {**log.columns, ELBOW: lift, ELBOW.replace("elbow", "shoulder_lift"): elbow}
+    (fault,) = diagnose_log(replace(log, columns=exchanged), read_robot(robot)).faults
+    assert fault.kind == "data.swap"
+    assert fault.where.startswith("effort.")
+
+
+def test_the_sign_of_an_effort_and_of_a_position_may_be_one_and_the_same(case: tuple[Path, Path]) -> None:
+    # Nothing carries the last joint's motion, and nothing weighs on it.
+    last = "position.wrist_3_joint"
+    (fault,) = run(case, lambda c: {last: -c[last]}).faults
+    assert fault.kind == "data.sign"
+    assert "wrist_3_joint" in fault.where
+    assert "or of the positions" in fault.action
 
 
 def test_milliseconds_are_refused(case: tuple[Path, Path]) -> None:
     log = read_log(case[0])
-    with pytest.raises(LogError, match="time must be in seconds: a clock in milliseconds"):
+    with pytest.raises(LogError, match="time must be in seconds: a clock in milli-"):
         diagnose_log(replace(log, time=1000.0 * log.time), read_robot(case[1]))
 
 

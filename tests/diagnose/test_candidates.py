@@ -65,8 +65,8 @@ def test_the_best_of_curved_rivals_is_taken_on_the_real_balance(
     (tmp_path / "robot.toml").write_text(robot_toml(stated), encoding="utf-8")
 
     def heavier(model) -> None:
-        body = model.body("wrist_3_link").id
-        model.body_mass[body] += 1.5
+        body = model.body("wrist_2_link").id
+        model.body_mass[body] += 1.0
 
     log = log_from_table(pa.table(record(Machine(change=heavier), 5, 40.0)), "log")
     found = diagnose_log(log, read_robot(tmp_path / "robot.toml"))

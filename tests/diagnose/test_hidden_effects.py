@@ -14,8 +14,12 @@ import pyarrow.parquet
 import pytest
 
 import mjfriction.diagnose.diagnosis as module
+from mjfriction.diagnose import nuisance, trial, untold
+from mjfriction.diagnose.causes import links
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.model import Chosen, build_model, cause_block
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.identify.gap import Gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.predict import predict_log
@@ -274,6 +278,52 @@ def test_a_payload_is_weighed_and_placed(off: float, tmp_path: Path) -> None:
     assert payload.com == pytest.approx((0.0, 0.05, 0.03), abs=0.003)
 
 
+def on_the_axis(model: mujoco.MjModel) -> None:
+    body = model.body("wrist_3_link").id
+    mass, centre, held = model.body_mass[body], model.body_ipos[body].copy(), np.array([0.0, 0.06, 0.0])
+    model.body_ipos[body] = (mass * centre + 1.5 * held) / (mass + 1.5)
+    model.body_mass[body] = mass + 1.5
+
+
+def test_a_payload_that_the_last_joint_does_not_feel_is_no_link(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def found(name: str) -> Diagnosis:
+        return run(tmp_path / name, Machine(change=on_the_axis, noise=0.1), seed=5)
+
+    diagnosis = found("as it is")
+    assert names(diagnosis) == [("body.payload", None)]
+    payload = diagnosis.robot.table.payload
+    assert payload is not None
+    assert payload.mass == pytest.approx(1.5, rel=0.01)
+    assert payload.com == pytest.approx((0.0, 0.06, 0.0), abs=0.001)
+
+    def at_its_own_joint(gap: Gap, choice: Chosen, strengths: np.ndarray) -> float:
+        own = cause_block(gap, choice)[0][choice.site.joint]
+        return float(np.linalg.norm(own @ strengths) / np.linalg.norm(gap.measured[:, choice.site.joint]))
+
+    for place in (trial, untold):
+        monkeypatch.setattr(place, "effect", at_its_own_joint)
+    assert ("body.payload", None) not in names(found("measured at the last joint"))
+
+
+def test_links_that_lie_millimetres_off_are_no_finding(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def loose(model: mujoco.MjModel) -> None:
+        rng = np.random.default_rng(4)
+        model.body_ipos[1:] += 0.003 * rng.normal(size=(model.nbody - 1, 3))
+        scale = 1.0 + 0.02 * rng.normal(size=model.nbody - 1)
+        model.body_mass[1:] *= scale
+        model.body_inertia[1:] *= scale[:, None]
+
+    def found(name: str) -> Diagnosis:
+        return run(tmp_path / name, Machine(change=loose, noise=0.1), seed=5)
+
+    assert found("as it is").findings == ()
+    monkeypatch.setattr(nuisance, "LINK_SHIFT", 1e-6)
+    monkeypatch.setattr(links, "LEAST_MOVED", 0.0)
+    assert {"body.link_inertia"} == {name for name, _ in names(found("with centres held"))}
+
+
 @pytest.mark.parametrize("off", [0.0, 0.03])
 def test_a_tilted_base_is_levelled(off: float, tmp_path: Path) -> None:
     diagnosis = run(tmp_path, Machine(change=tilted), seed=5, off=off)
@@ -337,7 +387,7 @@ def test_a_sliding_joint_of_an_mjcf_model_reads_in_newtons(tmp_path: Path) -> No
     assert diagnosis.joints[0].unit == "N"
 
 
-def test_heavier_links_are_no_payload(tmp_path: Path) -> None:
+def test_heavier_links_are_no_payload(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def stout(model: mujoco.MjModel) -> None:
         body = model.body("upper_arm_link").id
         model.body_mass[body] *= 1.25
@@ -348,3 +398,13 @@ def test_heavier_links_are_no_payload(tmp_path: Path) -> None:
     (scale,) = diagnosis.findings[0].parameters
     assert scale.name == "link_scale.shoulder_lift_joint"
     assert scale.value == pytest.approx(1.25, abs=0.05)
+    # What is merely refitted along stays within what stated links are ever off by.
+    known = nuisance.make_nuisance(diagnosis.gap)
+    usual = np.array([nuisance.LINK_SCALE, *[nuisance.LINK_SHIFT] * 3])
+
+    def farthest() -> float:
+        return float(np.max(np.abs(build_model(diagnosis.gap, known, ()).link_changes) / usual))
+
+    assert farthest() < 1.1 * nuisance.FARTHEST
+    monkeypatch.setattr(nuisance, "FARTHEST", np.inf)
+    assert farthest() > 2.0 * 3.0

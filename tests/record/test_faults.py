@@ -8,7 +8,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from mjfriction.record.faults import glitches
+from mjfriction.record.faults import frozen, glitches, stuck
 from mjfriction.record.log import Log
 from mjfriction.record.readers.table import log_from_table
 
@@ -92,6 +92,26 @@ def test_a_fault_is_found_in_its_place(damage: Callable[[Columns], Columns], kin
     (fault,) = log.faults
     assert fault.kind == kind
     assert fault.where.startswith(where)
+
+
+def test_a_slow_joint_that_is_stuck_jumps_to_where_it_has_gone() -> None:
+    # Slow beside its usual pace, so that nothing but the jump tells a stuck column from a rest.
+    time = np.arange(4000) / RATE
+    position = np.where(time < 4.0, np.cos(2.0 * time), np.cos(8.0) + 0.06 * (time - 4.0))
+    speed = np.gradient(position, time)
+    assert not np.any(stuck(position, speed))
+    held = position.copy()
+    held[3000:3400] = held[3000]
+    assert np.flatnonzero(stuck(held, speed)).tolist() == list(range(3000, 3400))
+
+
+def test_an_effort_that_is_frozen_while_its_joint_moves_and_rests() -> None:
+    rng = np.random.default_rng(3)
+    effort, moving = rng.normal(size=4000), np.arange(4000) % 1000 < 500
+    assert not np.any(frozen(effort, moving))
+    effort[1200:1800] = effort[1200]  # half of it in motion
+    effort[3550:3900] = 0.0  # a rest, with the drive off
+    assert np.flatnonzero(frozen(effort, moving)).tolist() == list(range(1200, 1800))
 
 
 def test_what_is_mended_is_what_was_recorded() -> None:

@@ -123,6 +123,13 @@ def test_a_joint_listed_twice_and_a_file_that_is_not_there(tmp_path: Path) -> No
         read_text(tmp_path, TEXT + '[[joint]]\nname = "elbow_joint"\n')
     with pytest.raises(RobotError, match="no such robot file"):
         read_robot(tmp_path / "absent.toml")
+    with pytest.raises(RobotError, match="no such robot file; bundled robots are .*ur5"):
+        read_robot(tmp_path / "empty.toml")
+    (tmp_path / "result").mkdir()
+    with pytest.raises(RobotError, match=r"result/robot.toml: there is no such"):
+        read_robot(tmp_path / "result")
+    written = write_robot(read_robot("ur5"), tmp_path / "result")
+    assert read_robot(tmp_path / "result") == read_robot(written)
     with pytest.raises(RobotError, match="neither a file nor a bundled robot; did you mean 'ur5'"):
         read_robot("ur55")
     with pytest.raises(RobotError, match="one package that can be named"):
