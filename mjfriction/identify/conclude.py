@@ -29,7 +29,7 @@ from mjfriction.robot.robot import Robot
 STRUCTURED = 0.1  # share of what is left that may follow a covariate before intervals are not to be believed
 FAR_ABOVE_NOISE = 3.0  # times the sensor's noise
 RISEN = 1.1  # times the stated robot's error, from which on an identified one is worse
-LEAST_EFFORT = 0.01  # of the joint's RMS effort, that what follows it must reach besides
+LEAST_EFFORT = 0.005  # of the joint's RMS effort, that what follows it must reach besides
 FREE, PASSES, SIMULATED = "free motion", "forward and backward passes", "simulated motion"
 
 

@@ -10,6 +10,8 @@ import pyarrow as pa
 import pytest
 
 from mjfriction.errors import LawError, LogError
+from mjfriction.identify import conclude
+from mjfriction.identify.colour import NOTHING
 from mjfriction.identify.identification import identify_log
 from mjfriction.identify.outcome import Identification, JointLaw
 from mjfriction.record.log import Log
@@ -21,6 +23,7 @@ from tests.hidden.machine import UR5_COULOMB, UR5_JOINTS, UR5_VISCOUS, Machine, 
 
 ELBOW = 2
 EXCESS, FADING = 5.0, 0.15
+KNOTS = np.linspace(0.0, 40.0, 160)  # of what wanders too fast for any curve over time
 
 
 def machine(kind: str) -> Machine:
@@ -29,6 +32,7 @@ def machine(kind: str) -> Machine:
         "stribeck": lambda i: EXCESS * np.sign(i.v) * np.exp(-((i.v / FADING) ** 2)),
         "load": lambda i: 0.1 * np.abs(i.rigid) * np.sign(i.v),
         "outside": lambda i: 3.0 * np.sin(7.0 * i.q),
+        "wander": lambda i: np.interp(i.time, KNOTS, np.random.default_rng(8).normal(size=KNOTS.size)),
     }
     return Machine(noise=0.1, hidden={ELBOW: effects[kind]} if effects[kind] else {})
 
@@ -96,6 +100,16 @@ def test_a_law_that_does_not_hold_is_said_not_to(kind: str, tmp_path: Path) -> N
     assert not at_elbow(found).trusted
     assert "elbow_joint" in found.summary
     assert all(law.trusted for law in found.laws if law.joint != "elbow_joint")
+
+
+def test_what_is_no_noise_but_follows_nothing_is_said_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    robot = robot_of(machine("wander"), tmp_path)
+    found = identify_log(log_of("wander"), robot, law="coulomb_viscous")
+    assert not at_elbow(found).trusted
+    assert at_elbow(found).follows == NOTHING
+    assert all(law.trusted for law in found.laws if law.joint != "elbow_joint")
+    monkeypatch.setattr(conclude, "COLOURED", 1.0)
+    assert at_elbow(identify_log(log_of("wander"), robot, law="coulomb_viscous")).trusted
 
 
 def test_the_identified_robot_predicts_another_motion(tmp_path: Path) -> None:
