@@ -25,6 +25,7 @@ HELD = 0.01  # of the fastest joint's speed and of the farthest one's travel: wh
 USUALLY = 0.98  # of the time, for a controller that takes hold may let a joint drop
 AGREEMENT = 0.03  # measured velocity is believed when its gain is within this of the derivative of position
 LATEST = 0.1  # periods of the cutoff by which it may come late
+SLOWLY = 0.1  # of the cutoff, below which both are compared
 SURE = 3.0  # deviations of the velocity's noise beyond which the direction of motion is known
 LEAST_SPEED = 1e-12  # rad/s or m/s, for logs without any noise
 # A joint that stops from any steady deceleration seems to swing back by 1.8 % of its fastest speed within two periods
@@ -115,7 +116,7 @@ def estimate_motion(log: Log, joints: Sequence[str], cutoff: float) -> Motion:
     Raises :class:`LogError` when no piece of the log is long enough.
     """
     clock = read_clock(log)
-    grids = [even_grid(log, clock, piece) for piece in clock.pieces if piece[1] - piece[0] >= SHORTEST_PIECE]
+    grids = _grids(log, clock)
     if not grids:
         raise LogError(
             f"{log.source}: no stretch of {SHORTEST_PIECE} samples without a gap; "
@@ -146,9 +147,8 @@ def estimate_motion(log: Log, joints: Sequence[str], cutoff: float) -> Motion:
         direct = log.channel(VELOCITY, joint)
         if direct is not None:
             direct_level = raw_noise(log, VELOCITY, joint, clock) * np.sqrt(2.0 * cutoff / rate)
-            candidates = derivatives(on_clock(direct, smooth=True), 1)
-            if direct_level < level and _agree(candidates, rates, cutoff):
-                rates, level = candidates, direct_level
+            if direct_level < level and velocity_agrees(log, joint, cutoff, clock):
+                rates, level = derivatives(on_clock(direct, smooth=True), 1), direct_level
         position.append(np.concatenate(smooth))
         velocity.append(np.concatenate([piece[0] for piece in rates]))
         acceleration.append(np.concatenate([piece[1] for piece in rates]))
@@ -182,6 +182,38 @@ def estimate_motion(log: Log, joints: Sequence[str], cutoff: float) -> Motion:
         clock=clock,
         grids=tuple(grids),
     )
+
+
+def velocity_agrees(log: Log, joint: str, cutoff: float, clock: Clock) -> bool:
+    """Return whether a joint's measured velocity is that of its position: in gain, and in time by what a low-pass of
+    that ``cutoff`` (Hz) allows.
+
+    Both are compared slowly: where noise makes most of the acceleration, a velocity that comes late looks like none.
+    """
+    position, velocity = log.channel(POSITION, joint), log.channel(VELOCITY, joint)
+    grids = _grids(log, clock)
+    if position is None or velocity is None or not grids:
+        return False
+    rate = 1.0 / clock.step
+    slow = butter(FILTER_ORDER, SLOWLY * min(cutoff, 0.45 * rate), fs=rate, output="sos")
+    smooth = [
+        [sosfiltfilt(slow, onto_grid(values, log.time, grid, smooth=True), padlen=0) for grid in grids]
+        for values in (position, velocity)
+    ]
+    # What the filter's ends touch is left out.
+    edge = int(rate / (SLOWLY * cutoff))
+    inner = [slice(edge, piece.size - edge) if piece.size > 4 * edge else slice(None) for piece in smooth[0]]
+    own = np.concatenate([piece[part] for piece, part in zip(smooth[1], inner, strict=True)])
+    change = np.concatenate([(np.gradient(piece) * rate)[part] for piece, part in zip(smooth[1], inner, strict=True)])
+    other = np.concatenate([(np.gradient(piece) * rate)[part] for piece, part in zip(smooth[0], inner, strict=True)])
+    difference = other - own
+    gain = np.mean(difference * own) / max(float(np.mean(np.square(own))), 1e-300)
+    lag = np.mean(difference * change) / max(float(np.mean(np.square(change))), 1e-300)
+    return bool(abs(gain) < AGREEMENT and abs(lag) < LATEST / cutoff)
+
+
+def _grids(log: Log, clock: Clock) -> list[Grid]:
+    return [even_grid(log, clock, piece) for piece in clock.pieces if piece[1] - piece[0] >= SHORTEST_PIECE]
 
 
 def smooth_derivatives(motion: Motion, values: Floats, share: float = 1.0) -> list[Floats]:
@@ -237,15 +269,6 @@ def _derivatives(values: Floats, rate: float, order: int, margin: int) -> list[F
         derivative[2:-2] = (8.0 * (previous[3:-1] - previous[1:-3]) - (previous[4:] - previous[:-4])) * (rate / 12.0)
         out.append(derivative)
     return [array[margin : array.size - margin] for array in out]
-
-
-def _agree(candidate: list[list[Floats]], reference: list[list[Floats]], cutoff: float) -> bool:
-    # Gain and lag of the measured velocity, from the differentiated position, in which noise averages out.
-    velocity, acceleration = (np.concatenate([piece[k] for piece in candidate]) for k in (0, 1))
-    difference = np.concatenate([piece[0] for piece in reference]) - velocity
-    gain = np.mean(difference * velocity) / max(float(np.mean(np.square(velocity))), 1e-300)
-    lag = np.mean(difference * acceleration) / max(float(np.mean(np.square(acceleration))), 1e-300)
-    return bool(abs(gain) < AGREEMENT and abs(lag) < LATEST / cutoff)
 
 
 def _settled(count: int, rate: float, cutoff: float) -> NDArray[np.bool_]:

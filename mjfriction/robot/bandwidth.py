@@ -8,7 +8,7 @@ from mjfriction.body.inverse import inertia_at
 from mjfriction.body.model import Body
 from mjfriction.errors import LogError
 from mjfriction.record.log import POSITION, VELOCITY, Floats, Log
-from mjfriction.record.motion import raw_noise
+from mjfriction.record.motion import raw_noise, velocity_agrees
 from mjfriction.record.resample import read_clock
 from mjfriction.robot.effort import effort_per_reported
 from mjfriction.robot.robot import Robot
@@ -24,11 +24,11 @@ EFFORT_SHARE = 0.01  # and what it may always add, relative to the effort itself
 def choose_cutoff(log: Log, robot: Robot, body: Body) -> float:
     """Return the cutoff (Hz) for the position filter of a log.
 
-    Differentiated twice, white position noise σ_q leaves a low-pass of cutoff f as inertia torque of standard
-    deviation J·σ_q·(2πf)²·√(2f/5r) at sampling rate r; white effort noise leaves it as σ_τ·√(2f/r).  The cutoff is the
-    highest f at which, on every joint, the first stays under half of the second or under 1 % of the effort, whichever
-    is more.  A measured velocity needs one differentiation less, and counts where it is quieter.  The cutoff is at most
-    100 Hz and a fifth of the rate, and at least five times the highest frequency of the motion itself.
+    Differentiated twice, white position noise σ_q leaves a low-pass of cutoff f as inertia torque of standard deviation
+    J·σ_q·(2πf)²·√(2f/5r) at sampling rate r; white effort noise leaves it as σ_τ·√(2f/r). The cutoff is the highest f
+    at which, on every joint, the first stays under half of the second or under 1 % of the effort, whichever is more. A
+    measured velocity that is the position's needs one differentiation less, and counts where it is quieter. The cutoff
+    is at most 100 Hz and a fifth of the rate, and at least five times the highest frequency of the motion itself.
 
     Raises :class:`LogError` when no joint of the log moves.
     """
@@ -51,7 +51,7 @@ def choose_cutoff(log: Log, robot: Robot, body: Body) -> float:
             continue
         per_reported = abs(effort_per_reported(joint, quantity, robot.name))
         position_noise = raw_noise(log, POSITION, joint.name, clock)
-        recorded = log.channel(VELOCITY, joint.name) is not None
+        recorded = velocity_agrees(log, joint.name, highest, clock)
         velocity_noise = raw_noise(log, VELOCITY, joint.name, clock) if recorded else None
         effort_noise = per_reported * raw_noise(log, quantity, joint.name, clock)
         level = per_reported * float(np.std(reported)) * EFFORT_SHARE

@@ -13,6 +13,7 @@ from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log
+from mjfriction.robot.bandwidth import choose_cutoff
 from mjfriction.robot.files import read_robot
 
 
@@ -35,3 +36,27 @@ def test_a_link_whose_joint_reports_no_effort_is_felt_by_the_others(demo: Log) -
     found = diagnose_log(replace(demo, columns=columns), replace(robot, table=light))
     assert ("body.link_inertia", None) in {(finding.cause, finding.joint) for finding in found.findings}
     assert "wrist_1_joint" in found.not_examined
+
+
+@pytest.mark.parametrize(("lag", "raises"), [(0.0, True), (0.012, False)])
+def test_a_quiet_velocity_widens_the_band_only_if_it_is_the_positions(demo: Log, lag: float, raises: bool) -> None:
+    robot = read_robot("ur5")
+    rng = np.random.default_rng(6)
+    rough = {
+        name: values + 3e-4 * rng.normal(size=values.size)
+        for name, values in demo.columns.items()
+        if name.startswith("position.")
+    }
+    without = {name: values for name, values in demo.columns.items() if not name.startswith("velocity.")} | rough
+    velocity = {
+        f"velocity.{joint}": np.interp(
+            demo.time - lag, demo.time, np.gradient(demo.columns[f"position.{joint}"], demo.time)
+        )
+        for joint in robot.joints
+    }
+    alone, beside = (
+        choose_cutoff(replace(demo, columns=c), robot, robot.body()) for c in (without, without | velocity)
+    )
+    assert (beside > 1.5 * alone) is raises
+    if not raises:
+        assert beside == alone
