@@ -23,6 +23,7 @@ def test_the_wheel_holds_everything_a_user_needs(tmp_path: Path) -> None:
         "bundled/models_xml/linear_axis.xml",
         "bundled/demo/log.parquet",
         "bundled/demo/other_motion.parquet",
+        "py.typed",
         "report/report.schema.json",
         "report/templates/report.html.j2",
     ):

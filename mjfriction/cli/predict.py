@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from mjfriction.cli.logs import read_logs
 from mjfriction.cli.options import Json, LogPath, MapSource, RobotSource
-from mjfriction.cli.progress import READ, telling
+from mjfriction.cli.progress import PREDICTED, READ, telling
+
+if TYPE_CHECKING:
+    from mjfriction.identify.gap import Gap
+    from mjfriction.record.log import Log
+    from mjfriction.robot.robot import Robot
 
 Out = Annotated[
     Path, typer.Option("--out", metavar="P.parquet", help="A .parquet or .csv to write.", show_default=False)
@@ -37,12 +42,21 @@ def predict(log: LogPath, robot: RobotSource, out: Out, map_: MapSource = None, 
         measured = read_logs([log], stated.joints, map_)
         tell("predicting", READ)
         predicted = predict_log(measured, stated)
+        tell("measuring the error in motion", PREDICTED)
+        gap = _gap(measured, stated)
         write_table(pa.table(predicted), out)
-    errors = {}
+    errors: dict[str, dict[str, float | None]] = {}
     for name in list(predicted)[1:]:
         reported = measured.as_recorded(measured.columns[name])
         rms, size = (float(np.sqrt(np.nanmean(np.square(v)))) for v in (reported - predicted[name], reported))
         errors[name] = {"rms_error": rms, "relative": rms / size if size else None}
+        joint = stated.joints.index(name.partition(".")[2])
+        if gap is not None and joint in gap.examined:
+            unit = abs(float(gap.per_reported[joint]))
+            errors[name] |= {
+                "rms_moving": gap.rms(gap.residual[:, joint], joint) / unit,
+                "noise_floor": float(gap.noise_floor[joint]) / unit,
+            }
     if json:
         import json as writer
 
@@ -51,7 +65,21 @@ def predict(log: LogPath, robot: RobotSource, out: Out, map_: MapSource = None, 
     for name, error in errors.items():
         share = "" if error["relative"] is None else f"  ({100 * error['relative']:.3g} % of what was measured)"
         typer.echo(f"{name}: RMS error {error['rms_error']:.4g}{share}")
-    typer.echo(
-        "This is over every sample, with rests, reversals and the sensors' noise;\n"
-        "mjfriction compare tells the error while a joint moves, beside the noise."
-    )
+        if "rms_moving" in error:
+            typer.echo(f"  while it moves {error['rms_moving']:.3g}, sensor noise {error['noise_floor']:.3g}")
+    if gap is not None:
+        typer.echo(
+            f"The first is over every sample, with rests and reversals; the second below {gap.chain.band:.3g} Hz,\n"
+            "as in a report."
+        )
+
+
+def _gap(log: Log, robot: Robot) -> Gap | None:
+    # None of a log that is too short to be held against a robot, though it can be predicted.
+    from mjfriction.errors import LogError
+    from mjfriction.identify.gap import measure_gap
+
+    try:
+        return measure_gap(log, robot)
+    except LogError:
+        return None

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from mjfriction.progress import Tell, silently
 
 READ = 0.3  # of what a command takes that goes through a log once, when the log is read
+PREDICTED = 0.6  # of a prediction's, when the rows are predicted
 WRITING = 0.95  # of what a diagnosis takes, or an identification, when its report is written
 
 

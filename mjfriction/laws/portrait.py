@@ -89,7 +89,7 @@ def portrait(law: Law, values: Values | None = None) -> Portrait:
         torque = law.follow(velocity, ambient(STEPS), t[1], packed, sliding)[0]
         last = t >= 3.0 / frequency
         lag.append(Curve(f"{frequency:.2g} Hz", velocity[last], torque[last]))
-    away = [drawn([0.0, 2.0 * reach], speed, f"{speed:.2g}/s") for speed in (0.01 * fall, 0.3 * fall, 3.0 * fall)]
+    away = [drawn([0.0, 2.0 * reach], speed, f"{speed:.2g} rad/s") for speed in (0.01 * fall, 0.3 * fall, 3.0 * fall)]
     return Portrait(tuple(steady), (loop,), tuple(lag), tuple(away))
 
 

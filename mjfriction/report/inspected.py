@@ -22,7 +22,8 @@ FASTEST = 0.99  # quantile of the speed that counts as the top
 
 
 def inspected_table(log: Log, robot: Robot | None, tell: Tell = silently) -> dict[str, Any]:
-    """Return what a log holds as plain data and, with a robot, the least effect of every cause that could be found.
+    """Return what a log holds as plain data and, with a robot, the least effect of every cause that could be found;
+    none for a log that is itself at fault.
 
     ``tell`` hears how far it is.
 
@@ -31,6 +32,7 @@ def inspected_table(log: Log, robot: Robot | None, tell: Tell = silently) -> dic
     tell("measuring the log")
     clock = read_clock(log)
     gap = measure_gap(log, robot) if robot is not None else None
+    misread = find_faults(gap) if gap is not None else []
     motion = gap.motion if gap is not None else estimate_motion(log, log.joints, min(PLAIN_CUTOFF, 0.1 / clock.step))
     known = {f"{quantity}.{joint}" for quantity in KNOWN for joint in log.joints}
     told: dict[str, Any] = {
@@ -44,12 +46,12 @@ def inspected_table(log: Log, robot: Robot | None, tell: Tell = silently) -> dic
         "joints": [_joint(log, motion, i, gap) for i in range(len(motion.joints))],
         "other_columns": sorted(set(log.columns) - known),
         "data_problems": [
-            {"kind": fault.kind, "where": fault.where, "action": fault.action}
-            for fault in (*log.faults, *(find_faults(gap) if gap is not None else ()))
+            {"kind": fault.kind, "where": fault.where, "action": fault.action} for fault in (*log.faults, *misread)
         ],
     }
     if gap is not None:
-        told["could_show"] = [_visible(gap, one) for one in visible_causes(gap, tell)]
+        # What a log could show that is itself at fault is another's.
+        told["could_show"] = [] if misread else [_visible(gap, one) for one in visible_causes(gap, tell)]
     return told
 
 

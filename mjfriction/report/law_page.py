@@ -18,6 +18,13 @@ PANELS = (
     ("lag", "Lag: sliding faster and slower", "velocity, rad/s"),
     ("breakaway", "Breakaway from rest at three speeds", "travel, rad"),
 )
+# Each panel's legend, in the corner that its curves leave free.
+LEGENDS = {
+    "steady": {"x": 0.445, "y": 0.63, "yanchor": "bottom"},
+    "presliding": {"x": 0.995, "y": 0.63, "yanchor": "bottom"},
+    "lag": {"x": 0.445, "y": 0.37, "yanchor": "top"},
+    "breakaway": {"x": 0.995, "y": 0.01, "yanchor": "bottom"},
+}
 COLOURS = ("#1b80c4", "#d1495b", "#b7a26a")
 
 
@@ -45,7 +52,8 @@ def describe(law: Law, width: int = 80) -> str:
     drawn = portrait(law)
     inner = width - 12
     lines += ["", _text(drawn.steady[0], inner, "steady friction", "velocity, rad/s")]
-    lines += ["", _text(drawn.presliding[0], inner, "slow travel to and fro, with an inner loop", "travel, rad")]
+    if _has_states(law):
+        lines += ["", _text(drawn.presliding[0], inner, "slow travel to and fro, with an inner loop", "travel, rad")]
     return "\n".join(lines)
 
 
@@ -54,19 +62,34 @@ def _text(curve: Curve, width: int, title: str, across: str) -> str:
 
 
 def law_figure(law: Law, drawn: Portrait) -> go.Figure:
-    """Return the four panels of a law's portrait."""
+    """Return the four panels of a law's portrait; of a law without states the first, for it has no more to show."""
+    if not _has_states(law):
+        figure = go.Figure()
+        for curve, colour in zip(drawn.steady, COLOURS, strict=False):
+            figure.add_scatter(x=curve.x, y=curve.torque, name=curve.name, line_color=colour)
+        figure.update_xaxes(title_text=PANELS[0][2])
+        figure.update_yaxes(title_text="torque, N·m")
+        return figure.update_layout(title=_title(law), template="plotly_white", height=480)
     figure = make_subplots(rows=2, cols=2, subplot_titles=[title for _, title, _ in PANELS])
     for k, (name, _, across) in enumerate(PANELS):
         at = {"row": k // 2 + 1, "col": k % 2 + 1}
+        legend = f"legend{k + 1}" if k else "legend"
         curves: tuple[Curve, ...] = getattr(drawn, name)
         for curve, colour in zip(curves, COLOURS, strict=False):
-            figure.add_scatter(
-                x=curve.x, y=curve.torque, name=curve.name, line_color=colour, showlegend=len(curves) > 1, **at
-            )
+            own = {"name": curve.name, "showlegend": len(curves) > 1, "legend": legend}
+            figure.add_scatter(x=curve.x, y=curve.torque, line_color=colour, **own, **at)
         figure.update_xaxes(title_text=across, **at)
         figure.update_yaxes(title_text="torque, N·m", **at)
-    figure.update_layout(title=f"{law.name}: {law.summary}", template="plotly_white", height=760)
-    return figure
+        figure.update_layout({legend: LEGENDS[name] | {"xanchor": "right"}})
+    return figure.update_layout(title=_title(law), template="plotly_white", height=760)
+
+
+def _title(law: Law) -> str:
+    return f"{law.name}: {law.summary}"
+
+
+def _has_states(law: Law) -> bool:
+    return bool(law.states or law.states_per_element)
 
 
 def write_law_page(law: Law, path: Path) -> None:

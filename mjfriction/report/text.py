@@ -183,7 +183,10 @@ def print_inspected(told: dict[str, Any], console: Console) -> None:
     if "could_show" not in told:
         console.print("\nWith --robot R this also says what the log could show.")
         return
-    _print_visible(told, console)
+    if told["could_show"]:
+        _print_visible(told, console)
+    else:
+        console.print("\nWhat it could show is told once the log reads right.")
 
 
 def _print_visible(told: dict[str, Any], console: Console) -> None:

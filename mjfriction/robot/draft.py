@@ -19,6 +19,7 @@ HEAD = """\
 # rotor_inertia (kg·m² at the motor); a log of currents needs the first two. The numbers behind '#' are examples, but
 # those of friction are the model file's.
 """
+GRIPPERS = ("finger", "gripper", "knuckle")  # words in names of joints that are held while an arm moves
 DRIVE = "# actuator = { gear_ratio = 100.0, torque_constant = 0.1, rotor_inertia = 1e-5 }"
 FRICTION = '# friction = {{ law = "coulomb_viscous", parameters = {{ coulomb = {:.4g}, viscous = {:.4g} }} }}'
 
@@ -27,8 +28,8 @@ def draft_robot(model: str, folder: Path, wanted: Sequence[str] | None = None) -
     """Return the text of a robot file, to be written into ``folder``, for a URDF or MJCF.
 
     ``model`` is a path, or ``package://example-robot-data/…``.  The joints are those of ``wanted``, in that order, or
-    every hinge and slide of the model.  Raises :class:`RobotError` for a model that cannot be read or has no such
-    joints.
+    every hinge and slide of the model but a gripper's.  Raises :class:`RobotError` for a model that cannot be read or
+    has no such joints.
     """
     packaged = model.startswith("package://")
     path = resolve_model(model, Path()) if packaged else Path(model)
@@ -39,7 +40,7 @@ def draft_robot(model: str, folder: Path, wanted: Sequence[str] | None = None) -
                 f"{path}: there is no hinge or slide '{name}' on a body of its own{suggestion(name, known)} "
                 f"There are {', '.join(known) or 'none'}; joints that share a body need one each"
             )
-    joints = list(wanted or known)
+    joints = list(wanted or _of_the_arm(known))
     if not joints:
         raise RobotError(
             f"{path}: the model has no hinge and no slide on a body of its own; joints that share a body need one each"
@@ -55,6 +56,11 @@ def draft_robot(model: str, folder: Path, wanted: Sequence[str] | None = None) -
         friction = FRICTION.format(body.dry_friction[i], body.damping[i])
         lines += ["", "[[joint]]", f"{_line('name', name)}  # {kind}{range_}", DRIVE, friction]
     return "\n".join(lines) + "\n"
+
+
+def _of_the_arm(known: Sequence[str]) -> list[str]:
+    # Logs hardly ever have a gripper's joints; a model of nothing else keeps them.
+    return [name for name in known if not any(word in name.lower() for word in GRIPPERS)] or list(known)
 
 
 def _seen_from(folder: Path, path: Path) -> str:

@@ -85,8 +85,10 @@ def test_diagnose_then_predict(tmp_path: Path, good: tuple[dict[str, np.ndarray]
     for source in (robot, out / "robot.toml"):
         run = mjfriction("predict", log, "--robot", source, "--out", tmp_path / "p.parquet", "--json")
         assert run.returncode == 0, run.stderr
-        errors.append(json.loads(run.stdout)["columns"]["effort.elbow_joint"]["rms_error"])
-    assert errors[1] < 0.9 * errors[0]
+        errors.append(json.loads(run.stdout)["columns"]["effort.elbow_joint"])
+    assert errors[1]["rms_error"] < 0.9 * errors[0]["rms_error"]
+    assert errors[0]["rms_moving"] > 1.3 * errors[0]["noise_floor"]
+    assert errors[1]["rms_moving"] < 1.1 * errors[1]["noise_floor"]
     predicted = pyarrow.parquet.read_table(tmp_path / "p.parquet")
     assert predicted.schema.names == ["time", *(f"effort.{joint}" for joint in UR5_JOINTS)]
     assert predicted.num_rows == read_log(log).time.size

@@ -51,6 +51,18 @@ def test_a_log_and_its_robot(case: Path) -> None:
     assert all(one["least"] > 0.0 for one in told["could_show"])
 
 
+def test_a_log_that_reads_wrong_shows_nothing_until_it_is_mended(case: Path, tmp_path: Path) -> None:
+    table = pyarrow.csv.read_csv(case / "log.csv")
+    name = "effort.elbow_joint"
+    turned = table.set_column(table.schema.get_field_index(name), name, pa.array(-table[name].to_numpy()))
+    pyarrow.csv.write_csv(turned, tmp_path / "log.csv")
+    done = mjfriction_here("inspect", tmp_path / "log.csv", "--robot", case / "robot.toml")
+    assert done.returncode == 0, done.stderr
+    assert f"data.sign: {name}" in done.stdout
+    assert "once the log reads right" in done.stdout
+    assert "friction.stribeck" not in done.stdout
+
+
 def test_foreign_names_are_shown_confirmed_and_used(case: Path, tmp_path: Path) -> None:
     log, robot, kept = case / "foreign.csv", case / "robot.toml", tmp_path / "columns.toml"
     refused = mjfriction("predict", log, "--robot", robot, "--out", tmp_path / "p.parquet")

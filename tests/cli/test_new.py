@@ -12,6 +12,7 @@ import pytest
 
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import resolve_model
+from tests.cli.here import mjfriction_here
 from tests.cli.test_cli import mjfriction
 
 Z1 = "package://example-robot-data/z1_description/urdf/z1.urdf"
@@ -32,6 +33,16 @@ def test_a_draft_reads_back_as_the_robot_that_its_model_is(tmp_path: Path) -> No
     (tmp_path / "said.toml").write_text(re.sub(r"^# friction", "friction", text, flags=re.MULTILINE))
     assert read_robot(tmp_path / "said.toml").table.joint == stated.table.joint
     assert "# actuator = { gear_ratio" in text
+
+
+def test_a_grippers_joints_are_left_out_unless_there_are_no_others(tmp_path: Path) -> None:
+    panda = "package://example-robot-data/panda_description/urdf/panda.urdf"
+    assert mjfriction_here("new", panda, "--out", tmp_path / "panda.toml").returncode == 0
+    assert read_robot(tmp_path / "panda.toml").joints == tuple(f"panda_joint{k}" for k in range(1, 8))
+    hand = ARM.replace('"lift"', '"left_finger"').replace('"tool"', '"gripper_turn"')
+    (tmp_path / "hand.xml").write_text(hand)
+    assert mjfriction_here("new", tmp_path / "hand.xml", "--out", tmp_path / "hand.toml").returncode == 0
+    assert read_robot(tmp_path / "hand.toml").joints == ("left_finger", "gripper_turn")
 
 
 def test_slides_and_hinges_are_listed_and_balls_are_not(tmp_path: Path) -> None:
