@@ -24,9 +24,7 @@ def export(robot: RobotSource, out: Out, fastest: Fastest = 2.0, as_json: Json =
     from dataclasses import asdict
 
     from mjfriction.errors import OutputError, RobotError
-    from mjfriction.record.log import EFFORT
     from mjfriction.report.folder import whole_file
-    from mjfriction.robot.effort import reported_unit
     from mjfriction.robot.files import read_robot
     from mjfriction.robot.simulation import not_in_model, robot_laws, robot_spec
     from mjfriction.sim.export import export_spec
@@ -45,10 +43,8 @@ def export(robot: RobotSource, out: Out, fastest: Fastest = 2.0, as_json: Json =
     if as_json:
         typer.echo(json.dumps({"model": str(out), "joints": [asdict(one) for one in carried], "not_carried": lost}))
         return
-    body = read.body()
     for one in carried:
-        unit = reported_unit(EFFORT, body.sliding[read.joints.index(one.joint)])
-        how = "exact" if one.exact else f"fit, off by {one.error:.3g} of {one.size:.3g} {unit} (RMS)"
+        how = "exact" if one.exact else f"fit, off by {one.error:.3g} of {one.size:.3g} {one.unit} (RMS)"
         typer.echo(f"{one.joint}: {one.element}; {how}")
     alike: dict[str, list[str]] = {}
     for name, keys in lost.items():

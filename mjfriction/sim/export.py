@@ -50,8 +50,8 @@ class Carried:
     """How one joint's friction was carried over.
 
     ``exact`` says the element's equations are the law's; ``error`` is the RMS difference of the torque along a motion
-    through rest up to ``fastest``, under a swinging load (gravity's in random poses) and ± 10 K, N·m or N, and ``size``
-    the RMS torque there.
+    through rest up to ``fastest``, under a swinging load (gravity's in random poses) and ± 10 K, and ``size`` the RMS
+    torque there, in ``unit``.
     """
 
     joint: str
@@ -59,6 +59,7 @@ class Carried:
     exact: bool
     error: float
     size: float
+    unit: str
 
 
 def export_spec(
@@ -80,7 +81,8 @@ def export_spec(
         put_on(spec, name, native)
         wanted, got = along(own, probe), native_torque(native, probe)
         error, size = (float(np.sqrt(np.mean(x**2))) for x in (wanted - got, wanted))
-        report.append(Carried(name, describe(native), exact, error, size))
+        unit = "N" if spec.joint(name).type == mujoco.mjtJoint.mjJNT_SLIDE else "N·m"
+        report.append(Carried(name, describe(native), exact, error, size, unit))
     return spec, report
 
 

@@ -48,8 +48,7 @@ def test_long_work_tells_its_steps(verb: str, tmp_path: Path) -> None:
         told.append((step, done))
 
     if verb == "diagnose":
-        found = diagnose_log(log, robot, tell=tell).findings
-        assert found == diagnose_log(log, robot).findings, "who is told changes nothing"
+        diagnose_log(log, robot, tell=tell)
         assert "searching for causes, 1 so far" in dict(told)
     else:
         identify_log(log, robot, law="coulomb_viscous", tell=tell)

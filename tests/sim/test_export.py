@@ -136,7 +136,7 @@ def test_what_the_file_does_not_hold_is_said(tmp_path) -> None:
     )
     done = mjfriction("export", "--robot", tmp_path / "robot.toml", "--out", tmp_path / "plain.xml")
     assert done.returncode == 0, done.stderr
-    assert "rotor: not in the model: events, position_sensor" in done.stdout
+    assert "not in the model: events, position_sensor of rotor" in done.stdout
 
 
 def test_a_folder_that_is_not_there_is_one_line() -> None:
