@@ -19,6 +19,7 @@ from mjfriction.reproduce.outcome import Reproduction
 
 WIDTH = 80
 COLUMNS = 8  # of the table of causes, in that width
+DITTO = "″"
 HIDDEN = 0.3  # of a joint's effort; a cause that has to make more to be found is as good as invisible
 COLOURS = {"explained": "green", "consistent": "green", "ambiguous": "yellow", "unexplained": "red", "bad_data": "red"}
 
@@ -193,7 +194,8 @@ def _print_visible(told: dict[str, Any], console: Console) -> None:
     console.print(
         "\nWhat it could show: the effect, in % of the joint's RMS effort, from which on a cause is found; joints by "
         "their numbers above, with what concerns the whole arm first. "
-        f"Where a cell is empty it would take more than {100 * HIDDEN:.0f} %, or the motion cannot show it"
+        f"Where a cell is empty it would take more than {100 * HIDDEN:.0f} %, or the motion cannot show it; "
+        f"{DITTO} is as above"
     )
     places = [None, *(joint["joint"] for joint in told["joints"])]
     least = {(one["cause"], one["joint"]): one["share"] for one in told["could_show"] if one["share"] < HIDDEN}
@@ -204,10 +206,15 @@ def _print_visible(told: dict[str, Any], console: Console) -> None:
         table.add_column("")
         for place in own:
             table.add_column("arm" if place is None else str(places.index(place)), justify="right", min_width=5)
+        above = [""] * len(own)
         for cause in causes:
             shares = [least.get((cause, place)) for place in own]
-            if any(share is not None for share in shares):
-                table.add_row(cause, *("" if share is None else f"{100 * share:.2g}" for share in shares))
+            cells = ["" if share is None else f"{100 * share:.2g}" for share in shares]
+            if any(cells):
+                table.add_row(
+                    cause, *(DITTO if cell and cell == last else cell for cell, last in zip(cells, above, strict=True))
+                )
+                above = cells
         console.print(table)
     hidden = [cause for cause in causes if cause not in {name for name, _ in least}]
     if hidden:

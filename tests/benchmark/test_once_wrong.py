@@ -48,6 +48,7 @@ def test_what_a_large_cause_leaves_by_its_misfit_is_no_finding(monkeypatch: pyte
     assert ("sensor.delay", "axis") in named(diagnosed(300065))
 
 
+@pytest.mark.bench
 def test_a_soft_stop_is_left_open_and_hides_no_finding_of_another_joint() -> None:
     # A dozen candidates at the joint that meets the stop rank before the offset of a wrist; none of them passes.
     diagnosis = diagnosed(300049)

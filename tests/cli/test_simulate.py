@@ -58,6 +58,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(swing: Path, tmp_path: Path) -
     assert not list(tmp_path.glob("x.*"))
 
 
+@pytest.mark.bench
 def test_voltages_run_a_cylinder_and_what_it_logs_runs_it_again(tmp_path: Path) -> None:
     course, log = tmp_path / "volts.csv", tmp_path / "log.parquet"
     words = ("--robot", "hydraulic_cylinder")

@@ -112,6 +112,7 @@ def test_what_is_no_noise_but_follows_nothing_is_said_too(tmp_path: Path, monkey
     assert at_elbow(identify_log(log_of("wander"), robot, law="coulomb_viscous")).trusted
 
 
+@pytest.mark.bench
 def test_the_identified_robot_predicts_another_motion(tmp_path: Path) -> None:
     robot = robot_of(machine("stribeck"), tmp_path, off=0.3)
     found = identify_log(log_of("stribeck"), robot)

@@ -136,6 +136,7 @@ def test_the_papers_own_procedure_comes_near_where_slow_speeds_were_recorded() -
     assert least_squares.rms < 1e-3 * by_slope.rms
 
 
+@pytest.mark.bench
 def test_half_widths_of_a_map_hold_the_truth() -> None:
     names = ("static", "stribeck_fall", "viscous", "viscous_bend", "stribeck_steepness")
     truth = dict(zip(names, (1.0419, -0.4026, 0.0120, -1.3e-5, 3.5088), strict=True))
