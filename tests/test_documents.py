@@ -21,7 +21,7 @@ from mjfriction.diagnose.nuisance import FARTHEST, LINK_SCALE, LINK_SHIFT
 from mjfriction.diagnose.stated import OUTLYING
 from mjfriction.diagnose.trial import LEAST_EFFECT
 from mjfriction.diagnose.untold import DROWNED, LEAST_SEEN
-from mjfriction.identify import choose
+from mjfriction.identify import choose, conclude
 from mjfriction.identify.colour import COLOURED
 from mjfriction.laws.catalog import LAWS
 from mjfriction.record.motion import HELD, RINGING, USUALLY
@@ -78,7 +78,8 @@ def test_every_page_that_is_named_is_there() -> None:
 
 def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
-    assert f"makes less than {100 * LEAST_EFFECT:g} % of the effort, or takes less than {100 * LEAST_SEEN:g} %" in told
+    assert f"makes less than {100 * LEAST_EFFECT:g} % of the effort (one of the whole arm: at the joint where" in told
+    assert f"or takes less than {100 * LEAST_SEEN:g} % of the mean square" in told
     assert (DROWNED, ROOM, COLOURED) == (1.0, 0.5, 0.5), "the page says as much, half of the effect, half of it"
     assert f"more than {100 * LEAST_NOTED:g} %, and by more than {100 * SURELY:g} %" in told
     assert f"lies more than {100 * LEAST_MOVED:g} cm off" in told
@@ -100,6 +101,9 @@ def test_the_pages_tell_which_joints_and_traces_are_left_out() -> None:
     identification = " ".join(text("docs/identification.md").split())
     assert f"must be at least {100 * choose.LEAST_EFFECT:g} % of the joint's friction" in identification
     assert f"by {100 * choose.LEAST_GAIN:g} % of the squared error" in identification
+    assert "more than a tenth of what is left" in identification
+    assert "more than half of it is no noise, and that is more than half a percent" in identification
+    assert (conclude.STRUCTURED, COLOURED, conclude.LEAST_EFFORT) == (0.1, 0.5, 0.005), "as the page says"
 
 
 def test_the_pages_build_without_a_warning(tmp_path: Path) -> None:

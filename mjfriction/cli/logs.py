@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    import pyarrow as pa
+
     from mjfriction.record.log import Log
     from mjfriction.record.mapping import Mapping
 
@@ -47,7 +49,7 @@ def guess_of(path: Path, joints: Sequence[str]) -> Mapping | None:
         table = read_table(path)
     except LogError:
         return None
-    names = [name.strip() for name in table.schema.names]
+    names = _names(table)
     if is_log(names):
         return None
     guess = clocked(guess_mapping(names, joints), table.rename_columns(names))
@@ -59,7 +61,11 @@ def columns_of(path: Path) -> list[str]:
     """Return the names of a file's columns; :class:`~mjfriction.errors.LogError` where it cannot be read."""
     from mjfriction.record.readers import read_table
 
-    return [name.strip() for name in read_table(path).schema.names]
+    return _names(read_table(path))
+
+
+def _names(table: pa.Table) -> list[str]:
+    return [name.strip() for name in table.schema.names]
 
 
 def is_log(names: Sequence[str]) -> bool:

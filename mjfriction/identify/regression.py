@@ -163,7 +163,7 @@ class System:
             out = replace(out, precision=precision)
         kept = copy(self)
         kept.normal = out
-        kept.__dict__.pop("_kept", None)
+        kept.__dict__.pop("_kept", None)  # what was screened by is of the equations as they were
         return kept
 
     def residual(self, strengths: Floats) -> Floats:

@@ -9,6 +9,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from mjfriction.record.log import Floats
+from mjfriction.report.entity import place_of
 
 MOST_POINTS = 4000
 TALL = 0.6  # of the picture's width; Rerun scales both axes alike, so that both are drawn relative to their ends
@@ -37,14 +38,14 @@ def send_plane(
         # Down is positive in Rerun's pictures.
         place = np.column_stack([velocity / top, -TALL * course / most]).astype(np.float32)
         cloud = rr.Points2D(place[kept], radii=0.006, colors=[colour])
-        stream.log(f"{entity}/{rr.escape_entity_path_part(name)}", cloud, static=True)
+        stream.log(f"{entity}/{place_of(name)}", cloud, static=True)
         stream.log(
-            f"{entity}/now/{rr.escape_entity_path_part(name)}",
+            f"{entity}/now/{place_of(name)}",
             rr.Points2D.from_fields(radii=0.02, colors=[colour]),
             static=True,
         )
         stream.send_columns(
-            f"{entity}/now/{rr.escape_entity_path_part(name)}",
+            f"{entity}/now/{place_of(name)}",
             indexes=[rr.TimeColumn(clock, duration=time)],
             columns=rr.Points2D.columns(positions=place),
         )

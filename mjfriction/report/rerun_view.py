@@ -19,6 +19,7 @@ from mjfriction.identify.comparison import Comparison
 from mjfriction.identify.gap import Gap, gap_of
 from mjfriction.identify.outcome import Identification
 from mjfriction.record.log import Floats
+from mjfriction.report.entity import place_of
 from mjfriction.report.figures import MEASURED, MODELS
 from mjfriction.report.friction_plane import plane_view, send_plane
 from mjfriction.report.result import Report
@@ -125,11 +126,6 @@ def _send_joint(stream: rr.RecordingStream, models: Sequence[_Model], name: str)
         colours,
         ("m/s", "N") if sliding else ("rad/s", "N·m"),
     )
-
-
-def place_of(name: str) -> str:
-    """Return where a joint's or a model's courses are in a recording: its name, as one step of a path."""
-    return rr.escape_entity_path_part(name)
 
 
 def _rgb(colour: str) -> tuple[int, int, int]:

@@ -12,7 +12,8 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from mjfriction.plant.machine import Run
-from mjfriction.report.rerun_view import CLOCK, NAMESPACE, place_of, send, thinned_to_see
+from mjfriction.report.entity import place_of
+from mjfriction.report.rerun_view import CLOCK, NAMESPACE, send, thinned_to_see
 from mjfriction.report.scene_view import scene_along, scene_view, send_scene
 from mjfriction.robot.robot import Robot
 from mjfriction.sim.scene import Scene

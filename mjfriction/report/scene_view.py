@@ -7,6 +7,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from mjfriction.record.log import Floats
+from mjfriction.report.entity import place_of
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.simulation import robot_spec
 from mjfriction.sim.scene import Scene, Shape, draw
@@ -32,7 +33,7 @@ def send_scene(stream: rr.RecordingStream, time: Floats, scene: Scene, clock: st
     for i, body in enumerate(scene.bodies):
         if body not in shown:
             continue
-        entity = f"{ROOT}/{rr.escape_entity_path_part(body)}"
+        entity = f"{ROOT}/{place_of(body)}"
         for number, shape in enumerate(shape for shape in scene.shapes if shape.body == body):
             stream.log(f"{entity}/{number}", _drawn(shape), static=True)
         stream.send_columns(

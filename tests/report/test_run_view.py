@@ -12,6 +12,7 @@ from mjfriction.plant.machine import run_machine
 from mjfriction.plant.motions import excitation, sine
 from mjfriction.report.run_view import write_run
 from mjfriction.robot.files import read_robot
+from mjfriction.robot.robot import Robot
 from tests.report.recordings import entities
 
 
@@ -45,15 +46,20 @@ def test_states_of_friction_are_kept_only_when_asked_for() -> None:
     assert set(np.unique(kept[:, 12:])) <= {-1.0, 0.0, 1.0}
 
 
-def test_a_joint_by_any_name_is_one_step_of_a_path(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "arm.urdf").write_text(
-        '<robot name="arm"><link name="base"/><link name="arm 1"><inertial><mass value="1"/><inertia ixx=".1" '
-        'iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial></link><joint name="hinge 1/2" type="revolute"><parent '
-        'link="base"/><child link="arm 1"/><axis xyz="0 0 1"/><limit lower="-2" upper="2" effort="9" velocity="3"/>'
+def one_hinge(folder: Path, joint: str, link: str, shape: str = "") -> Robot:
+    """Write an arm of one joint, and read it."""
+    (folder / "arm.urdf").write_text(
+        f'<robot name="arm"><link name="base"/><link name="{link}">{shape}<inertial><mass value="1"/><inertia ixx=".1" '
+        f'iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial></link><joint name="{joint}" type="revolute"><parent '
+        f'link="base"/><child link="{link}"/><axis xyz="0 0 1"/><limit lower="-2" upper="2" effort="9" velocity="3"/>'
         "</joint></robot>"
     )
-    (tmp_path / "robot.toml").write_text('name = "arm"\nmodel = "arm.urdf"\n[[joint]]\nname = "hinge 1/2"\n')
-    robot = read_robot(tmp_path / "robot.toml")
+    (folder / "robot.toml").write_text(f'name = "arm"\nmodel = "arm.urdf"\n[[joint]]\nname = "{joint}"\n')
+    return read_robot(folder / "robot.toml")
+
+
+def test_a_joint_by_any_name_is_one_step_of_a_path(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    robot = one_hinge(tmp_path, "hinge 1/2", "arm 1")
     run = run_machine(robot, sine("hinge 1/2", 0.0, 0.5, 1.0, 3.0), 500.0, whole=True)
     write_run(robot, run, tmp_path / "run.rrd")
     assert {r"/hinge\ 1\/2/drive", r"/hinge\ 1\/2/friction"} <= entities(tmp_path / "run.rrd")
@@ -67,14 +73,7 @@ def test_a_joint_by_any_name_is_one_step_of_a_path(tmp_path: Path, capfd: pytest
 def test_a_mesh_that_cannot_be_drawn_is_not_fatal(name: str, content: bytes, tmp_path: Path) -> None:
     (tmp_path / name).write_bytes(content)
     shape = f'<visual><geometry><mesh filename="{name}"/></geometry></visual>'
-    (tmp_path / "arm.urdf").write_text(
-        f'<robot name="arm"><link name="base"/><link name="arm">{shape}<inertial><mass value="1"/><inertia ixx=".1" '
-        'iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial></link><joint name="hinge" type="revolute"><parent '
-        'link="base"/><child link="arm"/><axis xyz="0 0 1"/><limit lower="-2" upper="2" effort="9" velocity="3"/>'
-        "</joint></robot>"
-    )
-    (tmp_path / "robot.toml").write_text('name = "arm"\nmodel = "arm.urdf"\n[[joint]]\nname = "hinge"\n')
-    robot = read_robot(tmp_path / "robot.toml")
+    robot = one_hinge(tmp_path, "hinge", "arm", shape)
     run = run_machine(robot, sine("hinge", 0.0, 0.5, 0.5, 1.0), 250.0, whole=True)
     write_run(robot, run, tmp_path / "run.rrd")
     assert (tmp_path / "run.rrd").stat().st_size > 0
