@@ -12,6 +12,7 @@ import pytest
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.record.readers import read_log
+from mjfriction.report.figures import INK, thinned, time_course
 from mjfriction.report.finding_figure import finding_figure
 from mjfriction.report.rerun_view import thinned_to_see, write_recording
 from mjfriction.report.result import make_report
@@ -75,6 +76,22 @@ def test_a_delay_as_a_loop_that_closes(diagnosis: Diagnosis) -> None:
     loops = means(drawn(diagnosis, "sensor.delay"))[1::2]  # each beside its diagonal
     wide = [float(np.std(measured - predicted)) for predicted, measured in loops]
     assert wide[1] < 0.3 * wide[0]
+
+
+def test_errors_that_do_not_count_are_grey_and_set_no_axis(diagnosis: Diagnosis) -> None:
+    figure = time_course(diagnosis, "shoulder_lift_joint", "extended")
+    clear = diagnosis.gap.clear[:, 1]
+    (low, high) = figure.layout.yaxis2.range
+    stated = np.abs(diagnosis.gap.residual[:, 1])
+    assert 0.0 < high == -low
+    assert np.max(stated[~clear]) > high > np.quantile(stated[clear], 0.99)
+    errors = [line for line in figure.data if line.yaxis == "y2"]
+    grey, counted = errors[0::2], errors[1::2]
+    assert {line.line.color for line in grey} == {INK}
+    assert INK not in {line.line.color for line in counted}
+    kept = thinned(clear.size)
+    for line, own in ((grey[0], ~clear[kept]), (counted[0], clear[kept])):
+        np.testing.assert_array_equal(np.isfinite(np.array(line.y, dtype=float)), own)
 
 
 def test_a_recording_shows_arm_efforts_friction_and_bristles(diagnosis: Diagnosis, tmp_path: Path) -> None:

@@ -18,6 +18,7 @@ from mjfriction.report.html import identified_html, report_html
 from mjfriction.report.identified import make_identified_report
 from mjfriction.report.result import make_report
 from mjfriction.report.text import print_identified, print_report
+from mjfriction.report.write import save_diagnosis
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
 from tests.hidden.machine import UR5_JOINTS, Machine, record, robot_toml
@@ -53,8 +54,22 @@ def test_a_log_that_is_at_fault_is_given_no_errors_to_believe(stated: Robot, deg
     print_report(report, terminal)
     page = report_html(diagnosis, report)
     assert ("data.unit" in printed(terminal)) is degrees
-    for told, title in ((printed(terminal), ERRORS), (page, "What the error follows"), (page, 'id="errors"')):
+    titles = ("What the error follows", 'id="errors"', 'id="course-0"')
+    for told, title in ((printed(terminal), ERRORS), *((page, one) for one in titles)):
         assert (title in told) is not degrees, title
+
+
+def test_what_was_not_fitted_is_not_called_extended_and_one_fault_is_told_once(stated: Robot, tmp_path: Path) -> None:
+    columns = dict(record(Machine(), 4, 12.0))
+    columns["effort.elbow_joint"] = -columns["effort.elbow_joint"]
+    diagnosis = diagnose_log(log_from_table(pa.table(columns), "log"), stated)
+    report, terminal = save_diagnosis(diagnosis, tmp_path / "result"), console()
+    assert report.verdict == "bad_data"
+    robot = (tmp_path / "result/robot.toml").read_text(encoding="utf-8")
+    assert robot.startswith("# As stated: nothing was fitted to log.")
+    assert read_robot(tmp_path / "result").table.joint == stated.table.joint
+    print_report(report, terminal)
+    assert printed(terminal).count("effort.elbow_joint") == 1
 
 
 @pytest.mark.parametrize("wave", [0.0, 3.0])

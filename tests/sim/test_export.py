@@ -62,6 +62,13 @@ def test_every_law_is_carried_with_its_error_told(name: str) -> None:
     # Stock MuJoCo has nothing with two directions: half of the difference between them stays.
     assert report.error <= (0.5 if name == "asymmetric" else 0.25) * report.size
     assert report.exact == (report.error < 1e-9 * report.size)
+    assert report.unit == "N·m"
+
+
+def test_a_slides_error_is_in_newtons() -> None:
+    made = spec('<mujoco><worldbody><body><joint name="way" type="slide"/><geom size="1"/></body></worldbody></mujoco>')
+    _, (report,) = export_spec(made, {"way": [friction("coulomb", {"coulomb": 2.0})]})
+    assert report.unit == "N"
 
 
 def test_yielding_tendons_are_the_maxwell_slip_law() -> None:
