@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
+from mjfriction.body.inertia import RigidLink
 from mjfriction.errors import RobotError, suggestion
 from mjfriction.laws.law import Floats
 
@@ -55,6 +56,11 @@ class Body:
         """The rotors' inertia at the joints, (joints,): kg·m², or kg on sliding joints."""
         return np.array(self.model.armature)[list(self.columns)]
 
+    def link_holding(self, frame: str) -> str:
+        """Return the link, by the name of its joint, that a body frame of the model is fixed to."""
+        found = self.model.frames[self.model.getFrameId(frame, pin.FrameType.BODY)]
+        return str(self.model.names[found.parentJoint])
+
 
 def load_body(
     path: Path,
@@ -62,6 +68,7 @@ def load_body(
     *,
     gravity: Sequence[float] | None = None,
     payload: Load | None = None,
+    link_inertia: Mapping[str, RigidLink] | None = None,
     link_scale: Mapping[str, float] | None = None,
     link_shift: Mapping[str, Sequence[float]] | None = None,
     rotor_inertia: Sequence[float] | None = None,
@@ -69,9 +76,10 @@ def load_body(
     """Read a model file and make the robot's rigid bodies of it.
 
     Joints of the model that are not asked for (a gripper's fingers) are locked at their zero.  ``gravity`` (m/s²)
-    replaces the model's own; ``link_scale`` multiplies the mass and inertia of the link that a joint moves, its payload
-    included; ``link_shift`` moves its centre of mass (m, in the link's frame); ``rotor_inertia`` (kg·m² or kg at the
-    joint, per asked joint) is added to the model's.
+    replaces the model's own; ``link_inertia`` takes the place of what the model says of a link; ``link_scale``
+    multiplies the mass and inertia of the link that a joint moves, its payload included; ``link_shift`` moves its
+    centre of mass (m, in the link's frame); ``rotor_inertia`` (kg·m² or kg at the joint, per asked joint) is added to
+    the model's.
 
     Raises :class:`RobotError` when the file is missing or does not parse, when a joint is unknown or has more than one
     axis, and when the payload's parent is unknown.
@@ -92,18 +100,16 @@ def load_body(
             raise RobotError(f"{path}: joint '{joint}' has {axes} axes; only hinges and slides can carry friction")
     columns = tuple(int(model.joints[model.getJointId(joint)].idx_v) for joint in joints)
     model.gravity.linear = np.array(own_gravity if gravity is None else gravity, dtype=np.float64)
+    for joint, link in (link_inertia or {}).items():
+        model.inertias[_index(model, joint, "link_inertia", path)] = link.pinocchio()
     for joint, shift in (link_shift or {}).items():
-        if joint not in list(model.names)[1:]:
-            raise RobotError(f"{path}: link_shift: there is no joint '{joint}'{suggestion(joint, model.names)}")
-        index = model.getJointId(joint)
+        index = _index(model, joint, "link_shift", path)
         inertia = model.inertias[index]
         model.inertias[index] = pin.Inertia(inertia.mass, inertia.lever + np.array(shift), inertia.inertia)
     if payload is not None:
         _append(model, payload, path)
     for joint, scale in (link_scale or {}).items():
-        if joint not in list(model.names)[1:]:
-            raise RobotError(f"{path}: link_scale: there is no joint '{joint}'{suggestion(joint, model.names)}")
-        index = model.getJointId(joint)
+        index = _index(model, joint, "link_scale", path)
         inertia = model.inertias[index]
         model.inertias[index] = pin.Inertia(scale * inertia.mass, inertia.lever, scale * inertia.inertia)
     if rotor_inertia is not None:
@@ -124,6 +130,12 @@ def load_body(
         model=model,
         columns=columns,
     )
+
+
+def _index(model: pin.Model, joint: str, key: str, path: Path) -> int:
+    if joint not in list(model.names)[1:]:
+        raise RobotError(f"{path}: {key}: there is no joint '{joint}'{suggestion(joint, model.names)}")
+    return int(model.getJointId(joint))
 
 
 def single_axis_joints(path: Path) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ from mjfriction.cli.logs import read_logs
 from mjfriction.cli.options import Json, LogPaths, MapSource, RobotSource
 from mjfriction.cli.progress import WRITING, telling
 from mjfriction.cli.show import show
+from mjfriction.errors import InputError
 
 
 class Side(enum.Enum):
@@ -23,9 +24,11 @@ class Side(enum.Enum):
 
 
 Out = Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the results.", show_default=False)]
-LawName = Annotated[
-    str | None,
-    typer.Option("--law", metavar="LAW", help="One law for all joints; else each gets the one it needs."),
+LawNames = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--law", metavar="LAW", help="One law for all joints, or JOINT=LAW, repeated; else each gets the one it needs."
+    ),
 ]
 
 
@@ -33,7 +36,7 @@ def identify(
     logs: LogPaths,
     robot: RobotSource,
     out: Out,
-    law: LawName = None,
+    law: LawNames = None,
     side: Annotated[Side, typer.Option(help="The side of the gear that the laws speak of.")] = Side.JOINT,
     links: Annotated[bool, typer.Option(help="Refit the links' masses and centres too.")] = True,
     simulated: Annotated[
@@ -61,7 +64,7 @@ def identify(
         stated = read_robot(robot)
         log = read_logs(logs, stated.joints, map_)
         identification = identify_log(
-            log, stated, law=law, side=side.value, links=links, simulated=simulated, tell=tell
+            log, stated, law=_laws(law or []), side=side.value, links=links, simulated=simulated, tell=tell
         )
         report = make_identified_report(identification)
         tell("writing the report", WRITING)
@@ -70,3 +73,15 @@ def identify(
         typer.echo(report_json(report), nl=False)
         return
     show(partial(print_identified, report), out)
+
+
+def _laws(named: list[str]) -> str | dict[str, str] | None:
+    if not any("=" in name for name in named):
+        if len(named) > 1:
+            raise InputError(f"--law {' --law '.join(named)}: give one law for all joints, or JOINT=LAW for each")
+        return named[0] if named else None
+    pairs = [name.partition("=") for name in named]
+    for (joint, equals, law), name in zip(pairs, named, strict=True):
+        if not (joint and equals and law):
+            raise InputError(f"--law {name}: beside JOINT=LAW every law needs its joint")
+    return {joint: law for joint, _, law in pairs}

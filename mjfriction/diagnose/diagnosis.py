@@ -15,6 +15,7 @@ from mjfriction.diagnose.stated import settle
 from mjfriction.diagnose.stroke_curve import stroke_curves
 from mjfriction.diagnose.untold import find_untold
 from mjfriction.diagnose.verdict import faults_in_words, reach_verdict, summarize, unexplained
+from mjfriction.identify.effort_bandwidth import find_bandwidths, with_bandwidths
 from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.joint_error import joint_error
 from mjfriction.identify.structure import find_structure
@@ -46,6 +47,8 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     untold = find_untold(settled, remaining, curves, heldout)
     findings, experiment = make_findings(settled, untold, field, heldout, seed)
     joints = tuple(joint_error(gap, joint, model.residual(), heldout, seed) for joint in gap.examined)
+    extended = extend_robot(model)
+    bandwidths = {} if faults else find_bandwidths(gap, extended)
     verdict = Verdict.BAD_DATA if faults else reach_verdict(findings, remaining)
     return Diagnosis(
         gap=gap,
@@ -59,7 +62,8 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
         remaining=remaining,
         faults=faults,
         not_examined=tuple(joint for i, joint in enumerate(gap.robot.joints) if i not in gap.examined),
-        robot=extend_robot(model),
+        robot=with_bandwidths(extended, bandwidths),
+        bandwidths=bandwidths,
         next_experiment=experiment,
         residual_after=model.residual(),
         heldout=heldout,

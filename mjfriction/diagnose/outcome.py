@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from mjfriction.diagnose.causes.cause import Picture
@@ -51,7 +52,8 @@ class Diagnosis:
     """Everything a diagnosis found.  ``residual_after`` and ``heldout`` (rows, joints) are what the extended model
     leaves, fitted to everything and fitted elsewhere; ``remaining`` names structure no cause explains;
     ``next_experiment`` would tell an ambiguous finding from its likeliest alternative; ``faults`` are
-    those of the log itself, found before any physics is blamed: with any, nothing is fitted.
+    those of the log itself, found before any physics is blamed: with any, nothing is fitted.  ``bandwidths`` (Hz, by
+    joint) are those of drives that were found to low-pass their efforts; ``robot`` states them too.
     """
 
     gap: Gap
@@ -66,6 +68,7 @@ class Diagnosis:
     faults: tuple[Fault, ...]
     not_examined: tuple[str, ...]
     robot: Robot
+    bandwidths: Mapping[str, float]
     next_experiment: Experiment | None
     residual_after: Floats
     heldout: Floats

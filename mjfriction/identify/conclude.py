@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -42,11 +42,13 @@ def conclude(
     background: Sequence[Background],
     maps: dict[int, FrictionMap],
     refined: Refined | None,
+    bandwidths: Mapping[str, float],
 ) -> Identification:
     """Return the outcome of an identification.
 
     It is that of the laws ``fits`` at ``joints``, among those ``tried`` there, built into ``robot`` with the refitted
-    ``background``, against the ``stated`` robot's gap; ``maps`` are the joints' passes.
+    ``background``, against the ``stated`` robot's gap; ``maps`` are the joints' passes, ``bandwidths`` (Hz) those of
+    drives that were found to low-pass.
     """
     gap = gap_of(robot, stated)
     system = _taken_together(gap, joints, fits, background)
@@ -84,10 +86,11 @@ def conclude(
         )
         laws.append(law)
         errors.append(joint_error(stated, joint, gap.residual, heldout))
-    half = quantile * np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    gram = system.normal.gram.sum(axis=(0, 1))
     beside: list[Fitted] = []
     for part in background:
-        beside += part.fitted(robot, half[place : place + part.precision.size])
+        own = slice(place, place + part.precision.size)
+        beside += part.fitted(robot, gram[own, own], covariance[own, own], quantile)
         place += part.precision.size
     far = [gap.robot.joints[joint] for joint in joints if _far_above_noise(gap, heldout, joint)]
     return Identification(
@@ -99,6 +102,7 @@ def conclude(
         heldout=heldout,
         summary=_summary(robot, errors, laws, far, refined),
         simulated=refined,
+        bandwidths=bandwidths,
     )
 
 

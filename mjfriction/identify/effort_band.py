@@ -30,12 +30,16 @@ def effort_band(motion: Motion, effort: Effort, measured: Floats) -> float:
 
     ``measured`` (n, joints) is the effort that the drives reported, NaN where a joint has none.
     """
-    found = [
-        _filtered_from(motion, effort, measured[:, i], i)
-        for i in range(measured.shape[1])
-        if np.isfinite(measured[0, i]) and motion.moving[i]
-    ]
-    return PASSES * min(found, default=float("inf"))
+    return PASSES * float(np.min(filtered_from(motion, effort, measured)))
+
+
+def filtered_from(motion: Motion, effort: Effort, measured: Floats) -> Floats:
+    """Return the frequencies (Hz) from which on efforts have lost their steps, (joints,), infinite where none shows."""
+    out = np.full(measured.shape[1], np.inf)
+    for i in range(measured.shape[1]):
+        if np.isfinite(measured[0, i]) and motion.moving[i]:
+            out[i] = _filtered_from(motion, effort, measured[:, i], i)
+    return out
 
 
 def _filtered_from(motion: Motion, effort: Effort, measured: Floats, joint: int) -> float:

@@ -64,9 +64,15 @@ class LawFit:
         return self.problem.target - self.problem.rows(self.term)
 
     def normal(self) -> Normal:
-        """Return the normal equations of a further step of its coordinates."""
-        rows = Rows(self.left[:, None], 1.0 / self.problem.deviation[:, None], self.problem.gap.blocks.row)
-        return System(rows, [{0: self.slopes}], [self.precision]).normal
+        """Return the normal equations of a further step of its coordinates and of what is unknown beside it."""
+        beside = self.problem.beside
+        rows = Rows(self._expected[:, None], 1.0 / self.problem.deviation[:, None], self.problem.gap.blocks.row)
+        return System(rows, [{0: self.slopes}, {0: beside.columns}], [self.precision, beside.precision]).normal
+
+    @property
+    def _expected(self) -> Floats:
+        # What is left with all that is unknown beside the law as it is expected to be.
+        return np.asarray(self.left - self.problem.beside.columns @ self.problem.beside.expected)
 
     @property
     def precision(self) -> Floats:
@@ -81,10 +87,11 @@ class LawFit:
 
         The fits without a block are single steps from the fit with all.
         """
-        blocks, normal, out = self.problem.gap.blocks, self.normal(), self.left
+        blocks, normal, out = self.problem.gap.blocks, self.normal(), self._expected
+        columns = np.hstack([self.slopes, self.problem.beside.columns])
         for fold in blocks.folds:
             rows = fold[blocks.row]
-            out[rows] -= self.slopes[rows] @ normal.strengths(~fold)
+            out[rows] -= columns[rows] @ normal.strengths(~fold)
         return out
 
 
@@ -135,7 +142,7 @@ def _descend(problem: Problem, coordinates: Coordinates, start: Floats, rounds: 
         return problem.left(problem.term(coordinates.law, coordinates.values(x)))
 
     def jacobian(x: Floats) -> Floats:
-        return -slopes(problem, coordinates, x) / problem.deviation[:, None]
+        return problem.freed(slopes(problem, coordinates, x))
 
     found = least_squares(
         left, inside, jac=jacobian, bounds=(low, high), x_scale="jac", max_nfev=rounds, ftol=1e-6, xtol=1e-6

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from scipy.signal import butter, sosfiltfilt
-
 from mjfriction.errors import LogError
 from mjfriction.record.log import Floats, Log, check_joints
 from mjfriction.record.motion import Motion, estimate_motion
@@ -53,13 +50,4 @@ def friction_course(log: Log, robot: Robot, joint: str, band: float | None = Non
     reported = motion.torque[:, place] * effort_per_reported(own, motion.quantity[place], bare.name)
     given = as_given(own, reported, motion, without_offsets(bare, motion).position[:, place])
     friction = given - predict_effort(bare, body, motion).total[:, place]
-    return FrictionCourse(motion, place, friction if band is None else low_passed(motion, friction, band))
-
-
-def low_passed(motion: Motion, values: Floats, band: float) -> Floats:
-    """Return values (n,) along a motion, each piece through a fourth-order Butterworth at ``band`` (Hz) to and fro."""
-    sos = butter(4, min(band, 0.4 * motion.rate), fs=motion.rate, output="sos")
-    out = np.empty_like(values)
-    for own in motion.pieces:
-        out[own] = sosfiltfilt(sos, values[own])
-    return out
+    return FrictionCourse(motion, place, friction if band is None else motion.low_passed(friction, band))

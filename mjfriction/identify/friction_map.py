@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mjfriction.identify.friction_course import low_passed
 from mjfriction.identify.phases import Phase
 from mjfriction.record.log import Floats
 from mjfriction.record.motion import Motion
@@ -53,7 +52,7 @@ def friction_maps(motion: Motion, torque: Floats, phases: list[Phase]) -> list[F
         own = [phase for phase in phases if phase.joint == joint]
         if not own or not np.isfinite(torque[0, joint]):
             continue
-        smooth = low_passed(motion, torque[:, joint], CUTOFF)
+        smooth = motion.low_passed(torque[:, joint], CUTOFF)
         points = [point for group in _by_speed(own) if (point := _point(motion, smooth, group)) is not None]
         if len(points) >= FEWEST_SPEEDS:
             columns = np.array(points).T

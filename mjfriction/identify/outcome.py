@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from mjfriction.identify.fit import LawFit
 from mjfriction.identify.fitted import Fitted
@@ -50,7 +51,8 @@ class JointLaw:
 class Identification:
     """The whole: ``gap`` is that of the stated robot, ``robot`` the identified one, ``heldout`` (rows, joints) what it
     leaves of the same rows on motion not fitted; ``background`` are the fitted values of links and offsets;
-    ``simulated`` tells of the refinement on simulated motion, where it was asked for.
+    ``bandwidths`` (Hz, by joint) are those of drives that were found to low-pass their efforts, which ``gap`` knows
+    already; ``simulated`` tells of the refinement on simulated motion, where it was asked for.
     """
 
     gap: Gap
@@ -61,6 +63,7 @@ class Identification:
     heldout: Floats
     summary: str
     simulated: Refined | None = None
+    bandwidths: Mapping[str, float] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         """The sentence."""

@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from mjfriction.identify.beside import Beside, FreeOf, free_of
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.row_noise import row_noise
 from mjfriction.identify.starts import Usual
@@ -25,7 +26,7 @@ NOISE_ROUNDS = 3
 class Problem:
     """Rows of one joint: ``target`` (rows,) in N·m or N at the joint, each believed to ``deviation`` (rows,).
 
-    ``gap`` is that of the robot without friction at this joint.
+    ``gap`` is that of the robot without friction at this joint; ``beside`` is what is unknown there besides.
     """
 
     gap: Gap
@@ -33,6 +34,7 @@ class Problem:
     side: Side
     target: Floats
     deviation: Floats
+    beside: Beside
 
     def term(self, law: Law, values: Mapping[str, float]) -> FrictionTerm:
         """Return a law with values as it stands in a robot file."""
@@ -56,8 +58,16 @@ class Problem:
         return direction(motion.velocity[:, self.joint], motion.sure_speed[:, self.joint])
 
     def left(self, term: FrictionTerm) -> Floats:
-        """Return what a law leaves, in deviations, (rows,)."""
-        return (self.target - self.rows(term)) / self.deviation
+        """Return what a law leaves, in deviations and free of what is unknown beside it, (rows + k,)."""
+        return self._free.target((self.target - self.rows(term)) / self.deviation)
+
+    def freed(self, slopes: Floats) -> Floats:
+        """Return how what a law leaves moves with its rows' ``slopes`` (rows, m), (rows + k, m)."""
+        return self._free.columns(-slopes / self.deviation[:, None])
+
+    @functools.cached_property
+    def _free(self) -> FreeOf:
+        return free_of(self.beside, self.deviation)
 
     def believed(self, residual: Floats) -> Problem:
         """Return the problem with its rows believed by the noise of what a fit leaves of them, (rows,)."""

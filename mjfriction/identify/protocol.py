@@ -10,10 +10,12 @@ import numpy as np
 import pyarrow as pa
 
 from mjfriction.body.gravity_pose import gravity_pose
+from mjfriction.body.inertia import factors, parameters_per_number, pseudo_inertias
+from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.body.model import Body
-from mjfriction.body.regressor import link_and_moment_torques
+from mjfriction.body.regressor import weighed_links
 from mjfriction.errors import RobotError
-from mjfriction.identify.background import USUAL_OFFSET, USUAL_SCALE, USUAL_SHIFT
+from mjfriction.identify.background import USUAL_OFFSET
 from mjfriction.plant.motions import KNOTS, excitation, forward_backward, move
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.progress import Tell, counting, silently
@@ -36,6 +38,7 @@ TRIALS, TRIAL_SECONDS, LONGEST_TO_AND_FRO = 4, 40.0, 20.0  # of each, s of all j
 ENOUGH_SAMPLES = 1500
 USUAL_SPEEDS, USUAL_SECONDS = 12, 60.0
 DRAWS = 8  # excitations of which the best is taken
+USUAL_SPREAD = 0.2  # by which links usually are off: a mass and inertia by 10 %
 
 
 @dataclass(frozen=True)
@@ -199,15 +202,15 @@ def least_told(body: Body, motion: Motion) -> float:
     """Return the smallest singular value of a motion's regressor, links and friction in sizes they usually are off."""
     thin = slice(None, None, max(1, motion.time.size // ENOUGH_SAMPLES))
     course = (motion.position[thin], motion.velocity[thin], motion.acceleration[thin])
-    torques = link_and_moment_torques(body, *course)
-    links, centres = USUAL_SCALE * torques[..., 0], USUAL_SHIFT * torques[..., 1:]
-    size = np.sqrt(np.mean(np.square(links.sum(axis=2)), axis=0))
+    weight = USUAL_SPREAD * parameters_per_number(factors(pseudo_inertias(body.model)))
+    links = weighed_links(body, *course, weight)
+    size = np.sqrt(np.mean(np.square(inverse_dynamics(body, *course)), axis=0))
     blocks = []
     for joint in range(len(body.joints)):
         velocity = motion.velocity[thin, joint]
         own = np.zeros((velocity.size, 2 * len(body.joints)))
         own[:, 2 * joint : 2 * joint + 2] = USUAL_OFFSET * size[joint] * np.column_stack([np.sign(velocity), velocity])
-        rows = np.hstack([links[:, joint], centres[:, joint].reshape(velocity.size, -1), own])
+        rows = np.hstack([links[:, joint].reshape(velocity.size, -1), own])
         blocks.append(rows / max(float(size[joint]), 1e-12))
     values = np.linalg.svd(np.vstack(blocks), compute_uv=False)
     # Combinations that no motion shows are the same for all draws; what the better half shows decides.

@@ -21,6 +21,7 @@ from mjfriction.record.log import (
     VOLTAGE,
     Floats,
 )
+from mjfriction.record.low_pass import low_passed
 from mjfriction.robot.effort import effort_per_reported
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Joint
@@ -44,8 +45,8 @@ def record(
 ) -> dict[str, Floats]:
     """Return the columns of a log of what was played at instants ``time`` (n,), finer than the log's own.
 
-    Position reads position + offset, the drive scale·torque(t − delay) + offset; then noise, then resolution.  A
-    cylinder's effort is what its pressures, as they are measured, push with.
+    Position reads position + offset, the drive scale·torque(t − delay) + offset, low-passed where it has a bandwidth;
+    then noise, then resolution.  A cylinder's effort is what its pressures, as they are measured, push with.
     """
     rng = np.random.default_rng([seed, 11])
     step = 1.0 / recorder.rate
@@ -75,7 +76,10 @@ def record(
             continue
         # The torque of a step is held through it: a reading is of the step its instant lies in.
         held = np.searchsorted(time, instants - drive.delay + 1e-9 * step, side="right") - 1
-        reported = drive.scale * played.torque[np.clip(held, 0, time.size - 1), i] + drive.offset
+        torque = played.torque[:, i]
+        if drive.bandwidth is not None:
+            torque = low_passed(torque, 1.0 / float(time[1] - time[0]), drive.bandwidth)
+        reported = drive.scale * torque[np.clip(held, 0, time.size - 1)] + drive.offset
         reported = quantized(reported + drive.noise * rng.standard_normal(instants.size), drive.resolution)
         unit = effort_per_reported(joint, CURRENT if recorder.quantity == CURRENT else EFFORT, robot.name)
         columns[f"{recorder.quantity}.{joint.name}"] = reported / unit

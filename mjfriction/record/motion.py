@@ -13,6 +13,7 @@ from scipy.signal import butter, sosfiltfilt
 
 from mjfriction.errors import LogError
 from mjfriction.record.log import CURRENT, EFFORT, POSITION, VELOCITY, Floats, Integers, Log
+from mjfriction.record.low_pass import low_passed
 from mjfriction.record.noise import noise_level
 from mjfriction.record.resample import Clock, Grid, even_grid, grid_segments, onto_grid, read_clock
 
@@ -94,6 +95,13 @@ class Motion:
         travel, speed = np.ptp(self.position, axis=0), np.quantile(np.abs(self.velocity), USUALLY, axis=0)
         held = (travel < HELD * np.max(travel)) & (speed < HELD * np.max(speed))
         return np.asarray((travel > least) & ~held)
+
+    def low_passed(self, values: Floats, band: float) -> Floats:
+        """Return values (n, …) along the motion, each piece through a low-pass at ``band`` (Hz) that shifts nothing."""
+        out = np.empty_like(values)
+        for own in self.pieces:
+            out[own] = low_passed(values[own], self.rate, band)
+        return out
 
 
 def raw_noise(log: Log, quantity: str, joint: str, clock: Clock) -> float:

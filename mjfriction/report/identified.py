@@ -28,6 +28,7 @@ def make_identified_report(identification: Identification) -> Report:
         data_problems=data_problems(gap),
         not_examined=[joint for joint in gap.robot.joints if joint not in named],
         identified=[_law(law) for law in identification.laws],
+        effort_bandwidth=dict(identification.bandwidths),
         background=[parameter_entry(fitted) for fitted in identification.background],
         made_by=made_by(),
     )

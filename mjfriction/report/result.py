@@ -144,7 +144,7 @@ class LawEntry(Entry):
 
 
 class Report(Entry):
-    """The whole report."""
+    """The whole report; ``effort_bandwidth`` (Hz, by joint) are those of drives found to low-pass their efforts."""
 
     schema_: Literal["mjfriction.report/1"] = Field(default=SCHEMA, alias="schema")
     verdict: Literal["explained", "consistent", "ambiguous", "unexplained", "bad_data"]
@@ -159,9 +159,21 @@ class Report(Entry):
     not_examined: list[str] = []
     identified: list[LawEntry] = []
     background: list[ParameterEntry] = []
+    effort_bandwidth: dict[str, Number] = {}
     made_by: dict[str, str] = {}
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+    @property
+    def low_passed(self) -> str:
+        """Of drives that low-pass the efforts they report, in words; nothing where none was found to."""
+        if not self.effort_bandwidth:
+            return ""
+        listed = ", ".join(f"{joint} above {value:.3g} Hz" for joint, value in self.effort_bandwidth.items())
+        return (
+            f"The drives report their efforts low-passed: {listed}. robot.toml states it (effort_sensor.bandwidth), so "
+            "that what it predicts is what they report."
+        )
 
 
 def make_report(diagnosis: Diagnosis) -> Report:
@@ -187,6 +199,7 @@ def make_report(diagnosis: Diagnosis) -> Report:
         ],
         structure=_structure(diagnosis.structure_before, diagnosis.structure_after),
         not_examined=list(diagnosis.not_examined),
+        effort_bandwidth=dict(diagnosis.bandwidths),
         made_by=made_by(),
     )
 

@@ -82,6 +82,8 @@ def print_identified(report: Report, console: Console) -> None:
 
 
 def _print_problems(report: Report, console: Console) -> None:
+    if report.low_passed:
+        console.print(f"\n{report.low_passed}")
     if report.data_problems:
         console.print("\nThe log:")
     for problem in report.data_problems:

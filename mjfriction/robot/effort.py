@@ -3,7 +3,8 @@
 effort = rnea(q, q̇, q̈) + rotor_inertia·gear_ratio²·q̈ + friction(q̇, q, …) + cogging(q) + spring(q) + coupling
 reported = scale·effort(t − delay)/(1 + ripple(q)) + offset,      current = reported / (gear_ratio·torque_constant)
 
-q being where the links are: what the sensors read, less their offsets, less what the transmissions give.
+the effort low-passed where the drive's bandwidth is stated, q being where the links are: what the sensors read, less
+their offsets, less what the transmissions give.
 """
 
 from __future__ import annotations
@@ -86,16 +87,20 @@ def _carried(robot: Robot, body: Body, motion: Motion) -> tuple[Motion, Motion, 
 def as_reported(joint: Joint, torque: Floats, motion: Motion, position: Floats) -> Floats:
     """Return what a drive's sensor makes of torques at its joint, (n, ...), all but its offset.
 
-    They are worth more or less current by the drive's ripple at its own ``position`` (n,), come late, and are scaled.
+    They are worth more or less current by the drive's ripple at its own ``position`` (n,), come late, are low-passed,
+    and are scaled.
     """
     if joint.actuator.ripple:
         worth = 1.0 / (1.0 + waves_along(joint.actuator.ripple, position))
         torque = torque * worth.reshape(-1, *[1] * (torque.ndim - 1))
-    return np.asarray(joint.effort_sensor.scale * _late(torque, motion, joint.effort_sensor.delay))
+    sensor = joint.effort_sensor
+    seen = _late(torque, motion, sensor.delay)
+    return np.asarray(sensor.scale * (seen if sensor.bandwidth is None else motion.low_passed(seen, sensor.bandwidth)))
 
 
 def as_given(joint: Joint, reported: Floats, motion: Motion, position: Floats) -> Floats:
-    """Return the torques (n,) that a drive gave when its sensor reported these: what :func:`as_reported` does, undone.
+    """Return the torques (n,) that a drive gave when its sensor reported these: what :func:`as_reported` does, undone,
+    but for what a low-pass has taken.
 
     ``position`` (n,) is the drive's own.
     """

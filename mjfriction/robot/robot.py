@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mjfriction.body.inertia import RigidLink
 from mjfriction.body.model import Body, Load, load_body
 from mjfriction.errors import RobotError, suggestion
 from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
@@ -65,6 +66,9 @@ class Robot:
                 self.joints,
                 gravity=self.table.gravity,
                 payload=Load(payload.mass, payload.com, payload.parent) if payload else None,
+                link_inertia={
+                    name: RigidLink(own.mass, own.com, own.inertia) for name, own in self.table.link_inertia.items()
+                },
                 link_scale=self.table.link_scale,
                 link_shift=self.table.link_shift,
                 rotor_inertia=[

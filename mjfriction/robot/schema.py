@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator
 
 from mjfriction.laws.ambient import ROOM_TEMPERATURE
@@ -14,6 +15,7 @@ Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=True)]
 NonNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False, strict=True)]
 Vector = tuple[Finite, Finite, Finite]
+ROUNDING = 1e-9  # of a link's moments, by which numbers written to a file may miss what is physical
 
 
 def _as_list(value: Any) -> Any:
@@ -103,12 +105,15 @@ class Hydraulics(Table):
 class EffortSensor(Table):
     """What the drive reports: ``scale`` · effort(t − ``delay``) + ``offset`` (s; N·m or N at the joint).
 
-    ``resolution`` and ``noise`` (its standard deviation) shape what a simulation reports.
+    With ``bandwidth`` (Hz) the effort is low-passed there: a Butterworth of fourth order forward and backward, which
+    shifts nothing in time; what a drive's own filter adds to that is ``delay``.  ``resolution`` and ``noise`` (its
+    standard deviation) shape what a simulation reports.
     """
 
     scale: Positive = 1.0
     offset: Finite = 0.0
     delay: Finite = 0.0
+    bandwidth: Positive | None = None
     resolution: NonNegative = 0.0
     noise: NonNegative = 0.0
 
@@ -292,18 +297,39 @@ class Payload(Table):
     parent: str
 
 
+class LinkInertia(Table):
+    """The inertia of the link that a joint moves: ``mass`` (kg), its centre ``com`` (m, along the axes of the link's
+    frame from the joint on) and ``inertia`` about that, xx, yy, zz, xy, xz, yz (kg·m²).
+    """
+
+    mass: Positive
+    com: Vector
+    inertia: tuple[Finite, Finite, Finite, Finite, Finite, Finite]
+
+    @field_validator("inertia")
+    @classmethod
+    def _of_a_body(cls, value: tuple[float, ...]) -> tuple[float, ...]:
+        xx, yy, zz, xy, xz, yz = value
+        moments = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        least = float(np.linalg.eigvalsh(0.5 * np.trace(moments) * np.eye(3) - moments)[0])
+        if least < -ROUNDING * abs(float(np.trace(moments))):
+            raise ValueError("no body has these moments: no principal moment may be more than the sum of the others")
+        return value
+
+
 class RobotTable(Table):
     """A whole robot file.
 
-    ``link_scale``: for the link that a joint moves, named by the joint, its mass and inertia (a payload on it
-    included) as a multiple of the model's.  ``link_shift``: by how much its centre of mass lies elsewhere, m along the
-    axes of the link's frame.
+    For links, each named by the joint that moves it: ``link_inertia`` takes the place of what the model says;
+    ``link_shift`` is by how much the centre of mass lies elsewhere, m along the axes of the link's frame;
+    ``link_scale`` is what multiplies the mass and inertia, a payload on the link included.
     """
 
     name: str
     model: str
     gravity: Vector | None = None
     payload: Payload | None = None
+    link_inertia: dict[str, LinkInertia] = {}
     link_scale: dict[str, Positive] = {}
     link_shift: dict[str, Vector] = {}
     joint: tuple[Joint, ...] = Field(min_length=1)

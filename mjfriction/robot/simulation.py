@@ -8,7 +8,7 @@ from mjfriction.laws.friction import Friction, Level, friction
 from mjfriction.laws.position_dependent import POSITION_DEPENDENT
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Joint
-from mjfriction.sim.spec import PointLoad, Spec, add_springs, read_spec
+from mjfriction.sim.spec import LinkMass, PointLoad, Spec, add_springs, read_spec
 
 BESIDE = (
     "hydraulics",
@@ -38,6 +38,7 @@ def robot_spec(robot: Robot) -> Spec:
         robot.joints,
         gravity=table.gravity,
         payload=PointLoad(payload.mass, payload.com, payload.parent) if payload else None,
+        link_inertia={name: LinkMass(own.mass, own.com, own.inertia) for name, own in table.link_inertia.items()},
         link_scale=table.link_scale,
         link_shift=table.link_shift,
         rotor_inertia={j.name: j.actuator.rotor_inertia * j.actuator.gear_ratio**2 for j in table.joint},

@@ -24,22 +24,35 @@ class PointLoad:
     parent: str
 
 
+@dataclass(frozen=True)
+class LinkMass:
+    """A link's mass (kg), its centre (m, from its joint along the body's axes) and its moments about that: xx, yy, zz,
+    xy, xz, yz (kg·m²).
+    """
+
+    mass: float
+    com: tuple[float, float, float]
+    inertia: tuple[float, float, float, float, float, float]
+
+
 def read_spec(
     path: Path,
     joints: Sequence[str],
     *,
     gravity: Sequence[float] | None = None,
     payload: PointLoad | None = None,
+    link_inertia: Mapping[str, LinkMass] | None = None,
     link_scale: Mapping[str, float] | None = None,
     link_shift: Mapping[str, Sequence[float]] | None = None,
     rotor_inertia: Mapping[str, float] | None = None,
 ) -> mujoco.MjSpec:
     """Read a URDF or MJCF file and build the robot's own data into it.
 
-    Joints that are not asked for are held at zero.  ``gravity`` (m/s²) replaces the model's own; ``link_scale``
-    multiplies mass and inertia of the link a joint moves, its payload included, and ``link_shift`` moves its own centre
-    of mass (m, in the body's frame); ``rotor_inertia`` (kg·m² or kg at the
-    joint) is added as armature.  Shapes and meshes of a URDF are left out: they play no part in the motion.
+    Joints that are not asked for are held at zero.  ``gravity`` (m/s²) replaces the model's own; ``link_inertia`` takes
+    the place of what the model says of the link a joint moves, ``link_shift`` moves that link's own centre of mass (m,
+    in the body's frame), and ``link_scale`` multiplies its mass and inertia, its payload included; ``rotor_inertia``
+    (kg·m² or kg at the joint) is added as armature.  Shapes and meshes of a URDF are left out: they play no part in the
+    motion.
 
     Raises :class:`SimulationError` when the file cannot be read or a joint or body is not there.
     """
@@ -52,9 +65,13 @@ def read_spec(
         if name not in names:
             raise SimulationError(f"{path}: there is no joint '{name}' in the model{suggestion(name, names)}")
     _hold(spec, set(names) - set(joints))
+    for key, named in (("link_inertia", link_inertia), ("link_shift", link_shift), ("link_scale", link_scale)):
+        for name in named or {}:
+            if name not in names:
+                raise SimulationError(f"{path}: {key}: there is no joint '{name}'{suggestion(name, names)}")
+    for name, link in (link_inertia or {}).items():
+        _put_in_place(spec.joint(name), link)
     for name, shift in (link_shift or {}).items():
-        if name not in names:
-            raise SimulationError(f"{path}: link_shift: there is no joint '{name}'{suggestion(name, names)}")
         _shift_centre(spec.joint(name).parent, np.array(shift), path)
     if payload is not None:
         parent = spec.body(payload.parent)
@@ -63,17 +80,7 @@ def read_spec(
         # The body stays in the parent's frame: a spec takes a place left out of `ipos` from `pos`.
         parent.add_body(name="payload", ipos=payload.com, mass=payload.mass, inertia=[0.0] * 3, explicitinertial=True)
     for name, scale in (link_scale or {}).items():
-        if name not in names:
-            raise SimulationError(f"{path}: link_scale: there is no joint '{name}'{suggestion(name, names)}")
-        for body in _rigid_with(spec.joint(name).parent):
-            if body.geoms and not body.explicitinertial:
-                raise SimulationError(
-                    f"{path}: link_scale of '{name}': body '{body.name}' has no inertial element but shapes to compute "
-                    "it from; write its <inertial> into the model"
-                )
-            body.mass *= scale
-            body.inertia = scale * np.asarray(body.inertia)
-            body.fullinertia = scale * np.asarray(body.fullinertia)
+        _scale_link(spec.joint(name), scale, path)
     for name, inertia in (rotor_inertia or {}).items():
         spec.joint(name).armature += inertia
     return spec
@@ -85,6 +92,28 @@ def _hold(spec: mujoco.MjSpec, names: set[str]) -> None:
         spec.delete(actuator)
     for joint in [one for one in spec.joints if one.name in names]:
         spec.delete(joint)
+
+
+def _put_in_place(joint: mujoco.MjsJoint, link: LinkMass) -> None:
+    # All of it at the joint's own body: what is fixed to that weighs nothing any more.
+    for body in _rigid_with(joint.parent):
+        body.explicitinertial = True
+        body.mass, body.inertia, body.fullinertia = 0.0, np.zeros(3), np.full(6, np.nan)
+    body = joint.parent
+    body.mass, body.fullinertia = link.mass, np.array(link.inertia)
+    body.ipos, body.iquat = np.array(link.com) + np.asarray(joint.pos), np.array([1.0, 0.0, 0.0, 0.0])
+
+
+def _scale_link(joint: mujoco.MjsJoint, scale: float, path: Path) -> None:
+    for body in _rigid_with(joint.parent):
+        if body.geoms and not body.explicitinertial:
+            raise SimulationError(
+                f"{path}: link_scale of '{joint.name}': body '{body.name}' has no inertial element but shapes to "
+                "compute it from; write its <inertial> into the model"
+            )
+        body.mass *= scale
+        body.inertia = scale * np.asarray(body.inertia)
+        body.fullinertia = scale * np.asarray(body.fullinertia)
 
 
 def _shift_centre(body: mujoco.MjsBody, shift: np.ndarray, path: Path) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import mujoco
 import numpy as np
 import pytest
@@ -11,7 +13,7 @@ from mjfriction.errors import RobotError, SimulationError
 from mjfriction.laws.ambient import ambient
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot, bundled_robots
-from mjfriction.robot.schema import FrictionTerm, Payload, Spring, Wave
+from mjfriction.robot.schema import FrictionTerm, LinkInertia, Payload, Spring, Wave
 from mjfriction.robot.simulation import robot_laws, robot_spec
 from mjfriction.sim.spec import add_springs
 
@@ -50,6 +52,33 @@ def test_payload_links_and_gravity_are_built_in_alike() -> None:
     )
     assert compare(robot) < 1e-9
     assert compare(changed(robot, joint=robot.table.joint[:4], link_scale={})) < 1e-9  # the last two held at zero
+
+
+HEAVY = LinkInertia(mass=3.1, com=(0.02, -0.01, 0.3), inertia=(0.12, 0.11, 0.02, 0.003, -0.002, 0.001))
+# A link of two bodies, its joint away from the body's origin, its axes turned.
+JOINTED = """<mujoco><compiler angle="radian"/><worldbody><body name="a" pos="0 0 1" euler="0.2 0.1 0">
+  <joint name="turn" axis="0 1 0" pos="0.1 0.2 0.3"/><inertial pos="0.5 0 0" mass="2" diaginertia=".1 .2 .25"/>
+  <body name="f" pos="0.3 0 0" euler="0 0.5 0"><geom size="0.1" mass="1"/></body>
+  <body name="b" pos="1 0 0" euler="0.3 0 0"><joint name="tip" axis="0 0 1"/>
+  <inertial pos=".2 0 0" mass="1" diaginertia=".01 .01 .01"/></body></body></worldbody></mujoco>"""
+
+
+def test_a_links_own_inertia_takes_the_place_of_the_models(tmp_path: Path) -> None:
+    robot = changed(read_robot("ur5"), link_inertia={"elbow_joint": HEAVY})
+    assert compare(robot) < 1e-9
+    q = np.random.default_rng(1).normal(size=(20, 6))
+    stated, own = (inverse_dynamics(one.body(), q, q, q) for one in (read_robot("ur5"), robot))
+    assert np.max(np.abs(own - stated)) > 1.0
+    loaded = {
+        "payload": Payload(mass=1.2, com=(0.0, 0.02, 0.05), parent="wrist_3_link"),
+        "link_scale": {"elbow_joint": 1.1},
+    }
+    assert compare(changed(robot, link_shift={"elbow_joint": (0.0, 0.01, 0.0)}, **loaded)) < 1e-9
+    (tmp_path / "arm.xml").write_text(JOINTED)
+    (tmp_path / "robot.toml").write_text(
+        'name = "a"\nmodel = "arm.xml"\njoint = [ { name = "turn" }, { name = "tip" } ]\n'
+    )
+    assert compare(changed(read_robot(tmp_path / "robot.toml"), link_inertia={"turn": HEAVY})) < 1e-9
 
 
 def test_a_spring_is_the_stated_torque() -> None:

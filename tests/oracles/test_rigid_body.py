@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from mjfriction.body.inertia import RigidLink
 from mjfriction.body.inverse import inertia_at, inverse_dynamics
 from mjfriction.body.model import Load, load_body
 from mjfriction.body.regressor import gravity_torques, link_torques, tip_link, tip_mass_torques
@@ -159,6 +160,9 @@ def test_unknown_names_suggest_the_nearest() -> None:
         load_body(UR5, ["elbow_jont"])
     with pytest.raises(RobotError, match="payload parent 'wrist_3_lin' is no link.*wrist_3_link"):
         load_body(UR5, UR5_JOINTS, payload=Load(1.0, (0, 0, 0), "wrist_3_lin"))
+    ball = RigidLink(1.0, (0.0, 0.0, 0.0), (1.0, 1.0, 1.0, 0.0, 0.0, 0.0))
+    with pytest.raises(RobotError, match="link_inertia: there is no joint 'elbow'.*elbow_joint"):
+        load_body(UR5, UR5_JOINTS, link_inertia={"elbow": ball})
     with pytest.raises(RobotError, match="no such model file"):
         load_body(Path("nowhere.urdf"), ["a"])
 

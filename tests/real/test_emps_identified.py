@@ -20,7 +20,10 @@ def test_the_published_four_parameters_are_found(data: Path) -> None:
     values = {fitted.name: fitted.value for fitted in law.parameters}
     assert values["coulomb"] == pytest.approx(20.3935, rel=0.05)
     assert values["viscous"] == pytest.approx(203.5034, rel=0.05)
-    assert found.robot.table.link_scale["axis"] == pytest.approx(1.0, abs=0.01)
+    assert found.robot.table.link_inertia["axis"].mass == pytest.approx(95.1089, rel=0.01)
+    (mass, _) = found.background  # a slide shows a mass, and its effort's zero
+    assert mass.name == "mass.axis"
+    assert mass.low < 95.1089 < mass.high
     assert found.robot.joint("axis").effort_sensor.offset == pytest.approx(-3.1648, rel=0.1)
     assert not law.trusted  # the directions differ, which no symmetric law can say
 

@@ -6,15 +6,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pyarrow import parquet
 from scipy.signal import decimate
 
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.identify.identification import identify_log
+from mjfriction.record.log import Log
 from mjfriction.record.merge import merge_logs
 from mjfriction.record.readers import read_log
+from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
+from mjfriction.robot.schema import EffortSensor
 
 
 @pytest.fixture(scope="module")
@@ -76,6 +81,40 @@ def test_friction_drifts_between_the_two_runs(data: Path) -> None:
     moment = next(parameter.value for parameter in drift.parameters if parameter.name == "time")
     ends = float(runs[0].time[-1] - runs[0].time[0])
     assert abs(moment - ends) < 2.0  # rows of the first run end, and those of the second begin, within this
+
+
+@pytest.fixture(scope="module")
+def ur10_parts(data: Path) -> tuple[Log, Log]:
+    """The first 60 % of the UR10's log, and the rest."""
+    table = parquet.read_table(data / "ur10/exciting.parquet")
+    part = int(0.6 * table.num_rows)
+    return log_from_table(table.slice(0, part), "first"), log_from_table(table.slice(part), "rest")
+
+
+def relative_errors(log: Log, robot: Robot) -> np.ndarray:
+    """100·‖y − ŷ‖/‖y‖ of every joint's effort as it was reported."""
+    predicted = predict_log(log, robot)
+    pairs = [(log.columns[f"effort.{joint}"], predicted[f"effort.{joint}"]) for joint in robot.joints]
+    return np.array([100.0 * np.linalg.norm(y - own) / np.linalg.norm(y) for y, own in pairs])
+
+
+def test_a_ur10_that_is_wrong_everywhere_is_predicted_on_motion_not_fitted(
+    ur10_parts: tuple[Log, Log], data: Path
+) -> None:
+    first, rest = ur10_parts
+    stated = read_robot(data / "ur10/robot.toml")
+    assert np.all(relative_errors(rest, stated) > 30.0)
+    structures = {"shoulder_pan_joint": "saturating_viscous", "shoulder_lift_joint": "load_dependent"}
+    best = identify_log(first, stated, law=structures)
+    errors = relative_errors(rest, best.robot)
+    assert errors[0] < 6.0
+    assert errors[1] < 4.0
+    # Base parameters with Coulomb and viscous friction at every joint, as others fitted them to this log.
+    assert np.all(errors[:4] < [15.2, 6.2, 5.4, 11.6])
+    # What the drives leave of an effort is part of that.
+    plain = [joint.model_copy(update={"effort_sensor": EffortSensor()}) for joint in best.robot.table.joint]
+    sharp = Robot(best.robot.table.model_copy(update={"joint": tuple(plain)}), best.robot.folder)
+    assert relative_errors(rest, sharp)[0] > 10.0
 
 
 def test_the_efforts_of_the_ur10_are_compared_below_their_filter(data: Path) -> None:

@@ -1,0 +1,85 @@
+"""A link's inertia as numbers, and as the pseudo-inertia in which what is physical is plain to see.
+
+The pseudo-inertia of a link is P = ∫ (x, 1)ᵀ(x, 1) dm, a symmetric 4 × 4 matrix, linear in the ten inertial parameters,
+and there is a body with these parameters if and only if P is positive (Wensing, Kim, Slotine, IEEE Robotics and
+Automation Letters 3(1), 2018).
+
+Beside a link with P₀ = C·Cᵀ another is P = C·(1 + W)·Cᵀ, W symmetric.  W's ten numbers, orthonormal, have no unit, and
+|W| is a distance of the two that does not depend on the frame (Lee, Wensing, Park, IEEE Trans. Robotics 36(1), 2020,
+constant pullback): the same link p times as heavy is |W| = 2·(p − 1) away.  There is a body for W if 1 + W is positive.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from mjfriction.laws.law import Floats
+
+NAMES = ("mass", "moment_x", "moment_y", "moment_z", "xx", "xy", "yy", "xz", "yz", "zz")
+"""The ten parameters in the regressor's order: kg, kg·m, and kg·m² about the link's frame."""
+
+PER_LINK = len(NAMES)
+FINEST = 0.02  # m: a link that is stated to be a point is believed to be one within this
+ROWS, COLUMNS = np.tril_indices(4)
+ORTHONORMAL = np.where(ROWS == COLUMNS, 1.0, np.sqrt(0.5))  # of each of the ten numbers, what stands in W
+
+
+@dataclass(frozen=True)
+class RigidLink:
+    """A link's mass (kg), its centre (m, in the link's frame) and its moments of inertia about that: xx, yy, zz, xy,
+    xz, yz (kg·m²).
+    """
+
+    mass: float
+    com: tuple[float, float, float]
+    inertia: tuple[float, float, float, float, float, float]
+
+    def pinocchio(self) -> pin.Inertia:
+        """Return it as Pinocchio holds it."""
+        xx, yy, zz, xy, xz, yz = self.inertia
+        return pin.Inertia(self.mass, np.array(self.com), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+
+
+def pseudo_inertias(model: pin.Model) -> Floats:
+    """Return the pseudo-inertias of a model's links, (links, 4, 4)."""
+    return np.array([pin.PseudoInertia.FromInertia(inertia).toMatrix() for inertia in list(model.inertias)[1:]])
+
+
+def factors(pseudo: Floats) -> Floats:
+    """Return C (links, 4, 4) of pseudo-inertias (links, 4, 4), zero for links without a mass."""
+    out = np.zeros_like(pseudo)
+    for own, factor in zip(pseudo, out, strict=True):
+        if own[3, 3] > 0.0:
+            factor[:] = np.linalg.cholesky(own + np.diag([own[3, 3] * FINEST**2] * 3 + [0.0]))
+    return out
+
+
+def symmetric(numbers: Floats) -> Floats:
+    """Return W (4, 4) of its ten orthonormal numbers."""
+    out = np.zeros((4, 4))
+    out[ROWS, COLUMNS] = out[COLUMNS, ROWS] = ORTHONORMAL * numbers
+    return out
+
+
+def parameters_per_number(factor: Floats) -> Floats:
+    """Return what W's ten numbers change the inertial parameters by, (links, 10, 10); ``factor`` (links, 4, 4): C."""
+    unit = [symmetric(row) for row in np.eye(PER_LINK)]
+    return np.array([np.column_stack([parameters_of(own @ one @ own.T) for one in unit]) for own in factor])
+
+
+def link_of(pseudo: Floats) -> RigidLink:
+    """Return the link that has a pseudo-inertia (4, 4)."""
+    inertia = pin.PseudoInertia.FromMatrix(pseudo).toInertia()
+    moments = inertia.inertia
+    six = (moments[0, 0], moments[1, 1], moments[2, 2], moments[0, 1], moments[0, 2], moments[1, 2])
+    x, y, z = inertia.lever.tolist()
+    xx, yy, zz, xy, xz, yz = (float(value) for value in six)
+    return RigidLink(float(inertia.mass), (x, y, z), (xx, yy, zz, xy, xz, yz))
+
+
+def parameters_of(pseudo: Floats) -> Floats:
+    """Return the ten inertial parameters (10,) of a pseudo-inertia (4, 4), linear in it, in the regressor's order."""
+    return np.asarray(pin.PseudoInertia.FromMatrix(pseudo).toDynamicParameters())

@@ -1,0 +1,129 @@
+"""What stands beside friction, fitted over all joints at once, with every joint's friction free as well as it may."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mjfriction.identify.background import Background
+from mjfriction.identify.beside import Beside, beside_of
+from mjfriction.identify.fit import LawFit
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.link_inertias import LinkInertias, nearest_physical
+from mjfriction.identify.regression import Columns, Rows, System
+from mjfriction.record.log import Floats
+from mjfriction.robot.rubbing import forward_share
+
+SPREADS = (0.05, 0.2, 1.0)  # of how far links usually are off, that are tried: 2, 10 and 50 % of a mass
+
+
+@dataclass(frozen=True)
+class Friction:
+    """A joint's friction as the rest is fitted with it: ``rows`` (rows,) as it stands, and the ``columns`` (rows, k) by
+    which it may still change, each with a ``precision`` (k,); with none it stays.
+    """
+
+    rows: Floats
+    columns: Floats
+    precision: Floats
+
+
+@dataclass(frozen=True)
+class Balance:
+    """A fit: the ``strengths`` (p,) of a ``system``, of which the first ``shared`` are those of the background's
+    ``parts``.
+    """
+
+    parts: tuple[Background, ...]
+    system: System
+    strengths: Floats
+    shared: int
+
+    @property
+    def changes(self) -> list[Floats]:
+        """The strengths of each part."""
+        ends = np.cumsum([part.precision.size for part in self.parts])
+        return np.split(self.strengths, ends)[: len(self.parts)]
+
+    def left(self) -> Floats:
+        """Return what is left of every row, (rows, joints)."""
+        return self.system.residual(self.strengths)
+
+    def effort(self, joint: int) -> Floats:
+        """Return the background's effort at a joint, (rows,)."""
+        pairs = zip(self.parts, self.changes, strict=True)
+        parts = [part.columns[joint] @ own for part, own in pairs if joint in part.columns]
+        return np.asarray(sum(parts, start=np.zeros(self.system.rows.block.size)))
+
+    def beside(self, joint: int) -> Beside:
+        """Return what is unknown at a joint beside its friction, counted from this fit."""
+        return beside_of(self.system, joint, self.shared, self.strengths)
+
+
+def first_friction(gap: Gap, joint: int) -> Friction:
+    """Return a joint's friction before any law is known: a level and a damping, both free."""
+    columns = np.column_stack([forward_share(gap.motion, joint), gap.motion.velocity[:, joint]])
+    rows = gap.reported(joint, columns)
+    return Friction(np.zeros(rows.shape[0]), rows, np.zeros(2))
+
+
+def fitted_friction(fit: LawFit, *, free: bool) -> Friction:
+    """Return a fitted law's friction, whose coordinates may still change where it is ``free``."""
+    rows = fit.problem.rows(fit.term)
+    if not free:
+        return Friction(rows, np.empty((rows.size, 0)), np.empty(0))
+    return Friction(rows, fit.slopes, fit.precision)
+
+
+def balance(
+    gap: Gap, parts: Sequence[Background], friction: Mapping[int, Friction], deviation: Mapping[int, Floats]
+) -> Balance:
+    """Fit the background beside every joint's friction, each row believed to its joint's ``deviation`` (rows,).
+
+    Links stay such as bodies can be.
+    """
+    system = _system(gap, parts, friction, deviation)
+    normal = system.normal
+    strengths = normal.strengths(np.ones(gap.blocks.count, dtype=bool))
+    ends = np.cumsum([0, *(part.precision.size for part in parts)]).tolist()
+    for part, start in zip(parts, ends, strict=False):
+        place = slice(start, start + part.precision.size)
+        if isinstance(part, LinkInertias) and not part.physical(strengths[place]):
+            gram = normal.gram.sum(axis=(0, 1)) + np.diag(normal.precision)
+            strengths = nearest_physical(gram, normal.moment.sum(axis=(0, 1)), place, part.stated)
+    return Balance(tuple(parts), system, strengths, ends[-1])
+
+
+def as_far_off(
+    links: LinkInertias,
+    gap: Gap,
+    parts: Sequence[Background],
+    friction: Mapping[int, Friction],
+    deviation: Mapping[int, Floats],
+) -> LinkInertias:
+    """Return links held as near to what is stated as predicts motion best that was not fitted."""
+    normal = _system(gap, [links, *parts], friction, deviation).normal
+    errors = []
+    for spread in SPREADS:
+        tried = replace(links, spread=spread)
+        precision = normal.precision.copy()
+        precision[: tried.precision.size] = tried.precision
+        errors.append(float(np.sum(replace(normal, precision=precision).heldout_errors(gap.blocks.folds))))
+    return replace(links, spread=SPREADS[int(np.argmin(errors))])
+
+
+def _system(
+    gap: Gap, parts: Sequence[Background], friction: Mapping[int, Friction], deviation: Mapping[int, Floats]
+) -> System:
+    target = np.nan_to_num(gap.residual)
+    weight = np.zeros_like(target)
+    blocks: list[Columns] = [part.columns for part in parts]
+    precisions = [part.precision for part in parts]
+    for joint, own in friction.items():
+        target[:, joint] -= own.rows
+        weight[:, joint] = 1.0 / deviation[joint]
+        blocks.append({joint: own.columns})
+        precisions.append(own.precision)
+    return System(Rows(target, weight, gap.blocks.row), blocks, precisions)

@@ -1,0 +1,91 @@
+"""What is unknown at a joint beside its friction, and what the other joints say of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from mjfriction.identify.regression import System
+from mjfriction.record.log import Floats
+
+LEAST = 1e-10  # of the largest: what is known less than this of a combination is nothing
+
+
+@dataclass(frozen=True)
+class Beside:
+    """Regressors ``columns`` (rows, k) that a joint's friction is fitted with.
+
+    They are turned so that what is known beforehand of their strengths is ``expected`` (k,) with a ``precision`` each.
+    """
+
+    columns: Floats
+    expected: Floats
+    precision: Floats
+
+
+@dataclass(frozen=True)
+class FreeOf:
+    """Takes out of weighted rows what regressors explain as well (Frisch and Waugh, Econometrica 1, 1933).
+
+    What is known of these beforehand stands below the rows as ``known`` (k,); ``basis`` (rows + k, k) spans both.
+    """
+
+    known: Floats
+    basis: Floats
+
+    def target(self, rows: Floats) -> Floats:
+        """Return what is left of a weighted target (rows,): (rows + k,)."""
+        return self._without(np.concatenate([rows, self.known]))
+
+    def columns(self, rows: Floats) -> Floats:
+        """Return what is left of weighted columns (rows, m): (rows + k, m)."""
+        return self._without(np.vstack([rows, np.zeros((self.known.size, rows.shape[1]))]))
+
+    def _without(self, whole: Floats) -> Floats:
+        return np.asarray(whole - self.basis @ (self.basis.T @ whole))
+
+
+def free_of(beside: Beside, deviation: Floats) -> FreeOf:
+    """Return what frees rows that are believed to ``deviation`` (rows,)."""
+    root = np.sqrt(beside.precision)
+    whole = np.vstack([beside.columns / deviation[:, None], np.diag(root)])
+    return FreeOf(root * beside.expected, np.linalg.qr(whole)[0])
+
+
+def beside_of(system: System, joint: int, shared: int, strengths: Floats) -> Beside:
+    """Return what is unknown at a joint beside its friction, counted from given ``strengths`` (p,) of the system.
+
+    The first ``shared`` regressors of ``system`` are felt by many joints; the rest are friction, of one joint each.
+    """
+    normal = system.normal
+    others = np.arange(normal.gram.shape[0]) != joint
+    gram = normal.gram[others].sum(axis=(0, 1)) + np.diag(normal.precision)
+    moment = normal.moment[others].sum(axis=(0, 1)) - gram @ strengths
+    friction = np.flatnonzero(np.diag(gram)[shared:] > 0.0) + shared
+    known, told = gram[:shared, :shared], moment[:shared]
+    if friction.size:
+        # The other joints' friction is as free as this one's.
+        factor = cho_factor(gram[np.ix_(friction, friction)])
+        across = gram[:shared, friction]
+        known = known - across @ cho_solve(factor, across.T)
+        told = told - across @ cho_solve(factor, moment[friction])
+    scale = 1.0 / np.sqrt(np.diag(known))
+    power, turned = np.linalg.eigh(known * scale[:, None] * scale)
+    turned = turned * scale[:, None]
+    covariance = (turned / np.maximum(power, LEAST * power[-1])) @ turned.T
+    base, weight = system.base[joint][:, :shared], system.rows.weight[:, [joint]]
+    columns = np.divide(base, weight, out=np.zeros_like(base), where=weight > 0.0)
+    # What this joint does not feel is as the others say.
+    felt = np.flatnonzero(np.any(columns != 0.0, axis=0))
+    own = covariance[np.ix_(felt, felt)]
+    size = np.sqrt(np.diag(own))
+    power, turned = np.linalg.eigh(own / size[:, None] / size)
+    turned = turned * size[:, None]
+    power = np.maximum(power, LEAST * power.max(initial=0.0))
+    return Beside(
+        columns=columns[:, felt] @ turned,
+        expected=np.linalg.solve(turned, (covariance @ told)[felt]) if felt.size else np.empty(0),
+        precision=1.0 / power,
+    )

@@ -1,0 +1,53 @@
+"""Where drives low-pass the efforts they report: the frequency that brings what a robot predicts nearest to them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from mjfriction.identify.effort_band import filtered_from
+from mjfriction.identify.gap import Gap
+from mjfriction.record.log import Floats
+from mjfriction.robot.effort import predict_effort
+from mjfriction.robot.robot import Robot
+
+WIDEST = 4.0  # times the frequency from which on an effort's steps are gone, up or down, that is searched
+
+
+def find_bandwidths(gap: Gap, robot: Robot) -> dict[str, float]:
+    """Return the bandwidths (Hz) of drives, by joint, where a gap's log shows a low-pass that a robot does not state.
+
+    ``robot`` is the one as it is known at last: the sharper its prediction, the better the low-pass is known.
+    """
+    reported = gap.motion.torque * gap.per_reported
+    found = filtered_from(gap.motion, gap.effort, reported)
+    sensors = [joint.effort_sensor for joint in robot.table.joint]
+    unstated = [j for j in gap.examined if np.isfinite(found[j]) and sensors[j].bandwidth is None]
+    if not unstated:
+        return {}
+    predicted = predict_effort(robot, robot.body(), gap.motion).reported
+    return {robot.joints[j]: _nearest(gap, reported[:, j], predicted[:, j], float(found[j])) for j in unstated}
+
+
+def with_bandwidths(robot: Robot, bandwidths: Mapping[str, float]) -> Robot:
+    """Return a robot that states the bandwidths (Hz) of drives, by joint."""
+    for name, bandwidth in bandwidths.items():
+        joint = robot.joint(name)
+        sensor = joint.effort_sensor.model_copy(update={"bandwidth": bandwidth})
+        robot = robot.with_joint(joint.model_copy(update={"effort_sensor": sensor}))
+    return robot
+
+
+def _nearest(gap: Gap, reported: Floats, predicted: Floats, first: float) -> float:
+    motion = gap.motion
+
+    def missed(logarithm: float) -> float:
+        left = reported - motion.low_passed(predicted, float(np.exp(logarithm)))
+        return float(np.mean(np.square(left[motion.settled])))
+
+    reach = float(np.log(WIDEST))
+    bounds = (np.log(first) - reach, np.log(first) + reach)
+    found = minimize_scalar(missed, bounds=bounds, method="bounded", options={"xatol": 0.01})
+    return float(np.exp(found.x))

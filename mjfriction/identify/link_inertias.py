@@ -1,0 +1,180 @@
+"""The links' inertias as unknowns of a fit: ten numbers a link, held near what is stated, and always those of a body.
+
+The numbers are those of W in P = C·(R + W)·Cᵀ (:mod:`mjfriction.body.inertia`), R being the stated link in these units:
+1, but for links that are stated to be thinner than anyone believes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import block_diag, cho_factor, cho_solve
+from scipy.optimize import least_squares
+
+from mjfriction.body.inertia import (
+    COLUMNS,
+    ORTHONORMAL,
+    PER_LINK,
+    ROWS,
+    factors,
+    link_of,
+    parameters_of,
+    parameters_per_number,
+    pseudo_inertias,
+    symmetric,
+)
+from mjfriction.body.regressor import weighed_links
+from mjfriction.identify.base_parameters import base_parameters
+from mjfriction.identify.fitted import Fitted
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.regression import Columns
+from mjfriction.record.log import Floats
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.schema import LinkInertia
+
+FELT = 1e-6  # of the effort, below which a link is not felt
+THINNEST = 1e-3  # of what is stated: the least spread of mass that a fit may leave along any direction
+PRECISELY, MOST_ROUNDS = 1e-9, 200  # of the search for the nearest links that are physical
+
+
+@dataclass(frozen=True)
+class LinkInertias:
+    """The inertias of the links ``names``, ten strengths each, one after another.
+
+    ``factor`` (links, 4, 4) are their C, ``stated`` (links, 4, 4) their R; ``weight`` (links, 10, 10) is what a
+    strength changes the inertial parameters by, ``columns`` the effort, joint → (rows, 10·links).  ``spread`` is how
+    far links usually are off.
+    """
+
+    names: tuple[str, ...]
+    factor: Floats
+    stated: Floats
+    weight: Floats
+    columns: Columns
+    spread: float
+
+    @property
+    def precision(self) -> Floats:
+        """By how far stated links usually are off."""
+        return np.full(PER_LINK * len(self.names), self.spread**-2.0)
+
+    def applied(self, robot: Robot, strengths: Floats) -> Robot:
+        """Change the links; what no body could be is brought to the nearest that one can."""
+        body = robot.body()
+        now = dict(zip(body.links, pseudo_inertias(body.model), strict=True))
+        table = robot.table
+        inertia, scale, shift = dict(table.link_inertia), dict(table.link_scale), dict(table.link_shift)
+        payload = table.payload
+        for name, factor, own in zip(self.names, self.factor, strengths.reshape(-1, PER_LINK), strict=True):
+            if not np.any(own):
+                continue
+            inverse = np.linalg.inv(factor)
+            relative = inverse @ now[name] @ inverse.T + symmetric(own)
+            link = link_of(factor @ _positive(relative) @ factor.T)
+            inertia[name] = LinkInertia(mass=link.mass, com=link.com, inertia=link.inertia)
+            scale.pop(name, None)
+            shift.pop(name, None)
+            if payload is not None and body.link_holding(payload.parent) == name:
+                payload = None  # it is part of the link now
+        changed = {"link_inertia": inertia, "link_scale": scale, "link_shift": shift, "payload": payload}
+        return Robot(table.model_copy(update=changed), robot.folder)
+
+    def fitted(self, robot: Robot, gram: Floats, covariance: Floats, quantile: float) -> list[Fitted]:
+        """The base parameters that the motion shows."""
+        body = robot.body()
+        now = dict(zip(body.links, pseudo_inertias(body.model), strict=True))
+        values = np.concatenate([parameters_of(now[name]) for name in self.names])
+        pseudo = self.factor @ self.stated @ np.swapaxes(self.factor, 1, 2)
+        stated = np.concatenate([parameters_of(own) for own in pseudo])
+        return base_parameters(self.names, values, stated, self.weight, gram, covariance, quantile)
+
+    def physical(self, strengths: Floats) -> bool:
+        """Return whether bodies have these inertias, counted from those stated."""
+        changes = [symmetric(own) for own in strengths.reshape(-1, PER_LINK)]
+        return bool(np.all(np.linalg.eigvalsh(self.stated + changes) >= THINNEST))
+
+
+def link_inertias(gap: Gap, spread: float) -> LinkInertias | None:
+    """Return the inertias of all links that are felt along a gap's motion, None where none is."""
+    body, linked = gap.body, gap.linked
+    pseudo = pseudo_inertias(body.model)
+    factor = factors(pseudo)
+    weight = parameters_per_number(factor)
+    torques = weighed_links(body, linked.position, linked.velocity, linked.acceleration, weight)
+    rows = {joint: gap.reported(joint, torques[:, joint]) for joint in gap.examined}
+    size = float(np.sqrt(np.mean(np.square(np.nan_to_num(gap.measured)))))
+    felt = [k for k in range(len(body.links)) if any(np.max(np.abs(own[:, k])) > FELT * size for own in rows.values())]
+    if not felt:
+        return None
+    columns = {joint: own[:, felt].reshape(own.shape[0], -1) for joint, own in rows.items()}
+    inverse = np.linalg.inv(factor[felt])
+    stated = inverse @ pseudo[felt] @ np.swapaxes(inverse, 1, 2)
+    return LinkInertias(tuple(body.links[k] for k in felt), factor[felt], stated, weight[felt], columns, spread)
+
+
+def nearest_physical(gram: Floats, moment: Floats, place: slice, stated: Floats) -> Floats:
+    """Return the strengths (p,) that lower ½·sᵀGs − mᵀs most among those at whose ``place`` links stand that bodies can
+    have: R + W = L·Lᵀ, L lower triangular with logarithms on its diagonal (Rucker, Wensing, IEEE Robotics and
+    Automation Letters 7(2), 2022).
+
+    ``gram`` (p, p) is positive; ``stated`` (links, 4, 4) are the R.
+    """
+    scale = 1.0 / np.sqrt(np.diag(gram))
+    root = np.linalg.cholesky(gram * scale[:, None] * scale).T
+    target = np.linalg.solve(root.T, moment * scale)
+    inside = np.arange(gram.shape[0])[place]
+    rest = np.setdiff1d(np.arange(gram.shape[0]), inside)
+    own, beside = root[:, inside] / scale[inside], root[:, rest]
+    # What is not bound is eliminated: the rest of a residual is what no value of it takes away.
+    basis = np.linalg.qr(beside)[0] if rest.size else np.zeros((gram.shape[0], 0))
+    free_of = own - basis @ (basis.T @ own)
+    goal = target - basis @ (basis.T @ target)
+
+    def strengths_at(x: Floats) -> tuple[Floats, Floats]:
+        pairs = zip(x.reshape(-1, PER_LINK), stated, strict=True)
+        values, slopes = zip(*(_from_logarithms(part, own) for part, own in pairs), strict=True)
+        return np.concatenate(values), np.asarray(block_diag(*slopes))
+
+    found = least_squares(
+        lambda x: free_of @ strengths_at(x)[0] - goal,
+        np.concatenate([_to_logarithms(_positive(own)) for own in stated]),
+        jac=lambda x: free_of @ strengths_at(x)[1],
+        ftol=PRECISELY,
+        xtol=PRECISELY,
+        max_nfev=MOST_ROUNDS,
+    )
+    out = np.zeros(gram.shape[0])
+    out[inside] = strengths_at(found.x)[0]
+    if rest.size:
+        left = moment[rest] - gram[np.ix_(rest, inside)] @ out[inside]
+        out[rest] = cho_solve(cho_factor(gram[np.ix_(rest, rest)]), left)
+    return out
+
+
+def _positive(relative: Floats) -> Floats:
+    values, vectors = np.linalg.eigh(relative)
+    return np.asarray((vectors * np.maximum(values, THINNEST)) @ vectors.T)
+
+
+def _to_logarithms(relative: Floats) -> Floats:
+    lower = np.linalg.cholesky(relative)
+    on = np.arange(4)
+    lower[on, on] = np.log(lower[on, on])
+    return np.asarray(lower[ROWS, COLUMNS])
+
+
+def _from_logarithms(x: Floats, stated: Floats) -> tuple[Floats, Floats]:
+    """Return the ten strengths of R + W = L·Lᵀ and their slopes (10, 10) by L's entries, logarithms on its diagonal."""
+    lower = np.zeros((4, 4))
+    lower[ROWS, COLUMNS] = x
+    on = np.arange(4)
+    lower[on, on] = np.exp(lower[on, on])
+    whole = lower @ lower.T - stated
+    slopes = np.empty((PER_LINK, PER_LINK))
+    for k in range(PER_LINK):
+        step = np.zeros((4, 4))
+        step[ROWS[k], COLUMNS[k]] = lower[ROWS[k], COLUMNS[k]] if ROWS[k] == COLUMNS[k] else 1.0
+        change = step @ lower.T + lower @ step.T
+        slopes[:, k] = change[ROWS, COLUMNS] / ORTHONORMAL
+    return whole[ROWS, COLUMNS] / ORTHONORMAL, slopes
