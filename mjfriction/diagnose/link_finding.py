@@ -8,6 +8,7 @@ from mjfriction.diagnose.alike import MOST_CONFIDENT, Standing, standing
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LEAST_NOTED, LinkScale
 from mjfriction.diagnose.compete import Field
+from mjfriction.diagnose.links_off import links_far_off
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import PER_LINK, Nuisance
 from mjfriction.diagnose.outcome import Finding
@@ -35,7 +36,7 @@ def link_finding(
         return None  # a link was named on its own; the others' few percent are refitted along
     widths = half[nuisance.of_links].reshape(-1, PER_LINK)[:, 0]
     noted = (np.abs(changes) > LEAST_NOTED) & (np.abs(changes) - widths > SURELY)
-    if not np.any(noted):
+    if not np.any(noted) or not links_far_off(model):
         return None
     before = without_links(model).heldout_residual()
     if not shows(gap, before, heldout, gap.examined, untold.left):

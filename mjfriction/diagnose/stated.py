@@ -17,6 +17,7 @@ from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats
 
 MOST_LINK_CHANGE = 0.8  # past which a scaled link is no link any more, and the fit a sign of something else
+MOST_JOINTS = 0.75  # share of joints whose changes are typical
 EXACT = 0.01  # of the stated friction: typical change of the other joints up to which a robot is stated exactly
 LEAST_CHANGE = 0.04  # that counts on a robot stated exactly
 LEAST_CHANGE_ROUGH = 0.10  # that counts on a robot whose joints are all a little off, or that has too few to compare
@@ -82,6 +83,13 @@ def _admissible(model: Model) -> Model:
     return model
 
 
+def stated_exactly(model: Model) -> bool:
+    """Return whether friction is as stated at nearly all joints, so that the rest may be believed to be so too."""
+    changes = _changes(model)
+    joints = model.gap.examined
+    return float(np.quantile([changes.get(joint, 0.0) for joint in joints], MOST_JOINTS)) < EXACT
+
+
 def without_links(model: Model) -> Model:
     """Return the model with every link as stated."""
     return build_model(model.gap, Nuisance(model.nuisance.levels, ()), model.chosen)
@@ -122,5 +130,5 @@ def _bar(change: dict[int, float], joint: int) -> float:
     others = [value for other, value in change.items() if other != joint]
     if len(others) < 2:
         return LEAST_CHANGE_ROUGH
-    typical = float(np.quantile(others, 0.75))
+    typical = float(np.quantile(others, MOST_JOINTS))
     return LEAST_CHANGE if typical < EXACT else min(ALWAYS, max(LEAST_CHANGE_ROUGH, OUTLYING * typical))

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
-from mjfriction.diagnose.causes.links import LinkScale
+from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
+from mjfriction.diagnose.links_off import links_far_off
 from mjfriction.diagnose.model import Chosen, Key, Model, build_model, cause_block, partners
 from mjfriction.diagnose.stated import Settled, without_links
 from mjfriction.diagnose.stroke_curve import StrokeCurve
@@ -35,7 +36,8 @@ def find_untold(
     What is next to nothing of the effort, or hardly shows beside what is left on motion not fitted (``heldout``, rows
     by joints), may be what the larger causes leave by a percent of misfit.  And a course that no cause is,
     ``remaining``, can be told in part by many: a hum looks a little like a late effort, a load that swings like a
-    spring; and what only spells out one of ``curves`` tells of nothing else.  The other half of a cause that is told
+    spring; and what only spells out one of ``curves`` tells of nothing else.  A link is none where all links a few
+    percent off, in all of their ten parameters, do as well.  The other half of a cause that is told
     was asked for by name, and is told too.
     """
     model, strengths = settled.model, settled.model.strengths
@@ -57,6 +59,9 @@ def find_untold(
             before = without_cause(model, choice).heldout_residual()
             if not shows(gap, before, heldout, cause_block(gap, choice)[0], left):
                 small.add(choice.key)
+    of_links = [choice for choice in model.chosen if isinstance(choice.cause, LinkScale | LinkCentre)]
+    if any(choice.key not in common | small for choice in of_links) and not links_far_off(model):
+        common |= {choice.key for choice in of_links}
     told = [choice for choice in model.chosen if choice.key not in common | small]
     asked = {choice.key for choice in model.chosen if partners(choice, told)}
     spelling = frozenset(key for curve in curves for key in curve.keys)

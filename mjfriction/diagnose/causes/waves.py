@@ -20,7 +20,7 @@ WAVENUMBER = Parameter("wavenumber", "rad/{length}", "phase per position; 2π ov
 COSINE = Parameter("cosine", "{force}", "amplitude of the cosine of wavenumber times position")
 SINE = Parameter("sine", "{force}", "amplitude of the sine of wavenumber times position")
 
-FEWEST_WAVES = 1.5  # over the stroke; longer waves are springs or gravity
+FEWEST_WAVES = 1.2  # over the stroke; longer waves are springs or gravity
 STEPS_PER_LOBE = 3.0  # of the grid of wavenumbers; two waves over one stroke differ when they drift apart by one period
 MOST_WAVENUMBERS = 400
 IN_BAND = 0.8  # of the band that the waves may reach at the joint's median speed
@@ -44,7 +44,7 @@ class _Waves(JointCause):
         return out
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
-        """From a wave and a half over the stroke to what the band lets through at the joint's usual speed."""
+        """From little more than a wave over the stroke to what the band lets through at the joint's usual speed."""
         stroke = float(np.ptp(gap.motion.position[:, site.joint]))
         speed = np.abs(gap.motion.velocity[:, site.joint])
         usual = float(np.median(speed[speed > gap.doubt_speed[site.joint]]))

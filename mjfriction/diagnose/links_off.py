@@ -1,0 +1,43 @@
+"""Whether links are farther off than stated inertias usually are, when all ten parameters of each may be."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mjfriction.body.inertia import PER_LINK, symmetric
+from mjfriction.diagnose.causes.links import LEAST_MOVED, LEAST_NOTED, LinkCentre, LinkScale
+from mjfriction.diagnose.model import Model, cause_block
+from mjfriction.diagnose.stated import stated_exactly
+from mjfriction.identify.link_inertias import link_inertias
+from mjfriction.identify.regression import Columns, System
+from mjfriction.record.log import Floats
+
+USUALLY, EXACTLY = 0.03, 0.01  # by which a link is off in each of its ten numbers, where the rest is or is not too
+FAR = 4.0  # times that, over all of a link's ten numbers, from which on it is off by more: three are what is usual
+
+
+def links_far_off(model: Model) -> bool:
+    """Return whether any link has to be off by more than usual, its mass or its centre by as much as is ever a finding
+    unless all else is stated exactly.
+
+    Mass, centre and moments of every link are let go at once, held near what is stated, in the place of what the model
+    says of links: errors of a few percent everywhere add up to what a single link would have to be a quarter off for.
+    """
+    gap, rows = model.gap, model.system.rows
+    links = link_inertias(gap, EXACTLY if stated_exactly(model) else USUALLY)
+    if links is None:
+        return False
+    others = [choice for choice in model.chosen if not isinstance(choice.cause, LinkScale | LinkCentre)]
+    blocks: list[tuple[Columns, Floats]] = [(level.columns, level.precision) for level in model.nuisance.levels]
+    blocks += [cause_block(gap, choice) for choice in others]
+    columns, precisions = zip((links.columns, links.precision), *blocks, strict=True)
+    system = System(rows, list(columns), list(precisions))
+    strengths = system.normal.strengths(np.ones(gap.blocks.count, dtype=bool))[: links.precision.size]
+    changes = np.array([symmetric(own) for own in strengths.reshape(-1, PER_LINK)])
+    turned = np.swapaxes(links.factor, 1, 2)
+    stated, fitted = (links.factor @ own @ turned for own in (links.stated, links.stated + changes))
+    mass, first = fitted[:, 3, 3], fitted[:, :3, 3]
+    heavier = np.abs(mass / stated[:, 3, 3] - 1.0) > LEAST_NOTED
+    moved = np.linalg.norm(first / mass[:, None] - stated[:, :3, 3] / stated[:, 3, 3, None], axis=1) > LEAST_MOVED
+    far = np.linalg.norm(changes, axis=(1, 2)) > FAR * links.spread
+    return bool(np.any(far & (heavier | moved | (links.spread == EXACTLY))))
