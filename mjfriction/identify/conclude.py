@@ -14,14 +14,13 @@ from mjfriction.identify.choose import Choice
 from mjfriction.identify.colour import COLOURED, NOTHING, coloured_share
 from mjfriction.identify.fit import LawFit
 from mjfriction.identify.fitted import Fitted
-from mjfriction.identify.friction_map import FrictionMap
 from mjfriction.identify.gap import Gap, gap_of
 from mjfriction.identify.joint_error import JointError, joint_error
 from mjfriction.identify.map_fit import MapFit
 from mjfriction.identify.outcome import Candidate, Identification, JointLaw
 from mjfriction.identify.refine import Refined
 from mjfriction.identify.regression import Columns, Rows, System
-from mjfriction.identify.statics import statics_by_slope, statics_from_passes, why_not_from_passes
+from mjfriction.identify.statics import Passes
 from mjfriction.identify.structure import Structure, find_structure
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
@@ -40,14 +39,14 @@ def conclude(
     fits: Sequence[LawFit],
     tried: Sequence[Sequence[Choice]],
     background: Sequence[Background],
-    maps: dict[int, FrictionMap],
+    passes: Mapping[int, Passes],
     refined: Refined | None,
     bandwidths: Mapping[str, float],
 ) -> Identification:
     """Return the outcome of an identification.
 
     It is that of the laws ``fits`` at ``joints``, among those ``tried`` there, built into ``robot`` with the refitted
-    ``background``, against the ``stated`` robot's gap; ``maps`` are the joints' passes, ``bandwidths`` (Hz) those of
+    ``background``, against the ``stated`` robot's gap; ``passes`` are the joints', ``bandwidths`` (Hz) those of
     drives that were found to low-pass.
     """
     gap = gap_of(robot, stated)
@@ -59,7 +58,7 @@ def conclude(
     for fold in gap.blocks.folds:
         rows = fold[gap.blocks.row]
         heldout[rows] = system.residual(system.normal.strengths(~fold))[rows]
-    passed = _passed(joints, fits, maps)
+    passed = _passed(joints, fits, passes)
     for joint in joints:
         if refined is not None or joint in passed:
             # Values that do not come from these rows are held against them as they stand.
@@ -75,14 +74,14 @@ def conclude(
         law = JointLaw(
             joint=gap.robot.joints[joint],
             fit=fit,
-            how=_how(fit, maps.get(joint), taken=joint in passed, refined=refined is not None),
+            how=_how(fit, passes[joint], taken=joint in passed, refined=refined is not None),
             parameters=tuple(_parameters(fit, half, notes(fit, half, spread), bool(gap.body.sliding[joint]))),
             candidates=tuple(_candidate(gap, joint, other) for other in others),
             structure=worst.share,
             follows=worst.covariate,
             trusted=not _counts(gap, joint, worst),
-            passes=maps.get(joint),
-            by_slope=statics_by_slope(fit, maps.get(joint)),
+            passes=passes[joint].points,
+            by_slope=passes[joint].by_slope(fit),
         )
         laws.append(law)
         errors.append(joint_error(stated, joint, gap.residual, heldout))
@@ -106,10 +105,10 @@ def conclude(
     )
 
 
-def _how(fit: LawFit, points: FrictionMap | None, *, taken: bool, refined: bool) -> str:
+def _how(fit: LawFit, passes: Passes, *, taken: bool, refined: bool) -> str:
     if refined:
         return SIMULATED
-    return PASSES if taken else FREE + why_not_from_passes(fit, points)
+    return PASSES if taken else FREE + passes.why_none(fit)
 
 
 def _taken_together(
@@ -141,9 +140,9 @@ def _covariance(system: System, step: Floats, gap: Gap) -> Floats:
     return np.asarray(clustered + np.diag(np.maximum(0.0, np.diag(white) - np.diag(clustered))))
 
 
-def _passed(joints: Sequence[int], fits: Sequence[LawFit], maps: dict[int, FrictionMap]) -> dict[int, MapFit]:
+def _passed(joints: Sequence[int], fits: Sequence[LawFit], passes: Mapping[int, Passes]) -> dict[int, MapFit]:
     pairs = zip(joints, fits, strict=True)
-    found = {joint: statics_from_passes(fit, maps[joint]) for joint, fit in pairs if joint in maps}
+    found = {joint: passes[joint].statics(fit) for joint, fit in pairs}
     return {joint: statics for joint, statics in found.items() if statics is not None}
 
 

@@ -25,16 +25,16 @@ BANDS_PER_OCTAVE = 3
 PASSES = 0.8  # of the frequency at which the power is gone: there it is still whole
 
 
-def effort_band(motion: Motion, effort: Effort, measured: Floats) -> float:
-    """Return the frequency (Hz) up to which every joint's effort is whole, infinite where no filter shows.
-
-    ``measured`` (n, joints) is the effort that the drives reported, NaN where a joint has none.
-    """
-    return PASSES * float(np.min(filtered_from(motion, effort, measured)))
+def whole_below(filtered: Floats) -> float:
+    """Return the frequency (Hz) up to which every joint's effort is whole, for those from which on they are not."""
+    return PASSES * float(np.min(filtered))
 
 
 def filtered_from(motion: Motion, effort: Effort, measured: Floats) -> Floats:
-    """Return the frequencies (Hz) from which on efforts have lost their steps, (joints,), infinite where none shows."""
+    """Return the frequencies (Hz) from which on efforts have lost their steps, (joints,), infinite where none shows.
+
+    ``measured`` (n, joints) is the effort that the drives reported, NaN where a joint has none.
+    """
     out = np.full(measured.shape[1], np.inf)
     for i in range(measured.shape[1]):
         if np.isfinite(measured[0, i]) and motion.moving[i]:

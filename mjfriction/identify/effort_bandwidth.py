@@ -7,7 +7,6 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from mjfriction.identify.effort_band import filtered_from
 from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats
 from mjfriction.robot.effort import predict_effort
@@ -21,12 +20,12 @@ def find_bandwidths(gap: Gap, robot: Robot) -> dict[str, float]:
 
     ``robot`` is the one as it is known at last: the sharper its prediction, the better the low-pass is known.
     """
-    reported = gap.motion.torque * gap.per_reported
-    found = filtered_from(gap.motion, gap.effort, reported)
+    found = gap.filtered
     sensors = [joint.effort_sensor for joint in robot.table.joint]
     unstated = [j for j in gap.examined if np.isfinite(found[j]) and sensors[j].bandwidth is None]
     if not unstated:
         return {}
+    reported = gap.motion.torque * gap.per_reported
     predicted = predict_effort(robot, robot.body(), gap.motion).reported
     return {robot.joints[j]: _nearest(gap, reported[:, j], predicted[:, j], float(found[j])) for j in unstated}
 

@@ -100,6 +100,14 @@ def fit_anew(problem: Problem, fit: LawFit) -> LawFit:
     return _best(problem, fit.law, fit.coordinates.names, [fit.values])
 
 
+def begun(problem: Problem, law: Law) -> LawFit:
+    """Return a law at a joint where its fit would begin, with no slopes yet."""
+    start = starts(law, problem.usual())[0]
+    free = tuple(name for name in start if name not in LEFT_AS_DECLARED)
+    coordinates = Coordinates(law, free, {name: start[name] for name in start if name not in free})
+    return LawFit(problem, coordinates, coordinates.vector(start), np.empty((problem.target.size, 0)))
+
+
 def fit_law(problem: Problem, law: Law) -> LawFit:
     """Fit a law to a joint by weighted nonlinear least squares from several starts.
 

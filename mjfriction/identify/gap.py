@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,7 @@ from mjfriction.body.model import Body
 from mjfriction.body.regressor import link_and_moment_torques
 from mjfriction.identify.blocks import Blocks, cut_blocks
 from mjfriction.identify.blows import blows
-from mjfriction.identify.effort_band import effort_band
+from mjfriction.identify.effort_band import filtered_from, whole_below
 from mjfriction.identify.rows import Chain, make_chain
 from mjfriction.record.log import Floats, Log, check_joints
 from mjfriction.record.motion import Motion, estimate_motion, raw_noise
@@ -33,6 +34,7 @@ DOUBT_SPEED = 0.02  # of a joint's RMS speed: below it no law can be told from i
 CLEAR = 0.1  # of a row's window that may be in doubt for the row to count as clear
 FEWEST_CLEAR, ENOUGH_CLEAR = 0.2, 200  # of a joint's rows, and rows: with fewer than both it is judged on all of them
 HOPELESS = 1e6  # times the effort, that a row may be off by which says nothing
+FILTER_PERIODS = 8.0  # of a low-pass's band, after which it has forgotten
 DOUBT_PERIODS = 0.6  # of the position filter's cutoff: how far a sign change is blurred
 
 
@@ -45,7 +47,8 @@ class Gap:
     (joints,) is the effort sensor's own noise in the rows' band.  ``doubt`` (rows, joints): what the unknown direction
     of friction near reversals and at rest may add to a row, same unit.  ``doubt_speed`` (joints,): the speed
     under which that is so.  ``blocks``: the stretches of motion the rows fall into.  ``per_reported``
-    (joints,): effort per unit of what the drive reports, 1 or N·m/A.
+    (joints,): effort per unit of what the drive reports, 1 or N·m/A.  ``filtered`` (joints,): the frequency (Hz) from
+    which on a drive has taken the rest of its effort, infinite where none did.
     """
 
     robot: Robot
@@ -62,6 +65,7 @@ class Gap:
     clear: NDArray[np.bool_]
     blocks: Blocks
     per_reported: Floats
+    filtered: Floats
 
     @property
     def examined(self) -> tuple[int, ...]:
@@ -88,10 +92,34 @@ class Gap:
 
     def reported(self, joint: int, torque: Floats) -> Floats:
         """Return what a joint's sensor would report of torques there, (n, ...), at the rows: (rows, ...)."""
-        moved = self.motion.position[:, joint] - self.robot.table.joint[joint].position_sensor.offset
-        seen = as_reported(self.robot.table.joint[joint], torque, self.motion, moved)
-        rows = self.chain.rows(seen.reshape(seen.shape[0], -1))
+        return self._reported(joint, torque, self.motion, self.chain)
+
+    def _reported(self, joint: int, torque: Floats, motion: Motion, chain: Chain) -> Floats:
+        table = self.robot.table.joint[joint]
+        seen = as_reported(table, torque, motion, motion.position[:, joint] - table.position_sensor.offset)
+        rows = chain.rows(seen.reshape(seen.shape[0], -1))
         return np.asarray(rows.reshape(-1, *torque.shape[1:]))
+
+    def rows_of(self, torques: Callable[[slice], Floats]) -> dict[int, Floats]:
+        """Return what each examined joint reports of torques, at the rows: (rows, ...) by joint.
+
+        ``torques`` gives those of a stretch of samples, (m, joints, ...): so many regressors are never all there at
+        once.
+        """
+        found: dict[int, list[Floats]] = {joint: [] for joint in self.examined}
+        for samples, chain in self.chain.parts(self.motion, self._reach):
+            motion, values = self.motion.part(samples), torques(samples)
+            for joint, rows in found.items():
+                rows.append(self._reported(joint, values[:, joint], motion, chain))
+        return {joint: np.concatenate(rows) for joint, rows in found.items()}
+
+    @property
+    def _reach(self) -> int:
+        # Samples from which on another one does not touch what a sensor says of this one.
+        sensors = [joint.effort_sensor for joint in self.robot.table.joint]
+        late = max(abs(sensor.delay) for sensor in sensors)
+        slow = max((FILTER_PERIODS / sensor.bandwidth for sensor in sensors if sensor.bandwidth), default=0.0)
+        return int(np.ceil((late + slow) * self.motion.rate)) + 1
 
     def rms(self, values: Floats, joint: int) -> float:
         """Return the RMS of a joint's rows (rows,) over those that are clear."""
@@ -110,9 +138,10 @@ class Gap:
         """What each examined joint reports for every link, (rows, links, 4): its share of the inverse dynamics, and per
         metre that its centre of mass is moved along x, y and z.
         """
-        course = (self.linked.position, self.linked.velocity, self.linked.acceleration)
-        torques = link_and_moment_torques(self.body, *course)
-        return {joint: self.reported(joint, torques[:, joint]) for joint in self.examined}
+        at = self.linked
+        return self.rows_of(
+            lambda own: link_and_moment_torques(self.body, at.position[own], at.velocity[own], at.acceleration[own])
+        )
 
     @functools.cached_property
     def linked(self) -> Motion:
@@ -138,15 +167,18 @@ def measure_gap(log: Log, robot: Robot) -> Gap:
     motion = estimate_motion(log, robot.joints, choose_cutoff(log, robot, body))
     effort = predict_effort(robot, body, motion)
     torque = motion.torque * _per_reported(robot, motion)
-    chain = make_chain(motion, log.source, effort_band(motion, effort, torque))
-    return _held_against(log, robot, body, motion, effort, chain)
+    filtered = filtered_from(motion, effort, torque)
+    chain = make_chain(motion, log.source, whole_below(filtered))
+    return _held_against(log, robot, body, motion, effort, chain, filtered)
 
 
 def gap_of(robot: Robot, along: Gap) -> Gap:
     """Return the gap of another robot with the same joints along the same motion, row by row."""
     body = robot.body()
     robot = robot.with_stated_friction(body)
-    return _held_against(along.log, robot, body, along.motion, predict_effort(robot, body, along.motion), along.chain)
+    return _held_against(
+        along.log, robot, body, along.motion, predict_effort(robot, body, along.motion), along.chain, along.filtered
+    )
 
 
 def _per_reported(robot: Robot, motion: Motion) -> Floats:
@@ -154,7 +186,9 @@ def _per_reported(robot: Robot, motion: Motion) -> Floats:
     return np.array([effort_per_reported(joint, quantity, robot.name) for joint, quantity in pairs])
 
 
-def _held_against(log: Log, robot: Robot, body: Body, motion: Motion, effort: Effort, chain: Chain) -> Gap:
+def _held_against(
+    log: Log, robot: Robot, body: Body, motion: Motion, effort: Effort, chain: Chain, filtered: Floats
+) -> Gap:
     per_reported = _per_reported(robot, motion)
     # A drive that reports one value throughout has measured nothing; what one reports that holds its joint still may be
     # anything within the joint's friction.
@@ -193,6 +227,7 @@ def _held_against(log: Log, robot: Robot, body: Body, motion: Motion, effort: Ef
         doubt_speed=doubt_speed,
         blocks=cut_blocks(chain, chain.rows(motion.position), log.source),
         per_reported=per_reported,
+        filtered=filtered,
     )
 
 

@@ -13,15 +13,15 @@ from mjfriction.identify.balance import SPREADS, Balance, as_far_off, balance, f
 from mjfriction.identify.choose import CANDIDATES, Choice, choose_law
 from mjfriction.identify.conclude import conclude
 from mjfriction.identify.effort_bandwidth import find_bandwidths, with_bandwidths
-from mjfriction.identify.fit import LawFit, fit_anew, slopes
-from mjfriction.identify.friction_map import FrictionMap, friction_maps
+from mjfriction.identify.fit import LawFit, begun, fit_anew, slopes
+from mjfriction.identify.friction_map import friction_maps
 from mjfriction.identify.gap import Gap, gap_of, measure_gap
 from mjfriction.identify.link_inertias import link_inertias
 from mjfriction.identify.outcome import Identification
 from mjfriction.identify.phases import constant_speed_phases
 from mjfriction.identify.problem import Problem, Side
 from mjfriction.identify.refine import refine
-from mjfriction.identify.statics import statics_from_passes
+from mjfriction.identify.statics import Passes
 from mjfriction.laws.catalog import find_law
 from mjfriction.progress import Tell, silently
 from mjfriction.record.log import Floats, Log
@@ -69,7 +69,7 @@ def identify_log(
         tell("refining on simulated motion")
         refined = refine(stated, final, fits, found.parts, simulated)
         final, fits = refined.robot, list(refined.fits)
-    return conclude(stated, final, found.joints, fits, found.tried, found.parts, found.maps, refined, bandwidths)
+    return conclude(stated, final, found.joints, fits, found.tried, found.parts, found.passes, refined, bandwidths)
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class _Fit:
     fits: list[LawFit]
     tried: list[list[Choice]]
     parts: list[Background]
-    maps: dict[int, FrictionMap]
+    passes: dict[int, Passes]
 
 
 def _fit(stated: Gap, wanted: Sequence[Sequence[str]], side: Side, *, links: bool, tell: Tell) -> _Fit:
@@ -93,9 +93,9 @@ def _fit(stated: Gap, wanted: Sequence[Sequence[str]], side: Side, *, links: boo
     for joint in joints:
         without = _with_friction(without, joint, ())
     bare = gap_of(without, stated)
-    maps = {
-        found.joint: found for found in friction_maps(bare.motion, _efforts(bare), constant_speed_phases(bare.motion))
-    }
+    maps = friction_maps(bare.motion, _efforts(bare), constant_speed_phases(bare.motion))
+    points = {found.joint: found for found in maps}
+    passes = {joint: Passes(points.get(joint)) for joint in joints}
     parts = offset_changes(bare, joints)
     friction = {joint: first_friction(bare, joint) for joint in joints}
     deviation = {joint: _doubted(bare, joint) for joint in joints}
@@ -114,15 +114,20 @@ def _fit(stated: Gap, wanted: Sequence[Sequence[str]], side: Side, *, links: boo
                     f"fitting laws, joint {len(results) + 1} of {len(problems)}",
                     0.1 + 0.7 * len(results) / len(problems),
                 )
-                results.append(choose_law(problem, wanted[problem.joint]))
+                told = _told_by_passes(problem, wanted[problem.joint], passes[problem.joint])
+                results.append(told or choose_law(problem, wanted[problem.joint]))
             fits, tried = [best.fit for best, _ in results], [all_of for _, all_of in results]
         else:
-            fits = [fit_anew(problem, fit) for problem, fit in zip(problems, fits, strict=True)]
+            pairs = zip(problems, fits, strict=True)
+            fits = [_again(problem, fit, passes[problem.joint]) for problem, fit in pairs]
         deviation = {joint: problem.deviation for joint, problem in zip(joints, problems, strict=True)}
-        passed = [_from_passes(fit, maps.get(fit.problem.joint)) for fit in fits]
+        passed = [_from_passes(fit, passes[fit.problem.joint]) for fit in fits]
         fits = [own or fit for own, fit in zip(passed, fits, strict=True)]
-        pairs = zip(joints, fits, passed, strict=True)
-        friction = {joint: fitted_friction(fit, free=own is None) for joint, fit, own in pairs}
+        friction = {
+            joint: fitted_friction(fit, free=own is None) for joint, fit, own in zip(joints, fits, passed, strict=True)
+        }
+        if all(own is not None and not own.law.has_state for own in passed):
+            break  # what is all in the passes does not depend on what stands beside it
     parts = _unshared(parts, joints, fits)
     held = {joint: fitted_friction(fit, free=False) for joint, fit in zip(joints, fits, strict=True)}
     fitted = balance(bare, parts, held, deviation)
@@ -131,7 +136,7 @@ def _fit(stated: Gap, wanted: Sequence[Sequence[str]], side: Side, *, links: boo
         final = part.applied(final, change)
     for fit in fits:
         final = _with_friction(final, fit.problem.joint, (fit.term,))
-    return _Fit(final, joints, fits, tried, parts, maps)
+    return _Fit(final, joints, fits, tried, parts, passes)
 
 
 def _wanted(law: str | Mapping[str, str] | None, robot: Robot) -> list[Sequence[str]]:
@@ -169,8 +174,27 @@ def _unshared(background: Sequence[Background], joints: Sequence[int], fits: Seq
     return [part for part in background if not (isinstance(part, OffsetChange) and part.index in two_way)]
 
 
-def _from_passes(fit: LawFit, points: FrictionMap | None) -> LawFit | None:
-    statics = statics_from_passes(fit, points) if points is not None else None
+def _told_by_passes(problem: Problem, names: Sequence[str], passes: Passes) -> tuple[Choice, list[Choice]] | None:
+    # The one law that was asked for, where it is all in its joint's passes: the rows have nothing to add.
+    law = find_law(names[0])
+    if passes.points is None or len(names) > 1 or law.has_state:
+        return None
+    fit = _from_passes(begun(problem, law), passes)
+    if fit is None:
+        return None
+    choice = Choice(fit, fit.heldout())
+    return choice, [choice]
+
+
+def _again(problem: Problem, fit: LawFit, passes: Passes) -> LawFit:
+    moved = replace(fit, problem=problem)
+    if not fit.law.has_state and passes.statics(moved) is not None:
+        return moved  # all of it is in the passes
+    return fit_anew(problem, fit)
+
+
+def _from_passes(fit: LawFit, passes: Passes) -> LawFit | None:
+    statics = passes.statics(fit)
     if statics is None:
         return None
     values = {**fit.values, **{name: value for name, value in statics.values.items() if name in fit.values}}

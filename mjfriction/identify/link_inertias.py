@@ -101,8 +101,9 @@ def link_inertias(gap: Gap, spread: float) -> LinkInertias | None:
     pseudo = pseudo_inertias(body.model)
     factor = factors(pseudo)
     weight = parameters_per_number(factor)
-    torques = weighed_links(body, linked.position, linked.velocity, linked.acceleration, weight)
-    rows = {joint: gap.reported(joint, torques[:, joint]) for joint in gap.examined}
+    rows = gap.rows_of(
+        lambda own: weighed_links(body, linked.position[own], linked.velocity[own], linked.acceleration[own], weight)
+    )
     size = float(np.sqrt(np.mean(np.square(np.nan_to_num(gap.measured)))))
     felt = [k for k in range(len(body.links)) if any(np.max(np.abs(own[:, k])) > FELT * size for own in rows.values())]
     if not felt:

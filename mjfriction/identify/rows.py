@@ -8,7 +8,8 @@ are, so that a sign change blurs alike in data and model, and thinned white nois
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ from mjfriction.record.motion import Motion
 BAND_SHARE = 0.5  # of the position filter's cutoff: where its gain is 1 to four digits, so that it adds no bias
 ROWS_PER_BAND = 2.0  # rows per second over the band's edge in Hz: as many as are independent under white noise
 TAPS_PER_ROW = 8
+MOST_ROWS = 1024  # of a part of a log, that is worked on at a time
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,24 @@ class Chain:
     def rows(self, samples: Floats) -> Floats:
         """Return samples (n,) or (n, k) as rows (rows,) or (rows, k)."""
         return self._through(self.taps, samples)
+
+    def parts(self, motion: Motion, halo: int) -> Iterator[tuple[slice, Chain]]:
+        """Return stretches of a motion's samples and the chain that makes the rows of each: together, all in order.
+
+        Around what its rows are made of, a stretch has ``halo`` samples on either side, as far as its piece goes.
+        """
+        first, row = -(-(self.taps.size - 1) // self.thinning), 0
+        for start, past in self.spans:
+            inside = np.flatnonzero(motion.piece == motion.piece[start])
+            count = (past - start - 1) // self.thinning + 1
+            for low in range(first, count, MOST_ROWS):
+                high = min(low + MOST_ROWS, count)
+                own = (start + (low - first) * self.thinning, start + (high - 1) * self.thinning + 1)
+                begin, end = max(own[0] - halo, int(inside[0])), min(own[1] + halo, int(inside[-1]) + 1)
+                rows = slice(row, row + high - low)
+                span = (own[0] - begin, own[1] - begin)
+                yield slice(begin, end), replace(self, spans=(span,), time=self.time[rows], piece=self.piece[rows])
+                row += high - low
 
     def response(self, frequency: Floats) -> Floats:
         """Return how much of an oscillation of given frequency (Hz, any shape) passes."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
+
 from mjfriction.errors import LogError
 from mjfriction.identify.fit import STATIC_SIBLING, LawFit
 from mjfriction.identify.friction_map import FrictionMap
@@ -11,39 +13,46 @@ from mjfriction.laws.catalog import find_law
 from mjfriction.laws.law import Law
 
 
-def statics_from_passes(fit: LawFit, points: FrictionMap) -> MapFit | None:
-    """Return the statics of a fit's law by least squares on the passes, None where these cannot tell them.
+@dataclass(frozen=True)
+class Passes:
+    """A joint's passes, and what has been asked of them; ``points`` None where the log has none."""
 
-    What reads more than the speed, or differs between directions, does not show in the directions' difference.
-    """
-    law = _static(fit)
-    if law.reads or not law.odd:
-        return None
-    try:
-        return fit_map(points, law, fit.problem.side, _ratio(fit))
-    except LogError:
-        return None
+    points: FrictionMap | None
+    _found: dict[str, MapFit | None] = field(default_factory=dict)
 
+    def statics(self, fit: LawFit) -> MapFit | None:
+        """Return the statics of a fit's law by least squares on the passes, None where these cannot tell them.
 
-def why_not_from_passes(fit: LawFit, points: FrictionMap | None) -> str:
-    """Say why a fit's statics are not those of its joint's passes; nothing where it has none."""
-    if points is None:
-        return ""
-    law = _static(fit)
-    if law.reads or not law.odd:
-        return f"; the passes' differences do not tell {law.name}"
-    needed = len(static_names(law)) + 1
-    return f"; {points.speed.size} speeds were steady both ways, {law.name} needs {needed}"
+        What reads more than the speed, or differs between directions, does not show in the directions' difference.
+        """
+        law = _static(fit)
+        if self.points is None or law.reads or not law.odd:
+            return None
+        if law.name not in self._found:
+            try:
+                self._found[law.name] = fit_map(self.points, law, fit.problem.side, _ratio(fit))
+            except LogError:
+                self._found[law.name] = None
+        return self._found[law.name]
 
+    def why_none(self, fit: LawFit) -> str:
+        """Say why a fit's statics are not those of the passes; nothing where there are none."""
+        if self.points is None:
+            return ""
+        law = _static(fit)
+        if law.reads or not law.odd:
+            return f"; the passes' differences do not tell {law.name}"
+        needed = len(static_names(law)) + 1
+        return f"; {self.points.speed.size} speeds were steady both ways, {law.name} needs {needed}"
 
-def statics_by_slope(fit: LawFit, points: FrictionMap | None) -> MapFit | None:
-    """Return law (14) by the manipulator paper's own procedure, None where the fit's statics are another law's."""
-    if points is None or _static(fit) is not ARCTAN:
-        return None
-    try:
-        return arctan_procedure(points, fit.problem.side, _ratio(fit))
-    except LogError:
-        return None
+    def by_slope(self, fit: LawFit) -> MapFit | None:
+        """Return law (14) by the manipulator paper's own procedure, None where the fit's statics are another law's."""
+        if self.points is None or _static(fit) is not ARCTAN:
+            return None
+        try:
+            return arctan_procedure(self.points, fit.problem.side, _ratio(fit))
+        except LogError:
+            return None
 
 
 def _static(fit: LawFit) -> Law:

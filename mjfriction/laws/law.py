@@ -77,6 +77,11 @@ class Law:
     reads: tuple[int, ...] = ()
     rules: tuple[Rule, ...] = field(default=())
 
+    @property
+    def has_state(self) -> bool:
+        """Whether it remembers anything of the motion."""
+        return bool(self.states or self.states_per_element)
+
     def parameter(self, name: str) -> Parameter:
         """Return the declaration of a parameter; :class:`LawError` names the nearest one when there is none."""
         declared = {parameter.name: parameter for parameter in (*self.parameters, *self.elements)}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,6 +95,12 @@ class Motion:
         travel, speed = np.ptp(self.position, axis=0), np.quantile(np.abs(self.velocity), USUALLY, axis=0)
         held = (travel < HELD * np.max(travel)) & (speed < HELD * np.max(speed))
         return np.asarray((travel > least) & ~held)
+
+    def part(self, samples: slice) -> Motion:
+        """Return the motion of a stretch of samples; its clock and grids stay those of the whole."""
+        sampled = ("time", "piece", "position", "velocity", "acceleration", "torque", "settled")
+        columns = {name: values[samples] for name, values in self.columns.items()}
+        return replace(self, columns=columns, **{name: getattr(self, name)[samples] for name in sampled})
 
     def low_passed(self, values: Floats, band: float) -> Floats:
         """Return values (n, …) along the motion, each piece through a low-pass at ``band`` (Hz) that shifts nothing."""

@@ -52,7 +52,7 @@ def describe(law: Law, width: int = 80) -> str:
     drawn = portrait(law)
     inner = width - 12
     lines += ["", _text(drawn.steady[0], inner, "steady friction", "velocity, rad/s")]
-    if _has_states(law):
+    if law.has_state:
         lines += ["", _text(drawn.presliding[0], inner, "slow travel to and fro, with an inner loop", "travel, rad")]
     return "\n".join(lines)
 
@@ -63,7 +63,7 @@ def _text(curve: Curve, width: int, title: str, across: str) -> str:
 
 def law_figure(law: Law, drawn: Portrait) -> go.Figure:
     """Return the four panels of a law's portrait; of a law without states the first, for it has no more to show."""
-    if not _has_states(law):
+    if not law.has_state:
         figure = go.Figure()
         for curve, colour in zip(drawn.steady, COLOURS, strict=False):
             figure.add_scatter(x=curve.x, y=curve.torque, name=curve.name, line_color=colour)
@@ -86,10 +86,6 @@ def law_figure(law: Law, drawn: Portrait) -> go.Figure:
 
 def _title(law: Law) -> str:
     return f"{law.name}: {law.summary}"
-
-
-def _has_states(law: Law) -> bool:
-    return bool(law.states or law.states_per_element)
 
 
 def write_law_page(law: Law, path: Path) -> None:

@@ -50,7 +50,9 @@ def place(folder: Path, good: tuple[dict[str, np.ndarray], str], **changed: obje
 def test_ctrl_c_leaves_nothing_and_says_so(tmp_path: Path, good: tuple[dict[str, np.ndarray], str]) -> None:
     log, robot = place(tmp_path, good)
     words = ["diagnose", str(log), "--robot", str(robot), "--out", str(tmp_path / "out")]
-    command = [sys.executable, "-c", "from mjfriction.cli.main import run; run()", *words]
+    # Run in the background of a shell, the tests hand down that an interrupt is to be ignored.
+    heeded = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    command = [sys.executable, "-c", f"{heeded}; from mjfriction.cli.main import run; run()", *words]
     running = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
     until = time.monotonic() + 60.0
     while len(list(tmp_path.iterdir())) < 3 and time.monotonic() < until:  # the folder being made, beside the two

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import numpy as np
+import pyarrow as pa
 import pytest
 
 from mjfriction.errors import LogError
+from mjfriction.identify import rows
 from mjfriction.identify.blocks import cut_blocks
+from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.rows import make_chain
 from mjfriction.record.log import Log
 from mjfriction.record.motion import Motion, estimate_motion
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.files import read_robot
+from mjfriction.robot.schema import EffortSensor
+from tests.hidden.machine import Machine, record
 
 
 def motion_of(time: np.ndarray, position: np.ndarray, segment: np.ndarray | None = None) -> Motion:
@@ -82,3 +89,21 @@ def test_too_short_a_motion_is_refused() -> None:
     chain = make_chain(motion, "run.csv")
     with pytest.raises(LogError, match=r"run.csv: 3\.\d s of usable motion are too short; at least 4 s"):
         cut_blocks(chain, chain.rows(motion.position), "run.csv")
+
+
+@pytest.mark.parametrize("sensor", [EffortSensor(), EffortSensor(delay=0.013), EffortSensor(bandwidth=4.0)])
+def test_rows_made_part_by_part_are_the_rows(sensor: EffortSensor, monkeypatch: pytest.MonkeyPatch) -> None:
+    columns = record(Machine(), 3, 30.0)
+    columns["segment"] = (columns["time"] > 11.0).astype(np.int64)
+    log = log_from_table(pa.table(columns), "log")
+    robot = read_robot("ur5")
+    for joint in robot.table.joint:
+        robot = robot.with_joint(joint.model_copy(update={"effort_sensor": sensor}))
+    gap = measure_gap(log, robot)
+    torques = np.random.default_rng(0).normal(size=(gap.motion.time.size, 6, 2))
+    whole = {joint: gap.reported(joint, torques[:, joint]) for joint in gap.examined}
+    monkeypatch.setattr(rows, "MOST_ROWS", 100)
+    parts = gap.rows_of(lambda own: torques[own])
+    assert sum(1 for _ in gap.chain.parts(gap.motion, 10)) > 4
+    for joint, values in parts.items():
+        np.testing.assert_allclose(values, whole[joint], atol=1e-6 * np.max(np.abs(whole[joint])))
