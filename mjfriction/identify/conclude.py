@@ -82,6 +82,7 @@ def conclude(
             trusted=not _counts(gap, joint, worst),
             passes=passes[joint].points,
             by_slope=passes[joint].by_slope(fit),
+            pendulum=passes[joint].pendulum,
         )
         laws.append(law)
         errors.append(joint_error(stated, joint, gap.residual, heldout))

@@ -12,6 +12,7 @@ from mjfriction.record.log import Floats
 from mjfriction.robot.effort import predict_effort
 from mjfriction.robot.robot import Robot
 
+WORTH = 0.95  # of the squared error, that must be left at most with a low-pass for it to be stated
 WIDEST = 4.0  # times the frequency from which on an effort's steps are gone, up or down, that is searched
 
 
@@ -27,7 +28,8 @@ def find_bandwidths(gap: Gap, robot: Robot) -> dict[str, float]:
         return {}
     reported = gap.motion.torque * gap.per_reported
     predicted = predict_effort(robot, robot.body(), gap.motion).reported
-    return {robot.joints[j]: _nearest(gap, reported[:, j], predicted[:, j], float(found[j])) for j in unstated}
+    nearest = {j: _nearest(gap, reported[:, j], predicted[:, j], float(found[j])) for j in unstated}
+    return {robot.joints[j]: bandwidth for j, bandwidth in nearest.items() if bandwidth is not None}
 
 
 def with_bandwidths(robot: Robot, bandwidths: Mapping[str, float]) -> Robot:
@@ -39,7 +41,7 @@ def with_bandwidths(robot: Robot, bandwidths: Mapping[str, float]) -> Robot:
     return robot
 
 
-def _nearest(gap: Gap, reported: Floats, predicted: Floats, first: float) -> float:
+def _nearest(gap: Gap, reported: Floats, predicted: Floats, first: float) -> float | None:
     motion = gap.motion
 
     def missed(logarithm: float) -> float:
@@ -49,4 +51,5 @@ def _nearest(gap: Gap, reported: Floats, predicted: Floats, first: float) -> flo
     reach = float(np.log(WIDEST))
     bounds = (np.log(first) - reach, np.log(first) + reach)
     found = minimize_scalar(missed, bounds=bounds, method="bounded", options={"xatol": 0.01})
-    return float(np.exp(found.x))
+    sharp = float(np.mean(np.square((reported - predicted)[motion.settled])))
+    return float(np.exp(found.x)) if found.fun < WORTH * sharp else None

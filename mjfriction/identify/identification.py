@@ -18,6 +18,7 @@ from mjfriction.identify.friction_map import friction_maps
 from mjfriction.identify.gap import Gap, gap_of, measure_gap
 from mjfriction.identify.link_inertias import link_inertias
 from mjfriction.identify.outcome import Identification
+from mjfriction.identify.pendulum import by_pendulum
 from mjfriction.identify.phases import constant_speed_phases
 from mjfriction.identify.problem import Problem, Side
 from mjfriction.identify.refine import refine
@@ -93,9 +94,7 @@ def _fit(stated: Gap, wanted: Sequence[Sequence[str]], side: Side, *, links: boo
     for joint in joints:
         without = _with_friction(without, joint, ())
     bare = gap_of(without, stated)
-    maps = friction_maps(bare.motion, _efforts(bare), constant_speed_phases(bare.motion))
-    points = {found.joint: found for found in maps}
-    passes = {joint: Passes(points.get(joint)) for joint in joints}
+    passes = _passes(bare, joints)
     parts = offset_changes(bare, joints)
     friction = {joint: first_friction(bare, joint) for joint in joints}
     deviation = {joint: _doubted(bare, joint) for joint in joints}
@@ -172,6 +171,17 @@ def _unshared(background: Sequence[Background], joints: Sequence[int], fits: Seq
     # A law with a level for each direction holds the zero of the effort already.
     two_way = {joint for joint, fit in zip(joints, fits, strict=False) if not fit.law.odd}
     return [part for part in background if not (isinstance(part, OffsetChange) and part.index in two_way)]
+
+
+def _passes(gap: Gap, joints: Sequence[int]) -> dict[int, Passes]:
+    phases, efforts = constant_speed_phases(gap.motion), _efforts(gap)
+    points = {found.joint: found for found in friction_maps(gap.motion, efforts, phases)}
+    return {
+        joint: Passes(points[joint], by_pendulum(gap.motion, efforts[:, joint], gap.body, phases, joint))
+        if joint in points
+        else Passes(None)
+        for joint in joints
+    }
 
 
 def _told_by_passes(problem: Problem, names: Sequence[str], passes: Passes) -> tuple[Choice, list[Choice]] | None:

@@ -11,6 +11,7 @@ from mjfriction.identify.friction_map import FrictionMap
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.joint_error import JointError
 from mjfriction.identify.map_fit import MapFit
+from mjfriction.identify.pendulum import ByPendulum
 from mjfriction.identify.refine import Refined
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
@@ -32,7 +33,8 @@ class JointLaw:
     ``how`` says from what ("free motion" or "forward and backward passes"); ``structure`` is the largest share of the
     error that still follows a covariate, and ``follows`` names it; ``trusted`` says whether the intervals may be
     believed, which they may not where structure is left.  ``passes`` are the joint's passes forward and backward, where
-    the log has them, and ``by_slope`` law (14) fitted to them by the manipulator paper's own procedure.
+    the log has them, and ``by_slope`` law (14) fitted to them by the manipulator paper's own procedure; ``pendulum`` is
+    friction by one direction each, which that paper sets beside them.
     """
 
     joint: str
@@ -45,6 +47,7 @@ class JointLaw:
     trusted: bool
     passes: FrictionMap | None = None
     by_slope: MapFit | None = None
+    pendulum: ByPendulum | None = None
 
 
 @dataclass(frozen=True, repr=False)

@@ -8,6 +8,7 @@ from mjfriction.errors import LogError
 from mjfriction.identify.fit import STATIC_SIBLING, LawFit
 from mjfriction.identify.friction_map import FrictionMap
 from mjfriction.identify.map_fit import MapFit, arctan_procedure, fit_map, static_names
+from mjfriction.identify.pendulum import ByPendulum
 from mjfriction.laws.arctan import ARCTAN
 from mjfriction.laws.catalog import find_law
 from mjfriction.laws.law import Law
@@ -15,9 +16,10 @@ from mjfriction.laws.law import Law
 
 @dataclass(frozen=True)
 class Passes:
-    """A joint's passes, and what has been asked of them; ``points`` None where the log has none."""
+    """A joint's passes, and what has been asked of them; ``points`` and ``pendulum`` None where the log has none."""
 
     points: FrictionMap | None
+    pendulum: ByPendulum | None = None
     _found: dict[str, MapFit | None] = field(default_factory=dict)
 
     def statics(self, fit: LawFit) -> MapFit | None:

@@ -35,6 +35,10 @@ def make_identified_report(identification: Identification) -> Report:
 
 
 def _law(law: JointLaw) -> LawEntry:
+    apart = None
+    if law.pendulum is not None:
+        stated, fitted = law.pendulum.apart.tolist()
+        apart = (stated, fitted)
     passes = []
     if law.passes is not None:
         points = zip(law.passes.speed, law.passes.friction, law.passes.spread, strict=True)
@@ -50,5 +54,6 @@ def _law(law: JointLaw) -> LawEntry:
         parameters=[parameter_entry(fitted) for fitted in law.parameters],
         candidates=[CandidateEntry(**vars(candidate)) for candidate in law.candidates],
         passes=passes,
+        apart_by_pendulum=apart,
         by_slope=law.by_slope.values if law.by_slope is not None else {},
     )

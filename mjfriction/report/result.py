@@ -118,7 +118,11 @@ class PassEntry(Entry):
 
 
 class LawEntry(Entry):
-    """A friction law identified at a joint; ``by_slope`` are law (14)'s values by the slope near zero, where asked."""
+    """A friction law identified at a joint; ``by_slope`` are law (14)'s values by the slope near zero, where asked.
+
+    ``apart_by_pendulum`` (N·m): half of what friction forward and friction backward differ by when gravity is taken
+    away as a pendulum's, the stated model's and a fitted one, where there are passes.
+    """
 
     joint: str
     law: str
@@ -131,6 +135,7 @@ class LawEntry(Entry):
     candidates: list[CandidateEntry]
     passes: list[PassEntry] = []
     by_slope: dict[str, Number] = {}
+    apart_by_pendulum: tuple[Number, Number] | None = None
 
     @property
     def doubt(self) -> str:

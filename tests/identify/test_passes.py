@@ -276,3 +276,24 @@ def test_passes_that_cannot_tell_a_law_say_why() -> None:
     assert law.how == "free motion; 5 speeds were steady both ways, stribeck needs 6"
     (law,) = identify_log(log, robot, law="asymmetric").laws
     assert law.how == "free motion; the passes' differences do not tell asymmetric"
+
+
+def test_passes_both_ways_need_no_pendulum() -> None:
+    # Links are heavier than stated: with the stated model's gravity, friction forward is not friction backward.
+    stated = read_robot("ur5")
+    scales = {"elbow_joint": 1.05, "wrist_1_joint": 1.05}
+    heavier = Robot(stated.table.model_copy(update={"link_scale": scales}), stated.folder)
+    plan = plan_passes(stated, ["shoulder_lift_joint"], count=5)
+    columns = simulate(heavier, plan.trajectory, recorder=Recorder(250.0), controller_robot=stated, seed=1)
+    log = log_from_table(pa.table(columns), "passes")
+    found = identify_log(log, stated, law="coulomb_viscous")
+    (law,) = (law for law in found.laws if law.joint == "shoulder_lift_joint")
+    assert law.pendulum is not None
+    assert law.passes is not None
+    by_model, by_fit = law.pendulum.apart
+    (truth,) = stated.joint("shoulder_lift_joint").friction or ()
+    true_friction = truth.value("coulomb") + truth.value("viscous") * law.passes.speed
+    by_both = np.sqrt(np.mean(np.square(law.passes.friction - true_friction)))
+    assert by_model > 1.0
+    assert by_fit < 0.2 * by_model
+    assert by_both < 0.05 * by_model

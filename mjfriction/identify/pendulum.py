@@ -1,0 +1,77 @@
+"""Friction from passes in one direction, gravity taken away as a pendulum's: what passes both ways make needless.
+
+While all other joints stand, gravity acts on a turning joint as on a pendulum, a·sin q + b·cos q, whose two numbers are
+those of the stated model or come from least squares beside a level and a damping (Indri and others, section 3.2).  What
+is then left of passes forward and of passes backward would be one friction; how far the two are apart is what the
+pendulum gets wrong.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from mjfriction.body.inverse import inverse_dynamics
+from mjfriction.body.model import Body
+from mjfriction.identify.phases import Phase
+from mjfriction.record.log import Floats
+from mjfriction.record.motion import Motion
+
+CUTOFF = 10.0  # Hz, of the efforts of a pass
+FEWEST = 3  # phases each way
+
+
+@dataclass(frozen=True)
+class ByPendulum:
+    """A joint's friction (k, 2), N·m, at the speeds (k,), rad/s, of its phases ``forward`` and ``backward``: by the stated
+    model's pendulum and by the fitted one.
+    """
+
+    forward: Floats
+    forward_friction: Floats
+    backward: Floats
+    backward_friction: Floats
+
+    @property
+    def apart(self) -> Floats:
+        """By how much the two directions' frictions differ, half of it, RMS over the speeds that both have, (2,)."""
+        low = max(float(np.min(self.forward)), float(np.min(self.backward)))
+        high = min(float(np.max(self.forward)), float(np.max(self.backward)))
+        speed = self.forward[(self.forward >= low) & (self.forward <= high)]
+        there, back = (
+            np.column_stack([np.interp(speed, own, friction[:, k]) for k in range(2)])
+            for own, friction in ((self.forward, self.forward_friction), (self.backward, self.backward_friction))
+        )
+        return np.asarray(np.sqrt(np.mean(np.square(0.5 * (there - back)), axis=0)))
+
+
+def by_pendulum(motion: Motion, torque: Floats, body: Body, phases: Sequence[Phase], joint: int) -> ByPendulum | None:
+    """Return a joint's friction by pendulums, None for one that slides or has fewer than three phases each way.
+
+    ``torque`` (n,) is the joint's effort along the motion, N·m.
+    """
+    own = [phase for phase in phases if phase.joint == joint]
+    ways = [sum(phase.velocity > 0.0 for phase in own), sum(phase.velocity < 0.0 for phase in own)]
+    if body.sliding[joint] or min(ways) < FEWEST:
+        return None
+    smooth = motion.low_passed(torque, CUTOFF)
+    samples = np.concatenate([np.arange(phase.first, phase.past) for phase in own])
+    which = np.repeat(np.arange(len(own)), [phase.past - phase.first for phase in own])
+    position, still = motion.position[samples], np.zeros((samples.size, len(motion.joints)))
+    place = position[:, joint]
+    waves = np.column_stack([np.sin(place), np.cos(place)])
+    velocity = np.array([phase.velocity for phase in own])
+    friction = np.column_stack([np.sign(velocity), velocity])[which]
+    numbers = np.linalg.lstsq(np.hstack([waves, friction]), smooth[samples], rcond=None)[0]
+    gravity = np.column_stack([inverse_dynamics(body, position, still, still)[:, joint], waves @ numbers[:2]])
+    count = np.bincount(which)
+    left = np.column_stack([np.bincount(which, smooth[samples] - own_gravity) / count for own_gravity in gravity.T])
+    left *= np.sign(velocity)[:, None]
+    parts = []
+    for way in (1.0, -1.0):
+        order = np.flatnonzero(np.sign(velocity) == way)
+        order = order[np.argsort(np.abs(velocity[order]), kind="stable")]
+        parts += [np.abs(velocity[order]), left[order]]
+    return ByPendulum(*parts)
