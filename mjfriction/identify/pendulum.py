@@ -25,8 +25,8 @@ FEWEST = 3  # phases each way
 
 @dataclass(frozen=True)
 class ByPendulum:
-    """A joint's friction (k, 2), N·m, at the speeds (k,), rad/s, of its phases ``forward`` and ``backward``: by the stated
-    model's pendulum and by the fitted one.
+    """A joint's friction (k, 2), N·m, at the speeds (k,), rad/s, of its phases ``forward`` and ``backward``: by the
+    stated model's pendulum and by the fitted one.
     """
 
     forward: Floats

@@ -20,6 +20,7 @@ from mjfriction.robot.schema import FrictionTerm
 
 Side = Literal["joint", "motor"]
 NOISE_ROUNDS = 3
+OUTLYING = 3.0  # deviations, from which on what is left counts by its size
 
 
 @dataclass(frozen=True)
@@ -70,11 +71,17 @@ class Problem:
         return free_of(self.beside, self.deviation)
 
     def believed(self, residual: Floats) -> Problem:
-        """Return the problem with its rows believed by the noise of what a fit leaves of them, (rows,)."""
+        """Return the problem with its rows believed by the noise of what a fit leaves of them, (rows,).
+
+        What is left by more than three deviations counts by its size and not by its square (Huber, Annals of
+        Mathematical Statistics 35, 1964): a hand on the arm, or a collision, says nothing of friction.
+        """
         noise = float(np.sqrt(np.mean(np.square(residual))))
         for _ in range(NOISE_ROUNDS):
             noise = row_noise(self.gap, self.joint, residual, noise)
-        return replace(self, deviation=np.hypot(noise, self.gap.doubt[:, self.joint]))
+        deviation = np.hypot(noise, self.gap.doubt[:, self.joint])
+        far = np.maximum(1.0, np.abs(residual) / (OUTLYING * deviation))
+        return replace(self, deviation=deviation * np.sqrt(far))
 
     def usual(self) -> Usual:
         """Return the joint's level and damping by least squares, and its usual speed, stroke and load."""

@@ -10,7 +10,7 @@ import pyarrow as pa
 import pytest
 
 from mjfriction.errors import LawError, LogError
-from mjfriction.identify import conclude
+from mjfriction.identify import conclude, problem
 from mjfriction.identify.colour import NOTHING
 from mjfriction.identify.identification import identify_log
 from mjfriction.identify.outcome import Identification, JointLaw
@@ -100,6 +100,24 @@ def test_a_law_that_does_not_hold_is_said_not_to(kind: str, tmp_path: Path) -> N
     assert not at_elbow(found).trusted
     assert "elbow_joint" in found.summary
     assert all(law.trusted for law in found.laws if law.joint != "elbow_joint")
+
+
+def test_a_hand_on_the_arm_does_not_bend_its_friction(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    columns = record(machine("plain"), 11, 40.0)
+    for start in (4.0, 11.0, 17.5, 23.0, 30.0, 36.0):  # six pushes of 40 N·m, a twentieth of the log in all
+        swing = np.clip((columns["time"] - start) / 0.35, 0.0, 1.0)
+        columns["effort.elbow_joint"] = columns["effort.elbow_joint"] + 40.0 * np.sin(np.pi * swing) ** 2
+    log, robot = log_from_table(pa.table(columns), "pushed"), robot_of(machine("plain"), tmp_path)
+
+    def missed() -> float:
+        values = {p.name: p.value for p in at_elbow(identify_log(log, robot, law="coulomb_viscous")).parameters}
+        pairs = ((values["coulomb"], UR5_COULOMB[ELBOW]), (values["viscous"], UR5_VISCOUS[ELBOW]))
+        return max(abs(value / truth - 1.0) for value, truth in pairs)
+
+    bent = missed()
+    assert bent < 0.03
+    monkeypatch.setattr(problem, "OUTLYING", np.inf)
+    assert missed() > 4.0 * bent
 
 
 def test_what_is_no_noise_but_follows_nothing_is_said_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
