@@ -128,25 +128,26 @@ def refine(gap: Gap, robot: Robot, fits: Sequence[LawFit], background: Sequence[
     """Refit laws, links and zeros on simulated motion, from where they stand in ``robot``.
 
     The sum of squared position errors is lowered, every joint's in units of what it begins with; each parameter is held
-    near where it stands by what identification usually is off by.  Raises what :func:`cut_stretches` raises.
+    near where it stands by what identification usually is off by, and the background moves along what the efforts show
+    of it.  Raises what :func:`cut_stretches` raises.
     """
     fixed = cut_stretches(gap, robot, seconds)
-    places = [fit.x.size for fit in fits] + [part.precision.size for part in background]
-    ends = np.cumsum([0, *places])
-    begin = np.concatenate([*(fit.x for fit in fits), *(np.zeros(part.precision.size) for part in background)])
+    shown = [_shown(part, fits) for part in background]
+    ends = np.cumsum([0, *(fit.x.size for fit in fits), *(basis.shape[1] for basis in shown)])
+    begin = np.concatenate([*(fit.x for fit in fits), np.zeros(ends[-1] - ends[len(fits)])])
     size = np.concatenate(
         [
             *(FREEDOM * np.where(fit.coordinates.logarithmic, 1.0, np.maximum(np.abs(fit.x), 1e-3)) for fit in fits),
-            *(1.0 / np.sqrt(part.precision) for part in background),
+            np.ones(ends[-1] - ends[len(fits)]),
         ]
     )
 
     def made(x: Floats) -> Robot:
         own = np.split(x, ends[1:-1])
         changed = robot
-        for part, strengths in zip(background, own[len(fits) :], strict=True):
-            if np.any(strengths):
-                changed = part.applied(changed, strengths)
+        for part, basis, along in zip(background, shown, own[len(fits) :], strict=True):
+            if np.any(along):
+                changed = part.applied(changed, basis @ along)
         for fit, coordinates in zip(fits, own, strict=False):
             term = fit.problem.term(fit.law, fit.coordinates.values(coordinates))
             joint = changed.table.joint[fit.problem.joint]
@@ -181,6 +182,19 @@ def refine(gap: Gap, robot: Robot, fits: Sequence[LawFit], background: Sequence[
     before, after = (_rms(_missed(gap, [one], fixed)[0]) for one in (robot, better))
     length = fixed.reported.shape[1] * fixed.step
     return Refined(better, moved, tuple(fits), length, before, after)
+
+
+def _shown(part: Background, fits: Sequence[LawFit]) -> Floats:
+    # Along which combinations of a part's strengths, each as large as is usual, the efforts say more than is known
+    # beforehand, (strengths, combinations); the others cost a simulation each and move nothing.
+    usual = 1.0 / np.sqrt(part.precision)
+    gram = np.zeros((usual.size, usual.size))
+    for fit in fits:
+        if (columns := part.columns.get(fit.problem.joint)) is not None:
+            weighted = columns * usual / fit.problem.deviation[:, None]
+            gram += weighted.T @ weighted
+    power, turned = np.linalg.eigh(gram)
+    return np.asarray(usual[:, None] * turned[:, power > 1.0])
 
 
 def _stacked(missed: Floats, moved: Floats) -> Floats:
