@@ -21,23 +21,21 @@ def test_friction_grows_with_the_load(data: Path, tmp_path: Path) -> None:
     assert finding.gain.low > 0.3
 
 
+PUBLISHED = 0.048  # rad: the published model with friction of the load added; Coulomb-viscous alone is 0.086 off
+
+
 @pytest.mark.parametrize(
-    ("fitted", "simulated", "seconds", "published"),
-    [
-        # The published Coulomb-viscous model is 0.086 rad off over all runs, with friction of the load added 0.048.
-        ("400", "100", None, 0.048),
-        # The weak gain's runs are slow and lean on friction at rest, of which efforts say nothing: 0.048 is not met.
-        ("100", "400", 1.5, None),
-    ],
+    ("fitted", "simulated", "seconds"),
+    # The weak gain's runs are slow and lean on friction at rest, of which efforts say nothing, but motions do.
+    [("400", "100", None), ("100", "400", 1.5)],
 )
 def test_friction_fitted_at_one_gain_simulates_the_other(
-    fitted: str, simulated: str, seconds: float | None, published: float | None, data: Path, tmp_path: Path
+    fitted: str, simulated: str, seconds: float | None, data: Path, tmp_path: Path
 ) -> None:
     stated = xl330(tmp_path)
     logs = [xl330_log(path) for path in sorted((data / "xl330").glob(f"*kp{fitted}.json"))]
-    found = identify_log(merge_logs(logs), stated, law="load_dependent", simulated=seconds)
+    # The pendulum was weighed and measured by its authors: what is not known is its friction.
+    found = identify_log(merge_logs(logs), stated, law="load_dependent", links=False, simulated=seconds)
     runs = sorted((data / "xl330").glob(f"*kp{simulated}.json"))
     errors = [float(np.mean([xl330_error(robot, path) for path in runs])) for robot in (stated, found.robot)]
-    assert errors[1] < errors[0]
-    if published is not None:
-        assert errors[1] < published
+    assert errors[1] < PUBLISHED < errors[0]
