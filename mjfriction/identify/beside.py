@@ -74,7 +74,7 @@ def beside_of(system: System, joint: int, shared: int, strengths: Floats) -> Bes
     scale = 1.0 / np.sqrt(np.diag(known))
     power, turned = np.linalg.eigh(known * scale[:, None] * scale)
     turned = turned * scale[:, None]
-    covariance = (turned / np.maximum(power, LEAST * power[-1])) @ turned.T
+    covariance = (turned / np.maximum(power, LEAST * power.max(initial=0.0))) @ turned.T
     base, weight = system.base[joint][:, :shared], system.rows.weight[:, [joint]]
     columns = np.divide(base, weight, out=np.zeros_like(base), where=weight > 0.0)
     # What this joint does not feel is as the others say.

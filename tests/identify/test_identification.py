@@ -102,6 +102,16 @@ def test_a_law_that_does_not_hold_is_said_not_to(kind: str, tmp_path: Path) -> N
     assert all(law.trusted for law in found.laws if law.joint != "elbow_joint")
 
 
+def test_friction_alone_is_fitted_where_nothing_else_is_free(tmp_path: Path) -> None:
+    # Links as stated, and a law whose two levels hold the zero of the effort too: nothing stands beside it.
+    robot = robot_of(machine("plain"), tmp_path)
+    found = identify_log(log_of("plain"), robot, law="asymmetric", links=False, simulated=0.5)
+    assert found.background == ()
+    values = {fitted.name: fitted for fitted in at_elbow(found).parameters}
+    for name in ("coulomb_positive", "coulomb_negative"):
+        assert values[name].value == pytest.approx(UR5_COULOMB[ELBOW], rel=0.03)
+
+
 def test_a_hand_on_the_arm_does_not_bend_its_friction(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     columns = record(machine("plain"), 11, 40.0)
     for start in (4.0, 11.0, 17.5, 23.0, 30.0, 36.0):  # six pushes of 40 N·m, a twentieth of the log in all
