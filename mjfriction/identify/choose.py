@@ -51,12 +51,14 @@ class Choice:
         return np.asarray(np.bincount(problem.gap.blocks.row, weighted), dtype=np.float64)
 
 
-def choose_law(problem: Problem, names: Sequence[str] = CANDIDATES) -> tuple[Choice, list[Choice]]:
+def choose_law(
+    problem: Problem, names: Sequence[str] = CANDIDATES, first: str | None = None
+) -> tuple[Choice, list[Choice]]:
     """Fit every law of a list and return the one to take, and all, in the order of the list.
 
     A law with more parameters takes the place of a simpler one when its error on motion not fitted is smaller by three
     standard errors over the blocks and by a fiftieth, when what it explains is no mere trace of the friction, and when
-    the log shows its bristle at all.
+    the log shows its bristle at all.  The ``first`` to be taken is the simplest, unless another is named.
     """
     choices = []
     for name in names:
@@ -68,7 +70,8 @@ def choose_law(problem: Problem, names: Sequence[str] = CANDIDATES) -> tuple[Cho
             continue
         choices.append(Choice(fit, fit.heldout()))
     trace = float(np.sum(np.square(LEAST_EFFECT * np.std(problem.target) / problem.deviation)))
-    best = min(choices, key=lambda choice: choice.parameters)
+    named = [choice for choice in choices if choice.fit.law.name == first]
+    best = named[0] if named else min(choices, key=lambda choice: choice.parameters)
     able = [choice for choice in choices if choice is best or _shows(choice.fit)]
     for choice in sorted(able, key=lambda choice: (choice.parameters, float(np.sum(choice.errors)))):
         better = best.errors - choice.errors

@@ -114,7 +114,7 @@ def _fit(stated: Gap, wanted: Sequence[Sequence[str]], side: Side, *, links: boo
                     0.1 + 0.7 * len(results) / len(problems),
                 )
                 told = _told_by_passes(problem, wanted[problem.joint], passes[problem.joint])
-                results.append(told or choose_law(problem, wanted[problem.joint]))
+                results.append(told or _chosen(problem, wanted[problem.joint], passes[problem.joint]))
             fits, tried = [best.fit for best, _ in results], [all_of for _, all_of in results]
         else:
             pairs = zip(problems, fits, strict=True)
@@ -194,6 +194,17 @@ def _told_by_passes(problem: Problem, names: Sequence[str], passes: Passes) -> t
         return None
     choice = Choice(fit, fit.heldout())
     return choice, [choice]
+
+
+def _chosen(problem: Problem, names: Sequence[str], passes: Passes) -> tuple[Choice, list[Choice]]:
+    # Of the laws that passes tell, these say which it is; what tells directions or loads apart competes with that one
+    # on all rows.  Of bristles passes say little, and only where they turn: those are fitted where they are asked for.
+    ratio = problem.gap.robot.table.joint[problem.joint].actuator.gear_ratio
+    first = passes.chosen(names, problem.side, ratio) if len(names) > 1 else None
+    if first is not None:
+        laws = [find_law(name) for name in names]
+        names = [law.name for law in laws if law.name == first or not (passes.tells(law) or law.has_state)]
+    return choose_law(problem, names, first)
 
 
 def _again(problem: Problem, fit: LawFit, passes: Passes) -> LawFit:

@@ -17,18 +17,23 @@ from mjfriction.laws.ambient import ambient
 from mjfriction.laws.arctan import ARCTAN
 from mjfriction.laws.law import Floats, Law
 
+MOST_LEVERAGE = 0.999  # of a speed that a fit follows wherever it lies
 FIRST_SAMPLES = 5  # of a map, that the cubic near zero is drawn through
 FADING_STARTS = 7  # speeds at which a level may fall, between the slowest and the fastest of a map
 
 
 @dataclass(frozen=True)
 class MapFit:
-    """A law's static values on its side, their 95 % half-widths by name, and the RMS it leaves of the map (N·m, N)."""
+    """A law's static values on its side, their 95 % half-widths by name, and the RMS it leaves of the map (N·m, N).
+
+    ``missed`` (k,) is what each speed would be missed by, were it left out (to first order).
+    """
 
     law: Law
     values: dict[str, float]
     half: dict[str, float]
     rms: float
+    missed: Floats
 
 
 def fit_map(points: FrictionMap, law: Law, side: Side, gear_ratio: float) -> MapFit:
@@ -56,7 +61,9 @@ def fit_map(points: FrictionMap, law: Law, side: Side, gear_ratio: float) -> Map
     deviation = np.sqrt(np.maximum(np.diag(turned @ covariance @ turned.T), 0.0))
     half = dict(zip(names, (deviation * float(student.ppf(0.975, freedoms))).tolist(), strict=True))
     rms = float(np.sqrt(np.mean(np.square(left * error))))
-    return MapFit(law, coordinates.values(x), half, rms)
+    basis = np.linalg.qr(slopes)[0]
+    leverage = np.minimum(np.sum(np.square(basis), axis=1), MOST_LEVERAGE)
+    return MapFit(law, coordinates.values(x), half, rms, left * error / (1.0 - leverage))
 
 
 def static_names(law: Law) -> tuple[str, ...]:
@@ -91,7 +98,8 @@ def arctan_procedure(points: FrictionMap, side: Side, gear_ratio: float) -> MapF
     theta = np.linalg.lstsq(phi, friction, rcond=None)[0]
     names = ("static", "stribeck_fall", "viscous", "viscous_bend")
     values = {**dict(zip(names, theta.tolist(), strict=True)), "stribeck_steepness": steepness, "sign_sharpness": 1e9}
-    return MapFit(ARCTAN, values, {}, float(np.sqrt(np.mean(np.square(friction - phi @ theta)))))
+    left = friction - phi @ theta
+    return MapFit(ARCTAN, values, {}, float(np.sqrt(np.mean(np.square(left)))), left)
 
 
 def on_side(points: FrictionMap, side: Side, gear_ratio: float) -> tuple[Floats, Floats, Floats]:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from mjfriction.errors import LogError
 from mjfriction.identify.fit import STATIC_SIBLING, LawFit
 from mjfriction.identify.friction_map import FrictionMap
+from mjfriction.identify.map_choice import choose_on_map
 from mjfriction.identify.map_fit import MapFit, arctan_procedure, fit_map, static_names
 from mjfriction.identify.pendulum import ByPendulum
+from mjfriction.identify.problem import Side
 from mjfriction.laws.arctan import ARCTAN
 from mjfriction.laws.catalog import find_law
 from mjfriction.laws.law import Law
@@ -36,6 +39,20 @@ class Passes:
             except LogError:
                 self._found[law.name] = None
         return self._found[law.name]
+
+    def chosen(self, names: Sequence[str], side: Side, gear_ratio: float) -> str | None:
+        """Return the law that the passes need among those named that they tell, None where they cannot say."""
+        laws = [law for law in map(find_law, names) if self.tells(law)]
+        if self.points is None or not laws:
+            return None
+        try:
+            return choose_on_map(self.points, laws, side, gear_ratio)[0].law.name
+        except LogError:
+            return None
+
+    def tells(self, law: Law) -> bool:
+        """Return whether a law is all in the difference of passes forward and backward."""
+        return not law.reads and law.odd and not law.has_state
 
     def why_none(self, fit: LawFit) -> str:
         """Say why a fit's statics are not those of the passes; nothing where there are none."""

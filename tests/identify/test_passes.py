@@ -14,6 +14,7 @@ from mjfriction.errors import LogError, RobotError
 from mjfriction.identify.friction_map import FrictionMap
 from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.identification import identify_log
+from mjfriction.identify.map_choice import choose_on_map
 from mjfriction.identify.map_fit import arctan_procedure, fit_map
 from mjfriction.identify.outcome import Identification
 from mjfriction.identify.phases import constant_speed_phases
@@ -29,6 +30,7 @@ from mjfriction.identify.protocol import (
 )
 from mjfriction.laws.ambient import ambient
 from mjfriction.laws.arctan import ARCTAN
+from mjfriction.laws.catalog import find_law
 from mjfriction.laws.stribeck import STRIBECK
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
@@ -276,6 +278,28 @@ def test_passes_that_cannot_tell_a_law_say_why() -> None:
     assert law.how == "free motion; 5 speeds were steady both ways, stribeck needs 6"
     (law,) = identify_log(log, robot, law="asymmetric").laws
     assert law.how == "free motion; the passes' differences do not tell asymmetric"
+
+
+@pytest.mark.parametrize(
+    ("truth", "values"),
+    [
+        ("coulomb_viscous", {"coulomb": 5.0, "viscous": 3.0}),
+        (
+            "stribeck",
+            {"coulomb": 5.0, "static": 7.0, "stribeck_velocity": 0.05, "stribeck_exponent": 1.0, "viscous": 3.0},
+        ),
+    ],
+)
+def test_passes_say_which_law_they_need(truth: str, values: dict[str, float]) -> None:
+    law, speed = find_law(truth), np.geomspace(0.005, 1.0, 14)
+    right = []
+    for seed in range(20):
+        noise = 0.02 * np.random.default_rng(seed).normal(size=speed.size)
+        friction = law.along(speed, ambient(speed.size), law.pack(values)) * (1.0 + noise)
+        points = FrictionMap(0, speed, friction, 0.1 * friction, np.zeros(speed.size), np.full(speed.size, 25.0))
+        laws = [find_law(name) for name in ("coulomb_viscous", "quadratic_viscous", "saturating_viscous", "stribeck")]
+        right.append(choose_on_map(points, laws, "joint", 1.0)[0].law is law)
+    assert np.mean(right) >= 0.9
 
 
 def test_passes_both_ways_need_no_pendulum() -> None:
