@@ -19,7 +19,8 @@ CHANCE = 0.05  # at which two laws' squared errors would differ as much (Fisher'
 def choose_on_map(points: FrictionMap, laws: Sequence[Law], side: Side, gear_ratio: float) -> list[MapFit]:
     """Return the laws that a map has speeds enough for, fitted, the one to take first.
 
-    Speeds are left out one at a time: a law with more parameters takes the place of a simpler one when its errors are smaller than chance would have it.
+    Speeds are left out one at a time: a law with more parameters takes the place of a simpler one when its errors are
+    smaller than chance would have it.
 
     Raises :class:`LogError` where there are too few for any.
     """
