@@ -287,6 +287,7 @@ def a_few_percent_off(model: mujoco.MjModel) -> None:
             model.body_inertia[body] *= 1.0 + 0.05 * rng.normal(size=3)
 
 
+@pytest.mark.bench
 def test_links_a_few_percent_off_in_all_they_have_are_no_finding(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -64,6 +64,7 @@ def test_levels_of_every_joint_are_recovered_within_their_intervals(tmp_path: Pa
         assert law.trusted
 
 
+@pytest.mark.bench
 def test_intervals_hold_the_truth_nine_times_in_ten(tmp_path: Path) -> None:
     robot = robot_of(machine("plain"), tmp_path)
     held = []
@@ -105,7 +106,7 @@ def test_a_law_that_does_not_hold_is_said_not_to(kind: str, tmp_path: Path) -> N
 def test_friction_alone_is_fitted_where_nothing_else_is_free(tmp_path: Path) -> None:
     # Links as stated, and a law whose two levels hold the zero of the effort too: nothing stands beside it.
     robot = robot_of(machine("plain"), tmp_path)
-    found = identify_log(log_of("plain"), robot, law="asymmetric", links=False, simulated=0.5)
+    found = identify_log(log_of("plain"), robot, law="asymmetric", links=False)
     assert found.background == ()
     values = {fitted.name: fitted for fitted in at_elbow(found).parameters}
     for name in ("coulomb_positive", "coulomb_negative"):
@@ -182,7 +183,8 @@ def test_a_log_without_motion_is_refused(tmp_path: Path) -> None:
 def test_a_drive_that_reports_one_value_is_left_out(tmp_path: Path) -> None:
     columns = dict(record(machine("plain"), 11, 20.0))
     columns["effort.wrist_3_joint"] = np.full_like(columns["effort.wrist_3_joint"], 0.7)
-    found = identify_log(log_from_table(pa.table(columns), "dead"), robot_of(machine("plain"), tmp_path))
+    log = log_from_table(pa.table(columns), "dead")
+    found = identify_log(log, robot_of(machine("plain"), tmp_path), law="coulomb_viscous")
     assert "wrist_3_joint" not in [law.joint for law in found.laws]
     assert len(found.laws) == 5
 

@@ -293,13 +293,13 @@ def test_passes_that_cannot_tell_a_law_say_why() -> None:
 def test_passes_say_which_law_they_need(truth: str, values: dict[str, float]) -> None:
     law, speed = find_law(truth), np.geomspace(0.005, 1.0, 14)
     right = []
-    for seed in range(20):
+    for seed in range(5):
         noise = 0.02 * np.random.default_rng(seed).normal(size=speed.size)
         friction = law.along(speed, ambient(speed.size), law.pack(values)) * (1.0 + noise)
         points = FrictionMap(0, speed, friction, 0.1 * friction, np.zeros(speed.size), np.full(speed.size, 25.0))
         laws = [find_law(name) for name in ("coulomb_viscous", "quadratic_viscous", "saturating_viscous", "stribeck")]
         right.append(choose_on_map(points, laws, "joint", 1.0)[0].law is law)
-    assert np.mean(right) >= 0.9
+    assert all(right)
 
 
 def test_passes_both_ways_need_no_pendulum() -> None:
