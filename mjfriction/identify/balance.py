@@ -123,7 +123,9 @@ def _system(
     precisions = [part.precision for part in parts]
     for joint, own in friction.items():
         target[:, joint] -= own.rows
-        weight[:, joint] = 1.0 / deviation[joint]
+        # A joint at rest may hold anything within its friction, and as long as it likes: in passes of one joint after
+        # another most rows do, all on one side.
+        weight[:, joint] = np.where(gap.clear[:, joint], 1.0 / deviation[joint], 0.0)
         blocks.append({joint: own.columns})
         precisions.append(own.precision)
     return System(Rows(target, weight, gap.blocks.row), blocks, precisions)

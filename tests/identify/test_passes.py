@@ -302,6 +302,17 @@ def test_passes_say_which_law_they_need(truth: str, values: dict[str, float]) ->
     assert all(right)
 
 
+def test_joints_that_rest_while_another_passes_do_not_bend_links_and_zeros() -> None:
+    # At rest friction may be anything within its level, and most of such a log is rest.
+    robot = read_robot("ur5")
+    plan = plan_passes(robot, ["shoulder_lift_joint", "elbow_joint"], count=4)
+    columns = simulate(robot, plan.trajectory, recorder=Recorder(125.0), seed=1)
+    found = identify_log(log_from_table(pa.table(columns), "passes"), robot, law="coulomb_viscous")
+    assert {error.joint for error in found.joints} == {"shoulder_lift_joint", "elbow_joint"}
+    for error in found.joints:
+        assert error.rms_heldout_after < 1.5 * error.rms_before  # the robot was stated exactly
+
+
 def test_passes_both_ways_need_no_pendulum() -> None:
     # Links are heavier than stated: with the stated model's gravity, friction forward is not friction backward.
     stated = read_robot("ur5")
