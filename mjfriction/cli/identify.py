@@ -38,7 +38,7 @@ def identify(
     out: Out,
     law: LawNames = None,
     side: Annotated[Side, typer.Option(help="The side of the gear that the laws speak of.")] = Side.JOINT,
-    links: Annotated[bool, typer.Option(help="Refit the links' masses and centres too.")] = True,
+    links: Annotated[bool, typer.Option(help="Refit the links' inertias too.")] = True,
     simulated: Annotated[
         float | None,
         typer.Option(metavar="S", help="Refine on simulated motion, S seconds at a time; inf for the whole log."),

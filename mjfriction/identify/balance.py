@@ -16,7 +16,8 @@ from mjfriction.identify.regression import Columns, Rows, System
 from mjfriction.record.log import Floats
 from mjfriction.robot.rubbing import forward_share
 
-SPREADS = (0.05, 0.2, 1.0)  # of how far links usually are off, that are tried: 2, 10 and 50 % of a mass
+SPREADS = (0.05, 0.2, 1.0)  # of how far links usually are off, that are tried: shares of a mass, for one
+RESTING = 1e-3  # of its own weight, that a row in doubt about its friction has where links and zeros are fitted
 
 
 @dataclass(frozen=True)
@@ -125,7 +126,7 @@ def _system(
         target[:, joint] -= own.rows
         # A joint at rest may hold anything within its friction, and as long as it likes: in passes of one joint after
         # another most rows do, all on one side.
-        weight[:, joint] = np.where(gap.clear[:, joint], 1.0 / deviation[joint], 0.0)
+        weight[:, joint] = np.where(gap.clear[:, joint], 1.0, RESTING) / deviation[joint]
         blocks.append({joint: own.columns})
         precisions.append(own.precision)
     return System(Rows(target, weight, gap.blocks.row), blocks, precisions)

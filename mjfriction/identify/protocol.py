@@ -38,7 +38,7 @@ TRIALS, TRIAL_SECONDS, LONGEST_TO_AND_FRO = 4, 40.0, 20.0  # of each, s of all j
 ENOUGH_SAMPLES = 1500
 USUAL_SPEEDS, USUAL_SECONDS = 12, 60.0
 DRAWS = 8  # excitations of which the best is taken
-USUAL_SPREAD = 0.2  # by which links usually are off: a mass and inertia by 10 %
+USUAL_SPREAD = 0.2  # by which links usually are off: a mass by 20 %
 
 
 @dataclass(frozen=True)
