@@ -17,7 +17,7 @@ from mjfriction.robot.files import read_robot
 from scripts.make_schema import schema
 from tests.cli.here import mjfriction_here
 from tests.cli.test_cli import mjfriction
-from tests.hidden.machine import Machine, record, robot_toml
+from tests.hidden.machine import UR5_JOINTS, Machine, record, robot_toml
 
 FILES = {"report.json", "report.html", "recording.rrd", "robot.toml", "ur5_robot.urdf"}
 
@@ -75,6 +75,36 @@ def test_compare_names_robots_as_shortly_as_tells_them_apart() -> None:
     assert short_names(["arm/robot.toml", "result/robot.toml", "ur5"]) == ["arm", "result", "ur5"]
     assert short_names(["a/arm/robot.toml", "b/arm/robot.toml"]) == ["a/arm/robot.toml", "b/arm/robot.toml"]
     assert short_names(["before.toml", "after.toml"]) == ["before", "after"]
+
+
+def test_joints_may_have_laws_of_their_own(case: tuple[Path, Path], tmp_path: Path) -> None:
+    wanted = dict.fromkeys(UR5_JOINTS, "coulomb_viscous") | {"elbow_joint": "quadratic_viscous"}
+    laws = [word for joint, law in wanted.items() for word in ("--law", f"{joint}={law}")]
+    done = mjfriction_here(
+        "identify", case[0], "--robot", case[1], "--out", tmp_path / "out", *laws, "--no-links", "--json"
+    )
+    assert done.returncode == 0, done.stderr
+    assert {law["joint"]: law["law"] for law in json.loads(done.stdout)["identified"]} == wanted
+
+
+@pytest.mark.parametrize(
+    ("laws", "said"),
+    [
+        (("lugre", "dahl"), "give one law for all joints, or JOINT=LAW for each"),
+        (("lugre", "elbow_joint=dahl"), "--law lugre: beside JOINT=LAW every law needs its joint"),
+        (("elbow_jont=dahl",), "did you mean 'elbow_joint'"),
+        (("elbow_joint=dal",), "did you mean 'dahl'"),
+    ],
+)
+def test_laws_that_make_no_sense_together_are_one_line(
+    laws: tuple[str, ...], said: str, case: tuple[Path, Path], tmp_path: Path
+) -> None:
+    words = [word for law in laws for word in ("--law", law)]
+    done = mjfriction_here("identify", case[0], "--robot", case[1], "--out", tmp_path / "out", *words)
+    assert done.returncode == 2
+    assert said in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert not (tmp_path / "out").exists()
 
 
 def test_plan_writes_a_trajectory(tmp_path: Path) -> None:

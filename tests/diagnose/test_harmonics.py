@@ -2,16 +2,38 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pyarrow as pa
+import pytest
 
 from mjfriction.control.servo import Control
+from mjfriction.diagnose.causes import waves
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.identify.protocol import plan_excitation
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.sensors import Recorder
+from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
+from tests.hidden.machine import Machine, record, write_case
+
+
+def test_a_wave_of_little_more_than_a_period_is_one_wave(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def found(wavenumber: float) -> Diagnosis:
+        machine = Machine(noise=0.05, hidden={2: lambda own: 4.0 * np.cos(wavenumber * own.q)})
+        log, robot = write_case(tmp_path, machine, seed=21)
+        return diagnose_log(read_log(log), read_robot(robot))
+
+    stroke = float(np.ptp(record(Machine(), 21)["position.elbow_joint"]))
+    wavenumber = 1.35 * 2.0 * np.pi / stroke
+    (finding,) = found(wavenumber).findings
+    assert (finding.cause, finding.joint) == ("drive.cogging", "elbow_joint")
+    assert finding.parameters[0].value ** 2 + finding.parameters[1].value ** 2 == pytest.approx(16.0, rel=0.05)
+    monkeypatch.setattr(waves, "FEWEST_WAVES", 1.5)
+    assert [own.cause for own in found(wavenumber).findings] != ["drive.cogging"]
 
 
 def test_the_tables_cogging_is_recovered() -> None:

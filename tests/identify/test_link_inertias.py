@@ -22,6 +22,7 @@ from mjfriction.identify.link_inertias import nearest_physical
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.robot import Robot
+from mjfriction.robot.schema import Payload
 from tests.hidden.machine import UR5, UR5_COULOMB, UR5_JOINTS, Machine, record, robot_toml
 
 NOISE = 0.03  # of the Coulomb levels
@@ -60,6 +61,20 @@ def test_a_model_wrong_throughout_is_put_right(tmp_path: Path) -> None:
     assert wrong[0] < 0.05 < wrong[1]
     # Base parameters carry the truth of the sum that shows, whatever its parts are.
     assert len([fitted for fitted in found.background if "." in fitted.name]) > 20
+
+
+def test_a_stated_payload_becomes_part_of_the_link_that_holds_it(tmp_path: Path) -> None:
+    machine = Machine(noise=NOISE)
+    (tmp_path / "robot.toml").write_text(robot_toml(machine), encoding="utf-8")
+    bare = read_robot(tmp_path / "robot.toml")
+    held = Payload(mass=0.3, com=(0.0, 0.0, 0.05), parent="wrist_3_link")  # stated, and not there
+    loaded = Robot(bare.table.model_copy(update={"payload": held}), bare.folder)
+    log = log_from_table(pa.table(record(machine, 5, 40.0)), "bare")
+    found = identify_log(log, loaded, law="coulomb_viscous").robot
+    assert found.table.payload is None
+    assert "wrist_3_joint" in found.table.link_inertia
+    gap = measure_gap(log, found)
+    assert all(gap.rms(gap.residual[:, j], j) < 1.1 * gap.noise_floor[j] for j in range(6))
 
 
 def test_base_parameters_are_as_many_as_the_regressor_has_rank() -> None:

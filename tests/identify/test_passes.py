@@ -36,6 +36,8 @@ from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder
 from mjfriction.record.readers.table import log_from_table
+from mjfriction.report.html import identified_html
+from mjfriction.report.identified import make_identified_report
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import FrictionTerm
@@ -329,6 +331,9 @@ def test_passes_both_ways_need_no_pendulum() -> None:
     (truth,) = stated.joint("shoulder_lift_joint").friction or ()
     true_friction = truth.value("coulomb") + truth.value("viscous") * law.passes.speed
     by_both = np.sqrt(np.mean(np.square(law.passes.friction - true_friction)))
+    entry = next(entry for entry in make_identified_report(found).identified if entry.joint == law.joint)
+    assert entry.apart_by_pendulum == pytest.approx((by_model, by_fit))
+    assert f"{by_model:.4g} N·m to either side" in identified_html(found, make_identified_report(found))
     assert by_model > 1.0
     assert by_fit < 0.2 * by_model
     assert by_both < 0.05 * by_model

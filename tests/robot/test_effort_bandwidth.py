@@ -17,6 +17,9 @@ from mjfriction.plant.sensors import Recorder
 from mjfriction.record.log import Log
 from mjfriction.record.low_pass import low_passed
 from mjfriction.record.readers.table import log_from_table
+from mjfriction.report.html import identified_html
+from mjfriction.report.identified import make_identified_report
+from mjfriction.report.result import make_report
 from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
@@ -69,6 +72,10 @@ def test_the_bandwidth_is_found_and_stated(tmp_path: Path, monkeypatch: pytest.M
     (tmp_path / "out").mkdir()
     written = read_robot(write_robot(found.robot, tmp_path / "out"))
     diagnosed = diagnose_log(log, stated)
+    for report in (make_identified_report(found), make_report(diagnosed)):
+        assert "low-passed: hinge above 3" in report.low_passed
+    report = make_identified_report(found)
+    assert identified_html(found, report).count(report.low_passed) == 1
     assert diagnosed.bandwidths["hinge"] == pytest.approx(3.0, rel=0.05)
     assert diagnosed.robot.joint("hinge").effort_sensor.bandwidth == diagnosed.bandwidths["hinge"]
     assert not diagnose_log(log, diagnosed.robot).bandwidths  # what is stated is not stated anew
@@ -82,4 +89,6 @@ def test_the_bandwidth_is_found_and_stated(tmp_path: Path, monkeypatch: pytest.M
 def test_an_effort_that_holds_all_has_no_bandwidth(tmp_path: Path) -> None:
     stated = robot_with(tmp_path, 1.5)
     log = recorded(robot_with(tmp_path, 2.0, "effort_sensor = { noise = 0.02 }\n"))
-    assert not identify_log(log, stated, law="coulomb_viscous").bandwidths
+    found = identify_log(log, stated, law="coulomb_viscous")
+    assert not found.bandwidths
+    assert "low-passed" not in identified_html(found, make_identified_report(found))
