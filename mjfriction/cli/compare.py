@@ -22,10 +22,24 @@ Out = Annotated[
 ]
 
 
-def compare(log: LogPath, robot: Robots, out: Out = None, map_: MapSource = None, json: Json = False) -> None:
+Simulated = Annotated[
+    float | None,
+    typer.Option(metavar="S", help="Drive the robots by the log's efforts, S seconds at a time; inf for the whole."),
+]
+
+
+def compare(
+    log: LogPath,
+    robot: Robots,
+    out: Out = None,
+    simulated: Simulated = None,
+    map_: MapSource = None,
+    json: Json = False,
+) -> None:
     """Show the RMS error of each robot per joint, in torque and in current, side by side.
 
-    With --out, writes comparison.json, report.html and recording.rrd too.
+    With --simulated, how far each ends up from where the machine went, too. With --out, writes comparison.json,
+    report.html and recording.rrd.
 
     Example: mjfriction compare run2.parquet --robot arm/robot.toml --robot result/robot.toml
     """
@@ -37,7 +51,7 @@ def compare(log: LogPath, robot: Robots, out: Out = None, map_: MapSource = None
 
     with telling() as tell:
         robots = [(name, read_robot(source)) for name, source in zip(short_names(robot), robot, strict=True)]
-        comparison = compare_robots(read_logs([log], robots[0][1].joints, map_), robots, tell)
+        comparison = compare_robots(read_logs([log], robots[0][1].joints, map_), robots, tell, simulated=simulated)
     if out is not None:
         with whole_folder(out) as folder, telling() as tell:
             tell("writing the report")

@@ -9,6 +9,7 @@ import numpy as np
 
 from mjfriction.errors import RobotError
 from mjfriction.identify.gap import Gap, gap_of, measure_gap
+from mjfriction.identify.stretches import simulated_error
 from mjfriction.progress import Tell, counting, silently
 from mjfriction.record.log import Log
 from mjfriction.robot.effort import reported_unit
@@ -20,12 +21,14 @@ ALIKE = 1.02  # times the best robot's error at every joint, up to which no robo
 @dataclass(frozen=True)
 class ModelError:
     """RMS error of one robot at one joint: ``effort`` in N·m or N at the joint; ``current`` in A at the motor, None
-    where the robot states no torque constant; ``share`` of the measured effort's RMS.
+    where the robot states no torque constant; ``share`` of the measured effort's RMS; ``position``, rad or m, that of
+    the joint's course where the efforts drive the robot freely, None where that was not asked for.
     """
 
     effort: float
     current: float | None
     share: float
+    position: float | None = None
 
 
 @dataclass(frozen=True)
@@ -41,11 +44,14 @@ class JointComparison:
 
 @dataclass(frozen=True)
 class Comparison:
-    """``gaps`` are the robots', in the order of ``names``, all along one motion and at the same rows."""
+    """``gaps`` are the robots', in the order of ``names``, all along one motion and at the same rows; ``seconds`` is
+    how long the robots were driven freely at a time, None where they were not.
+    """
 
     names: tuple[str, ...]
     gaps: tuple[Gap, ...]
     joints: tuple[JointComparison, ...]
+    seconds: float | None = None
 
     @property
     def gap(self) -> Gap:
@@ -76,13 +82,16 @@ class Comparison:
         )
 
 
-def compare_robots(log: Log, robots: Sequence[tuple[str, Robot]], tell: Tell = silently) -> Comparison:
+def compare_robots(
+    log: Log, robots: Sequence[tuple[str, Robot]], tell: Tell = silently, *, simulated: float | None = None
+) -> Comparison:
     """Hold named robots with the same joints against a log.
 
     Errors are over the same rows for all, through one low-pass (see :mod:`mjfriction.identify.rows`): where the joint
-    moves, for at rest and in reversals friction may be anything within its level.  ``tell`` hears which robot is held
-    against it.  Raises :class:`RobotError` where the robots have not the same joints or two have one name, and what
-    :func:`measure_gap` raises.
+    moves, for at rest and in reversals friction may be anything within its level.  With ``simulated`` the log's efforts
+    drive every robot freely too, so many seconds at a time (infinite: the whole log).  ``tell`` hears which robot is
+    held against it.  Raises :class:`RobotError` where the robots have not the same joints or two have one name, and
+    what :func:`measure_gap` raises.
     """
     names = [name for name, _ in robots]
     if len(names) < 2:
@@ -103,17 +112,23 @@ def compare_robots(log: Log, robots: Sequence[tuple[str, Robot]], tell: Tell = s
     for name, robot in robots[1:]:
         begin(f"holding the log against {name}")
         gaps.append(gap_of(robot, gap))
+    courses, seconds = [], None
+    if simulated is not None:
+        tell("driving the robots freely")
+        ends = [simulated_error(own, robot, simulated) for (_, robot), own in zip(robots, gaps, strict=True)]
+        courses, seconds = [course for course, _ in ends], ends[0][1]
     joints = []
     for joint in gap.examined:
         measured = gap.rms(gap.measured[:, joint], joint)
         errors = []
-        for (_, robot), own in zip(robots, gaps, strict=True):
+        for k, ((_, robot), own) in enumerate(zip(robots, gaps, strict=True)):
             rms = gap.rms(own.residual[:, joint], joint)
             worth = robot.table.joint[joint].actuator.effort_per_ampere
             current = None if worth is None else rms / abs(worth)
-            errors.append(ModelError(rms, current, rms / max(measured, 1e-300)))
+            position = float(courses[k][joint]) if courses else None
+            errors.append(ModelError(rms, current, rms / max(measured, 1e-300), position))
         unit = reported_unit("effort", gap.body.sliding[joint])
         joints.append(
             JointComparison(gap.robot.joints[joint], unit, measured, float(gap.noise_floor[joint]), tuple(errors))
         )
-    return Comparison(tuple(names), tuple(gaps), tuple(joints))
+    return Comparison(tuple(names), tuple(gaps), tuple(joints), seconds)

@@ -9,8 +9,10 @@ import numpy as np
 
 from mjfriction.errors import LogError
 from mjfriction.record.log import Log
+from mjfriction.record.resample import read_clock
 
 PAUSE = 1.0  # s between two logs
+APART = 1.25  # of a step, up to which two logs count as sampled at one rate
 
 
 def merge_logs(logs: Sequence[Log]) -> Log:
@@ -18,7 +20,7 @@ def merge_logs(logs: Sequence[Log]) -> Log:
 
     The clock runs on: every log begins a pause after the one before it ended, so that what changed between them shows.
 
-    Raises :class:`LogError` when they have not the same joints.
+    Raises :class:`LogError` when they have not the same joints, or were not sampled at one rate.
     """
     first = logs[0]
     if len(logs) == 1:
@@ -29,6 +31,13 @@ def merge_logs(logs: Sequence[Log]) -> Log:
                 f"{log.source}: has joints {', '.join(log.joints)}, but {first.source} has {', '.join(first.joints)}; "
                 "diagnose logs of one robot together"
             )
+    steps = [read_clock(log).step for log in logs]
+    slow, fast = int(np.argmax(steps)), int(np.argmin(steps))
+    if steps[slow] > APART * steps[fast]:
+        raise LogError(
+            f"{logs[slow].source}: has a row every {1e3 * steps[slow]:.3g} ms, but {logs[fast].source} every "
+            f"{1e3 * steps[fast]:.3g} ms; resample the faster one, or take them one by one"
+        )
     shared = [name for name in first.columns if all(name in log.columns for log in logs)]
     segments, times, offset, start = [], [], 0, float(first.time[0])
     for log in logs:

@@ -23,6 +23,7 @@ def comparison_table(comparison: Comparison) -> dict[str, object]:
         "log": Path(comparison.gap.log.source).name,
         "robots": list(comparison.names),
         "best": comparison.best,
+        "simulated_seconds": number(comparison.seconds),
         "joints": [
             {
                 "joint": joint.joint,
@@ -32,6 +33,7 @@ def comparison_table(comparison: Comparison) -> dict[str, object]:
                 "rms_effort": [number(error.effort) for error in joint.errors],
                 "rms_current": [number(error.current) for error in joint.errors],
                 "share": [number(error.share) for error in joint.errors],
+                "rms_position": [number(error.position) for error in joint.errors],
             }
             for joint in comparison.joints
         ],
@@ -59,6 +61,7 @@ def write_comparison(comparison: Comparison, folder: Path) -> None:
         names=comparison.names,
         summary=comparison.summary,
         joints=comparison.joints,
+        seconds=comparison.seconds,
         band=gap.chain.band,
         bars=Markup(figure_html(picture, "errors")),
         courses=pictures,

@@ -140,7 +140,15 @@ def print_comparison(comparison: Comparison, console: Console) -> None:
         currents = [error.current for error in joint.errors]
         if all(current is not None for current in currents):
             table.add_row("  in current", *(f"{current:.3g}" for current in currents), "", "A")
+        if comparison.seconds is not None:
+            ends = [f"{error.position:.3g}" for error in joint.errors]
+            table.add_row("  in position", *ends, "", "m" if joint.unit == "N" else "rad")
     console.print(table)
+    if comparison.seconds is not None:
+        console.print(
+            f"in position: how far off (RMS) when driven by the log's efforts, {comparison.seconds:.3g} s at a time",
+            style="italic",
+        )
 
 
 def print_mapping(guess: Mapping, log: Path, written: Path | None, console: Console) -> None:

@@ -57,7 +57,7 @@ def test_identify_writes_four_files_that_hold_together(identified: Path) -> None
 
 
 def test_compare_prints_and_writes_both_robots(case: tuple[Path, Path], identified: Path, tmp_path: Path) -> None:
-    words = ("compare", case[0], "--robot", case[1], "--robot", identified / "robot.toml")
+    words = ("compare", case[0], "--robot", case[1], "--robot", identified / "robot.toml", "--simulated", "0.5")
     done = mjfriction(*words, "--out", tmp_path / "out", "--json")
     assert done.returncode == 0, done.stderr
     table = json.loads(done.stdout)
@@ -65,6 +65,9 @@ def test_compare_prints_and_writes_both_robots(case: tuple[Path, Path], identifi
     assert table["best"] == "identified"
     for joint in table["joints"]:
         assert joint["rms_effort"][1] < joint["rms_effort"][0]
+    assert table["simulated_seconds"] == pytest.approx(0.5)
+    (elbow,) = (joint for joint in table["joints"] if joint["joint"] == "elbow_joint")
+    assert elbow["rms_position"][1] < 0.5 * elbow["rms_position"][0]
     assert {path.name for path in (tmp_path / "out").iterdir()} == {"comparison.json", "report.html", "recording.rrd"}
     done = mjfriction(*words)
     assert done.returncode == 0, done.stderr

@@ -126,3 +126,7 @@ def test_logs_of_one_robot_join_as_segments(tmp_path: Path) -> None:
     other = read_log(write(tmp_path, {"time": one.time, "position.b": one.time, "effort.b": one.time}, "o.csv"))
     with pytest.raises(LogError, match="diagnose logs of one robot together"):
         merge_logs([one, other])
+    # A log of fewer rows a second would look like nothing but gaps.
+    slow = columns() | {"time": 5.0 * columns()["time"]}
+    with pytest.raises(LogError, match="slow.csv: has a row every .* ms; resample the faster one"):
+        merge_logs([one, read_log(write(tmp_path, slow, "slow.csv"))])
