@@ -11,6 +11,7 @@ import pytest
 
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.identify.identification import identify_log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
 
@@ -63,3 +64,16 @@ def test_no_curve_of_friction_is_claimed_but_damping_that_thins(tx40: Diagnosis)
     # The published damping is linear; what is claimed beyond it has to pay on motion not fitted.
     bent = [finding for finding in tx40.findings if finding.cause == "friction.viscous_nonlinear"]
     assert all(finding.gain.low > 0.0 for finding in bent)
+
+
+def test_friction_identified_beside_the_coupling_is_as_published(tx40: Diagnosis) -> None:
+    found = identify_log(tx40.gap.log, tx40.robot, law="coulomb_viscous")
+    coupling = next(finding for finding in tx40.findings if finding.cause == "drive.coupling")
+    shared = next(parameter.value for parameter in coupling.parameters if parameter.name == "viscous")
+    for i, law in enumerate(found.laws):
+        coulomb, viscous = law.parameters
+        assert coulomb.low < COULOMB[i] < coulomb.high
+        # Published, the damping of joints 5 and 6 holds that of the motor which both turn.
+        own = VISCOUS[i] - (shared if i >= 4 else 0.0)
+        assert viscous.low < own < viscous.high
+        assert viscous.high - viscous.low < 0.3 * VISCOUS[i]
