@@ -21,10 +21,11 @@ SHAPES = frozenset(
 def notes(fit: LawFit, half: Floats, covariance: Floats) -> dict[str, str]:
     """Return a remark for every parameter that needs one, by name.
 
-    ``half`` (names,) are the 95 % half-widths, ``covariance`` (names, names) that of the values.
+    ``half`` (told,) are the 95 % half-widths, ``covariance`` (told, told) that of the values.  Elements get none: of
+    one by itself a log says little, of all together much.
     """
     low, high = fit.coordinates.bounds()
-    names, values = fit.coordinates.names, fit.values
+    names, values = fit.coordinates.single, fit.told
     out: dict[str, str] = {}
     seen = np.sqrt(np.mean(np.square(fit.slopes), axis=0)) * np.maximum(np.abs(fit.x), 1e-3)
     for k, name in enumerate(names):

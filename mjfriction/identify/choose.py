@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mjfriction.errors import LawError
 from mjfriction.identify.fit import LawFit, fit_law
 from mjfriction.identify.problem import Problem
 from mjfriction.laws.catalog import find_law
@@ -62,12 +61,7 @@ def choose_law(
     """
     choices = []
     for name in names:
-        try:
-            fit = fit_law(problem, find_law(name))
-        except LawError:
-            if len(names) == 1:
-                raise
-            continue
+        fit = fit_law(problem, find_law(name))
         choices.append(Choice(fit, fit.heldout()))
     trace = float(np.sum(np.square(LEAST_EFFECT * np.std(problem.target) / problem.deviation)))
     named = [choice for choice in choices if choice.fit.law.name == first]

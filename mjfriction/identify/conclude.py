@@ -154,18 +154,17 @@ def _half_widths(
     turned = fit.coordinates.slopes(fit.x)
     spread = turned @ covariance @ turned.T
     half = quantile * np.sqrt(np.maximum(np.diag(spread), 0.0))
-    names = fit.coordinates.names
+    names = list(fit.told)
     if statics is not None:
         half = np.array([statics.half.get(name, own) for name, own in zip(names, half.tolist(), strict=True)])
-    moved = np.array([abs(fit.values[name] - begun.values[name]) for name in names])
+    moved = np.abs(np.array(list(fit.told.values())) - np.array(list(begun.told.values())))
     return half + moved, spread
 
 
 def _parameters(fit: LawFit, half: Floats, said: dict[str, str], sliding: bool) -> list[Fitted]:
     out = []
-    for name, width in zip(fit.coordinates.names, half, strict=True):
-        declared = fit.law.parameter(name)
-        value = fit.values[name]
+    for (name, value), width in zip(fit.told.items(), half, strict=True):
+        declared = fit.law.parameter(name.partition("[")[0])
         low, high = (float(np.clip(value + s * width, declared.lower, declared.upper)) for s in (-1.0, 1.0))
         unit = declared.unit_for(sliding=sliding and fit.problem.side == "joint")
         out.append(Fitted(name, declared.meaning, unit, value, low, high, said.get(name, "")))

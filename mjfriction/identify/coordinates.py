@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mjfriction.identify.elements import Elements
 from mjfriction.laws.law import Floats, Law
-from mjfriction.laws.rules import Ordering
+from mjfriction.laws.rules import Ordering, Values, scalar
 from mjfriction.parameter import Parameter
 
 LARGEST = 1e15  # of a parameter above zero without an upper bound, SI units: stiffer than anything
@@ -19,25 +20,47 @@ STEP = 1e-6  # of a coordinate, for the slope of the values
 
 @dataclass(frozen=True)
 class Coordinates:
-    """The parameters ``names`` of a law as a vector x; the others stay as in ``fixed``.
+    """The parameters ``single`` of a law, and its ``elements``, as a vector x; the others stay as in ``fixed``.
 
     A parameter whose lower bound is above zero stands as its logarithm; one that a rule of the law orders above another
     free one stands as its excess over that.
     """
 
     law: Law
-    names: tuple[str, ...]
+    single: tuple[str, ...]
     fixed: Mapping[str, float]
+    elements: Elements | None = None
 
-    def vector(self, values: Mapping[str, float]) -> Floats:
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What stands where in the vector."""
+        return (*self.single, *(self.elements.names if self.elements else ()))
+
+    def vector(self, values: Values) -> Floats:
         """Return the vector of named values."""
-        return np.array([self._inward(name, values) for name in self.names])
+        beside = self.elements.numbers(values) if self.elements else []
+        return np.array([*(self._inward(name, values) for name in self.single), *beside])
 
-    def values(self, x: Floats) -> dict[str, float]:
+    def values(self, x: Floats) -> dict[str, float | Sequence[float]]:
         """Return all values of the law at a vector."""
+        out = self._single(x)
+        arrays = self.elements.arrays(out, x[len(self.single) :].tolist()) if self.elements else {}
+        return {**out, **arrays}
+
+    def told(self, x: Floats) -> dict[str, float]:
+        """Return the free values as they are told, one number each: an element's with its number, ``level[2]``."""
+        values = self.values(x)
+        out = {name: scalar(values, name) for name in self.single}
+        for declared in self.law.elements if self.elements else ():
+            own = values[declared.name]
+            assert isinstance(own, Sequence)
+            out |= {f"{declared.name}[{i + 1}]": value for i, value in enumerate(own)}
+        return out
+
+    def _single(self, x: Floats) -> dict[str, float]:
         out = dict(self.fixed)
         # What others are measured from comes first.
-        pending = dict(zip(self.names, x, strict=True))
+        pending = dict(zip(self.single, x.tolist(), strict=False))
         while pending:
             name = next(name for name in pending if self._base(name) not in pending)
             own, base = float(pending.pop(name)), self._base(name)
@@ -47,7 +70,7 @@ class Coordinates:
     def bounds(self) -> tuple[Floats, Floats]:
         """Return the lowest and the highest vector."""
         low, high = [], []
-        for name in self.names:
+        for name in self.single:
             declared = self._declared(name)
             if self._logarithmic(name):
                 low.append(math.log(declared.lower))
@@ -55,21 +78,26 @@ class Coordinates:
             else:
                 low.append(0.0 if self._base(name) else declared.lower)
                 high.append(declared.upper)
+        for lowest, highest in self.elements.bounds if self.elements else ():
+            low.append(lowest)
+            high.append(highest)
         return np.array(low), np.array(high)
 
     @property
     def logarithmic(self) -> NDArray[np.bool_]:
         """Which coordinates are logarithms, (names,)."""
-        return np.array([self._logarithmic(name) for name in self.names])
+        return np.array(
+            [*(self._logarithmic(name) for name in self.single), *(self.elements.logarithmic if self.elements else ())]
+        )
 
     def slopes(self, x: Floats) -> Floats:
-        """Return ∂value/∂x of the free values, (names, names)."""
-        out = np.empty((x.size, x.size))
+        """Return ∂value/∂x of the values that :meth:`told` tells, (told, names)."""
+        out = np.empty((len(self.told(x)), x.size))
         for k in range(x.size):
             step = np.zeros(x.size)
             step[k] = STEP * max(1.0, abs(float(x[k])))
-            ends = [self.values(x + step), self.values(x - step)]
-            out[:, k] = [(ends[0][name] - ends[1][name]) / (2.0 * step[k]) for name in self.names]
+            ends = [np.array(list(self.told(at).values())) for at in (x + step, x - step)]
+            out[:, k] = (ends[0] - ends[1]) / (2.0 * step[k])
         return out
 
     def _declared(self, name: str) -> Parameter:
@@ -82,8 +110,6 @@ class Coordinates:
         rules = [rule for rule in self.law.rules if isinstance(rule, Ordering)]
         return next((rule.smaller for rule in rules if rule.larger == name), None)
 
-    def _inward(self, name: str, values: Mapping[str, float]) -> float:
-        base = self._base(name)
-        if self._logarithmic(name):
-            return math.log(values[name])
-        return values[name] - (values[base] if base else 0.0)
+    def _inward(self, name: str, values: Values) -> float:
+        base, own = self._base(name), scalar(values, name)
+        return math.log(own) if self._logarithmic(name) else own - (scalar(values, base) if base else 0.0)

@@ -9,11 +9,16 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from mjfriction.identify.coordinates import Coordinates
+from mjfriction.identify.elements import Elements
+from mjfriction.identify.first_elements import first_springs, first_waves, springs_of
 from mjfriction.identify.problem import Problem
 from mjfriction.identify.regression import Normal, Rows, System
 from mjfriction.identify.starts import DYNAMIC, GIVING_TRAVELS, LEFT_AS_DECLARED, starts
 from mjfriction.laws.catalog import find_law
 from mjfriction.laws.law import Law
+from mjfriction.laws.maxwell_slip import MAXWELL_SLIP
+from mjfriction.laws.position_dependent import POSITION_DEPENDENT
+from mjfriction.laws.rules import Values, scalar
 from mjfriction.record.log import Floats
 from mjfriction.robot.schema import FrictionTerm
 
@@ -25,10 +30,15 @@ STATIC_SIBLING = {
     "lugre_lorentzian": "lorentzian",
     "lugre_arctan": "arctan",
     "lugre_smooth": "arctan",
+    "maxwell_slip": "coulomb_viscous",
+    "leuven": "stribeck",
+    "gms": "stribeck",
 }
 """The law without a state whose statics are those of a law with one."""
 
 MOST_ROUNDS, FIRST_ROUNDS = 40, 6
+QUICKER = (0.2, 1.0, 5.0)  # times the usual damping or rate of a bristle, to begin from
+AS_GOOD = 1.01  # times the squared error, that fewer elements may leave
 DIFFERENCE = 1e-4  # of a coordinate, for the slopes of the rows
 
 
@@ -49,9 +59,14 @@ class LawFit:
         return self.coordinates.law
 
     @property
-    def values(self) -> dict[str, float]:
+    def values(self) -> dict[str, float | Sequence[float]]:
         """All its parameters."""
         return self.coordinates.values(self.x)
+
+    @property
+    def told(self) -> dict[str, float]:
+        """Its free parameters as they are told, one number each."""
+        return self.coordinates.told(self.x)
 
     @property
     def term(self) -> FrictionTerm:
@@ -97,7 +112,7 @@ class LawFit:
 
 def fit_anew(problem: Problem, fit: LawFit) -> LawFit:
     """Return a fit continued on rows that have moved a little."""
-    return _best(problem, fit.law, fit.coordinates.names, [fit.values])
+    return _best(problem, [(fit.coordinates, fit.x)])
 
 
 def begun(problem: Problem, law: Law) -> LawFit:
@@ -112,30 +127,60 @@ def fit_law(problem: Problem, law: Law) -> LawFit:
     """Fit a law to a joint by weighted nonlinear least squares from several starts.
 
     The statics of a law with a state are those of its sibling without one, fitted first; then, these held, its bristle;
-    then all together.  Raises :class:`~mjfriction.errors.LawError` for a law that a log of this kind cannot fix.
+    then all together.  Elements are as many as predict motion best that was not fitted.
     """
-    begin = starts(law, problem.usual())
+    begin: list[Values] = list(starts(law, problem.usual()))
+    free = [name for name in begin[0] if name not in LEFT_AS_DECLARED]
     sibling = STATIC_SIBLING.get(law.name)
     if sibling is not None:
-        statics = fit_law(problem, find_law(sibling)).values
-        shared = {name: value for name, value in statics.items() if name not in LEFT_AS_DECLARED}
+        statics = fit_law(problem, find_law(sibling)).told
         # The fading speed is known now, so that starts differ in the bristle alone.
-        known = {name: value for name, value in shared.items() if name in begin[0]}
-        begin = [{**start, **known} for start in begin[: len(GIVING_TRAVELS)]]
-        bristle = [name for name in begin[0] if name in DYNAMIC]
-        begin = [_best(problem, law, bristle, begin).values]
-    free = [name for name in begin[0] if name not in LEFT_AS_DECLARED]
-    return _best(problem, law, free, begin)
+        known = {name: value for name, value in statics.items() if name in free}
+        plain, begin = begin, [{**start, **known} for start in begin[: len(GIVING_TRAVELS)]]
+    if law is POSITION_DEPENDENT:
+        elements, arrays = first_waves(problem)
+        return _thinned(problem, _best(problem, [_at(law, free, {**begin[0], **arrays}, elements)]))
+    if law is MAXWELL_SLIP:
+        elements, arrays = first_springs(problem)
+        return _thinned(problem, _best(problem, [_at(law, free, {**begin[0], **arrays}, elements)]))
+    if law.elements:
+        elements, arrays = springs_of(law, fit_law(problem, MAXWELL_SLIP).values)
+        # Where most of the motion is before sliding, the sibling knows little of the statics.
+        slow = [name for name in free if name not in DYNAMIC]
+        whole = _best(problem, [_at(law, slow, {**start, **arrays}, elements) for start in [begin[0], *plain]]).values
+        quick = [{name: factor * scalar(whole, name) for name in free if name in DYNAMIC} for factor in QUICKER]
+        return _thinned(problem, _best(problem, [_at(law, free, {**whole, **own}, elements) for own in quick]))
+    if sibling is not None:
+        bristle = [name for name in free if name in DYNAMIC]
+        begin = [_best(problem, [_at(law, bristle, start) for start in begin]).values]
+    return _best(problem, [_at(law, free, start) for start in begin])
 
 
-def _best(problem: Problem, law: Law, free: Sequence[str], begin: list[dict[str, float]]) -> LawFit:
+def _thinned(problem: Problem, fit: LawFit) -> LawFit:
+    # Elements that were grown on candidates may stand for one between two of these.
+    while fit.coordinates.elements is not None and fit.coordinates.elements.count > 1:
+        fewer, values = fit.coordinates.elements.fewer(fit.values)
+        less = _best(problem, [_at(fit.law, fit.coordinates.single, values, fewer)])
+        errors = [float(np.sum(np.square(problem.left(own.term)))) for own in (fit, less)]
+        if errors[1] > AS_GOOD * errors[0]:
+            break
+        fit = less
+    return fit
+
+
+def _at(law: Law, free: Sequence[str], values: Values, elements: Elements | None = None) -> tuple[Coordinates, Floats]:
+    single = {parameter.name: scalar(values, parameter.name) for parameter in law.parameters}
+    fixed = {name: value for name, value in single.items() if name not in free}
+    coordinates = Coordinates(law, tuple(name for name in single if name in free), fixed, elements)
+    return coordinates, coordinates.vector(values)
+
+
+def _best(problem: Problem, begin: list[tuple[Coordinates, Floats]]) -> LawFit:
     # A few rounds from every start, and all from the best.
     first = FIRST_ROUNDS if len(begin) > 1 else MOST_ROUNDS
     tried = []
-    for start in begin:
-        fixed = {name: value for name, value in start.items() if name not in free}
-        coordinates = Coordinates(law, tuple(free), fixed)
-        tried.append((coordinates, *_descend(problem, coordinates, coordinates.vector(start), first)))
+    for coordinates, start in begin:
+        tried.append((coordinates, *_descend(problem, coordinates, start, first)))
     coordinates, x, _ = min(tried, key=lambda entry: entry[2])
     if first < MOST_ROUNDS:
         x, _ = _descend(problem, coordinates, x, MOST_ROUNDS)
@@ -163,11 +208,11 @@ def slopes(problem: Problem, coordinates: Coordinates, x: Floats) -> Floats:
     low, high = coordinates.bounds()
     middle = problem.rows(problem.term(coordinates.law, coordinates.values(x)))
     out = np.empty((middle.size, x.size))
+    logarithmic = coordinates.logarithmic
+    least = np.where(logarithmic, 1.0, max(0.1 * float(np.max(np.abs(x[~logarithmic]), initial=0.0)), 1e-3))
     for k in range(x.size):
-        size = DIFFERENCE * max(abs(float(x[k])), 0.1 * float(np.max(np.abs(x))), 1e-3)
+        size = DIFFERENCE * min(max(abs(float(x[k])), float(least[k])), 0.5 * float(high[k] - low[k]))
         step = np.zeros(x.size)
         step[k] = size if x[k] + size <= high[k] else -size
-        if x[k] + step[k] < low[k]:
-            step[k] = 0.5 * (high[k] - low[k]) * DIFFERENCE
         out[:, k] = (problem.rows(problem.term(coordinates.law, coordinates.values(x + step))) - middle) / step[k]
     return out

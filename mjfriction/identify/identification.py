@@ -218,6 +218,7 @@ def _from_passes(fit: LawFit, passes: Passes) -> LawFit | None:
     statics = passes.statics(fit)
     if statics is None:
         return None
-    values = {**fit.values, **{name: value for name, value in statics.values.items() if name in fit.values}}
+    now = fit.values
+    values = {**now, **{name: value for name, value in statics.values.items() if name in now}}
     x = fit.coordinates.vector(values)
     return replace(fit, x=x, slopes=slopes(fit.problem, fit.coordinates, x))

@@ -63,7 +63,7 @@ def fit_map(points: FrictionMap, law: Law, side: Side, gear_ratio: float) -> Map
     rms = float(np.sqrt(np.mean(np.square(left * error))))
     basis = np.linalg.qr(slopes)[0]
     leverage = np.minimum(np.sum(np.square(basis), axis=1), MOST_LEVERAGE)
-    return MapFit(law, coordinates.values(x), half, rms, left * error / (1.0 - leverage))
+    return MapFit(law, {**coordinates.fixed, **coordinates.told(x)}, half, rms, left * error / (1.0 - leverage))
 
 
 def static_names(law: Law) -> tuple[str, ...]:

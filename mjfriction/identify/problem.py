@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -14,6 +13,7 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.row_noise import row_noise
 from mjfriction.identify.starts import Usual
 from mjfriction.laws.law import Law
+from mjfriction.laws.rules import Values
 from mjfriction.record.log import Floats
 from mjfriction.robot.rubbing import direction, forward_share, surroundings, term_torque
 from mjfriction.robot.schema import FrictionTerm
@@ -37,9 +37,10 @@ class Problem:
     deviation: Floats
     beside: Beside
 
-    def term(self, law: Law, values: Mapping[str, float]) -> FrictionTerm:
+    def term(self, law: Law, values: Values) -> FrictionTerm:
         """Return a law with values as it stands in a robot file."""
-        return FrictionTerm(law=law.name, side=self.side, parameters=dict(values))
+        parameters = {name: own if isinstance(own, (int, float)) else tuple(own) for name, own in values.items()}
+        return FrictionTerm(law=law.name, side=self.side, parameters=parameters)
 
     def rows(self, term: FrictionTerm) -> Floats:
         """Return the effort of a friction law through the measurement chain, (rows,)."""

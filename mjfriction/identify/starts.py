@@ -7,14 +7,21 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from mjfriction.errors import LawError
-from mjfriction.laws.catalog import LAWS
 from mjfriction.laws.law import Law
 
-DYNAMIC = frozenset({"bristle_stiffness", "bristle_damping"})
+DYNAMIC = frozenset({"bristle_stiffness", "bristle_damping", "attraction"})
 """Parameters that only the motion around reversals shows; they are fitted after all others."""
 
-LEFT_AS_DECLARED = frozenset({"sign_sharpness", "damping_velocity", "elastic_share", "reference_temperature"})
+LEFT_AS_DECLARED = frozenset(
+    {
+        "sign_sharpness",
+        "damping_velocity",
+        "elastic_share",
+        "reference_temperature",
+        # At steady speeds the force on a cylinder is a sum of these and the rod's pressure, whatever its friction is.
+        *(f"{name}_{way}" for name in ("growth", "pressure_difference") for way in ("extending", "retracting")),
+    }
+)
 """Parameters with a default that no ordinary log can improve on."""
 
 FADING_SPEEDS = (0.05, 0.15, 0.4)  # of the joint's usual speed, at which a level may fall away
@@ -36,19 +43,10 @@ class Usual:
     load: float
 
 
-def can_be_identified(law: Law) -> bool:
-    """Return whether a law's parameters can be started from what a joint shows."""
-    return not law.elements and all(parameter.name in _KNOWN for parameter in law.parameters)
-
-
 def starts(law: Law, usual: Usual, fading: Sequence[float] = FADING_SPEEDS) -> list[dict[str, float]]:
-    """Return sets of values to begin the fit of a law from; ``fading`` are the shares of the usual speed to try.
-
-    Raises :class:`LawError` for a law that this fit does not know.
+    """Return sets of values for a law's single parameters to begin a fit from; ``fading`` are the shares of the usual
+    speed to try.
     """
-    if not can_be_identified(law):
-        known = ", ".join(law.name for law in LAWS.values() if can_be_identified(law))
-        raise LawError(f"law '{law.name}' cannot be identified from a log of this kind; allowed are {known}")
     names = [parameter.name for parameter in law.parameters]
     speeds = fading if {"stribeck_velocity", "stribeck_steepness", "half_velocity"} & set(names) else fading[:1]
     travels = GIVING_TRAVELS if "bristle_stiffness" in names else (1e-3,)
@@ -94,9 +92,10 @@ def _values(usual: Usual, fading: float, travel: float) -> dict[str, float]:
         "slope_below": level / fading,
         "slope_above": damping,
         "threshold_velocity": fading,
+        **{f"level_{way}": level for way in ("extending", "retracting")},
+        **{f"viscous_{way}": damping for way in ("extending", "retracting")},
+        **{f"rod_pressure_{way}": 0.0 for way in ("extending", "retracting")},
+        "attraction": 50.0 * level,
         "coulomb_per_kelvin": 0.0,
         "viscous_decay": 0.01,
     }
-
-
-_KNOWN = frozenset(_values(Usual(1.0, 1.0, 1.0, 1.0, 1.0), 0.1, 1e-3)) | LEFT_AS_DECLARED

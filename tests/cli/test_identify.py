@@ -126,7 +126,7 @@ def test_plan_writes_a_trajectory(tmp_path: Path) -> None:
         (("plan", "--robot", "ur5", "--protocol", "excitation", "--out", "t.txt"), "written as .csv or .parquet"),
         (("plan", "--robot", "ur5", "--protocol", "passes", "--out", "t.csv"), "forward_backward"),
         (("identify", "LOG", "--robot", "ROBOT", "--law", "lugree", "--out", "o"), "did you mean 'lugre'"),
-        (("identify", "LOG", "--robot", "ur10", "--law", "gms", "--out", "o"), "cannot be identified"),
+        (("identify", "LOG", "--robot", "ur10", "--law", "gmz", "--out", "o"), "did you mean 'gms'"),
         (("compare", "LOG", "--robot", "ROBOT", "--robot", "z1"), "same joints"),
     ],
 )

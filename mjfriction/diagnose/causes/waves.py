@@ -10,6 +10,7 @@ import numpy as np
 from mjfriction.diagnose.causes.cause import JointCause, Quantity, Shape, Site
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
+from mjfriction.identify.stroke_waves import wavenumber_bounds, wavenumber_step, wavenumbers, waves_at_rows
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import with_friction_wave
@@ -19,11 +20,6 @@ from mjfriction.robot.schema import Wave
 WAVENUMBER = Parameter("wavenumber", "rad/{length}", "phase per position; 2π over the period", lower=1e-6)
 COSINE = Parameter("cosine", "{force}", "amplitude of the cosine of wavenumber times position")
 SINE = Parameter("sine", "{force}", "amplitude of the sine of wavenumber times position")
-
-FEWEST_WAVES = 1.2  # over the stroke; longer waves are springs or gravity
-STEPS_PER_LOBE = 3.0  # of the grid of wavenumbers; two waves over one stroke differ when they drift apart by one period
-MOST_WAVENUMBERS = 400
-IN_BAND = 0.8  # of the band that the waves may reach at the joint's median speed
 
 
 class _Waves(JointCause):
@@ -35,26 +31,15 @@ class _Waves(JointCause):
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every moving joint, with wavenumbers as fine as its stroke can tell apart."""
-        out = []
-        for site in super().sites(gap):
-            low, high = self.shape_bounds(gap, site)[0]
-            step = 2.0 * np.pi / float(np.ptp(gap.motion.position[:, site.joint])) / STEPS_PER_LOBE
-            count = min(int((high - low) / step), MOST_WAVENUMBERS)
-            out += [site.shaped((low + k * step,)) for k in range(count)]
-        return out
+        return [site.shaped((float(k),)) for site in super().sites(gap) for k in wavenumbers(gap, site.joint)]
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
-        """From little more than a wave over the stroke to what the band lets through at the joint's usual speed."""
-        stroke = float(np.ptp(gap.motion.position[:, site.joint]))
-        speed = np.abs(gap.motion.velocity[:, site.joint])
-        usual = float(np.median(speed[speed > gap.doubt_speed[site.joint]]))
-        low = FEWEST_WAVES * 2.0 * np.pi / stroke
-        return [(low, max(low, IN_BAND * 2.0 * np.pi * gap.chain.band / usual))]
+        """What the motion shows."""
+        return [wavenumber_bounds(gap, site.joint)]
 
     def shape_steps(self, gap: Gap, site: Site) -> tuple[float, ...]:
         """A third of the grid's step, so that the search stays on the peak it starts from."""
-        stroke = float(np.ptp(gap.motion.position[:, site.joint]))
-        return (2.0 * np.pi / stroke / STEPS_PER_LOBE / 3.0,)
+        return (wavenumber_step(gap, site.joint) / 3.0,)
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The two waves, (n, 2)."""
@@ -66,11 +51,7 @@ class _Waves(JointCause):
         """The waves at the rows, weakened as the chain weakens the frequency they have there; no filtering needed."""
         joint = sites[0].joint
         wavenumber = np.array([site.shape[0] for site in sites])
-        phase = np.outer(gap.at_rows("position")[::every, joint], wavenumber)
-        passed = gap.chain.response(np.outer(gap.at_rows("velocity")[::every, joint], wavenumber / (2.0 * np.pi)))
-        if self.turns:
-            passed *= gap.at_rows("forward")[::every, [joint]]
-        return {joint: np.stack([np.cos(phase) * passed, np.sin(phase) * passed], axis=2)}
+        return {joint: waves_at_rows(gap, joint, wavenumber, every, turns=self.turns)}
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The two amplitudes."""

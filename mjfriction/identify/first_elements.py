@@ -1,0 +1,135 @@
+"""How many elements a law needs at a joint, and where their fit begins: grown one by one on motion not fitted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from mjfriction.identify.elements import Elements, Springs, Waves, elements_of_law
+from mjfriction.identify.gap import DOUBT_PERIODS
+from mjfriction.identify.problem import Problem
+from mjfriction.identify.regression import Columns, Rows, System
+from mjfriction.identify.stroke_waves import STEPS_PER_LOBE, wavenumbers, waves_at_rows
+from mjfriction.laws.law import Law
+from mjfriction.laws.rules import Values, array
+from mjfriction.record.log import Floats
+from mjfriction.robot.schema import FrictionTerm
+
+MOST = 8  # elements
+TRAVELS = 16  # of the ladder on which springs may break away
+LONGEST = 0.3  # of the stroke
+STANDARD_ERRORS, LEAST_GAIN = 3.0, 0.02  # by which, and of the squared error, a further element must lower it
+SCREENED_ROWS = 2000
+Arrays = dict[str, tuple[float, ...]]
+
+
+def first_springs(problem: Problem) -> tuple[Elements, Arrays]:
+    """Return the springs of a Maxwell-slip model and values for them to begin from, by least squares on a ladder of
+    travels.
+
+    One after another is added where it lowers the error most, as long as that of motion not fitted falls by three
+    standard errors and a fiftieth.
+    """
+    gap, joint = problem.gap, problem.joint
+    ratio = abs(gap.robot.table.joint[joint].actuator.gear_ratio) if problem.side == "motor" else 1.0
+    blurred = float(gap.doubt_speed[joint] * DOUBT_PERIODS / gap.motion.cutoff)
+    stroke = float(np.ptp(gap.motion.position[:, joint]))
+    ladder = ratio * np.geomspace(min(blurred, 0.01 * stroke), LONGEST * stroke, TRAVELS)
+
+    def plays(travel: float) -> Floats:
+        elements = {"stiffness": (1.0 / travel,), "level": (1.0,)}
+        return problem.rows(
+            FrictionTerm(law="maxwell_slip", side=problem.side, parameters={"viscous": 0.0, **elements})
+        )
+
+    candidates = np.column_stack([plays(float(travel)) for travel in ladder])
+    chosen, levels = _grown(
+        problem, _lines(problem, "viscous"), candidates[:, :, None], lambda own: bool(own[0] > 0.0), apart=1
+    )
+    if not chosen:
+        chosen, levels = [0], np.array([[problem.usual().level]])
+    order = np.argsort(chosen)
+    travel, level = ladder[np.array(chosen)[order]], levels[order, 0]
+    return Springs(len(chosen)), {"level": tuple(level.tolist()), "stiffness": tuple((level / travel).tolist())}
+
+
+def springs_of(law: Law, values: Values) -> tuple[Elements, Arrays]:
+    """Return the springs of a Maxwell-slip model as those of another law, and values for them."""
+    level, stiffness = array(values, "level"), array(values, "stiffness")
+    elements = elements_of_law(law, len(level))
+    if not (isinstance(elements, Springs) and elements.shares):
+        return elements, {"level": tuple(level), "stiffness": tuple(stiffness)}
+    return elements, {"share": tuple(own / math.fsum(level) for own in level), "stiffness": tuple(stiffness)}
+
+
+def first_waves(problem: Problem) -> tuple[Elements, Arrays]:
+    """Return waves of the level along the stroke and values for them to begin from, on a grid of wavenumbers; grown as
+    :func:`first_springs` are.
+    """
+    gap, joint = problem.gap, problem.joint
+    grid = wavenumbers(gap, joint)
+    base = np.hstack([_lines(problem, "viscous"), _lines(problem, "coulomb")])
+    ratio = problem.gap.robot.table.joint[joint].actuator.gear_ratio if problem.side == "motor" else 1.0
+    chosen, strengths = _grown(
+        problem,
+        base,
+        waves_at_rows(gap, joint, grid, 1, turns=True),
+        lambda own: bool(np.any(own != 0.0)),
+        apart=math.ceil(STEPS_PER_LOBE),
+    )
+    if not chosen:
+        chosen, strengths = [0], np.zeros((1, 2))
+    # A law of the motor's side reads the joint's own position.
+    return Waves(len(chosen)), {
+        "wavenumber": tuple(grid[chosen].tolist()),
+        "cosine": tuple((strengths[:, 0] / abs(ratio)).tolist()),
+        "sine": tuple((strengths[:, 1] / abs(ratio)).tolist()),
+    }
+
+
+def _lines(problem: Problem, name: str) -> Floats:
+    parameters = {"coulomb": 0.0, "viscous": 0.0, name: 1.0}
+    return problem.rows(FrictionTerm(law="coulomb_viscous", side=problem.side, parameters=parameters))[:, None]
+
+
+def _grown(
+    problem: Problem, base: Floats, candidates: Floats, allowed: Callable[[Floats], bool], *, apart: int
+) -> tuple[list[int], Floats]:
+    # Which candidates (rows, n, m) are taken, in order, and their strengths (taken, m) beside ``base`` (rows, b); no
+    # two are nearer than ``apart`` in their list.
+    beside = problem.beside
+    rows = Rows(
+        (problem.target - beside.columns @ beside.expected)[:, None],
+        1.0 / problem.deviation[:, None],
+        problem.gap.blocks.row,
+    )
+    every = max(1, problem.target.size // SCREENED_ROWS)
+    free, width = np.zeros(base.shape[1]), candidates.shape[2]
+    blocks: list[Columns] = [{0: base}, {0: beside.columns}]
+    precisions = [free, beside.precision]
+    chosen: list[int] = []
+    system = System(rows, blocks, precisions)
+    held = system.normal.heldout_errors(problem.gap.blocks.folds)[0]
+    while len(chosen) < MOST:
+        strengths, gains = system.screen({0: candidates[::every]}, every)
+        near = {i + d for i in chosen for d in range(1 - apart, apart)}
+        able = [i for i in range(gains.size) if i not in near and allowed(strengths[i])]
+        best = max(able, key=lambda i: float(gains[i]), default=None)
+        if best is None:
+            break
+        blocks = [*blocks, {0: candidates[:, best]}]
+        precisions = [*precisions, np.zeros(width)]
+        further = System(rows, blocks, precisions)
+        after = further.normal.heldout_errors(problem.gap.blocks.folds)[0]
+        better = held - after
+        error = STANDARD_ERRORS * float(np.std(better, ddof=1)) * np.sqrt(better.size)
+        whole = further.normal.strengths(np.ones(better.size, dtype=bool))[-width * (len(chosen) + 1) :]
+        own = whole.reshape(-1, width)
+        if np.sum(better) <= max(error, LEAST_GAIN * float(np.sum(held))) or not all(map(allowed, own)):
+            break
+        chosen, system, held = [*chosen, best], further, after
+    count = width * len(chosen)
+    whole = system.normal.strengths(np.ones(held.size, dtype=bool))
+    return chosen, whole[whole.size - count :].reshape(-1, width)

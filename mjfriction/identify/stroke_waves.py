@@ -1,0 +1,49 @@
+"""Waves along a joint's stroke: which wavenumbers a log can show, and what they are at its rows."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mjfriction.identify.gap import Gap
+from mjfriction.record.log import Floats
+
+FEWEST_WAVES = 1.2  # over the stroke; longer waves are springs or gravity
+STEPS_PER_LOBE = 3.0  # of the grid of wavenumbers; two waves over one stroke differ when they drift apart by one period
+MOST_WAVENUMBERS = 400
+IN_BAND = 0.8  # of the band that the waves may reach at the joint's median speed
+
+
+def wavenumber_bounds(gap: Gap, joint: int) -> tuple[float, float]:
+    """Return the wavenumbers (1/rad or 1/m) that a joint's motion shows, from little more than a wave over its stroke
+    to what the band lets through at its usual speed.
+    """
+    stroke = float(np.ptp(gap.motion.position[:, joint]))
+    speed = np.abs(gap.motion.velocity[:, joint])
+    usual = float(np.median(speed[speed > gap.doubt_speed[joint]]))
+    low = FEWEST_WAVES * 2.0 * np.pi / stroke
+    return low, max(low, IN_BAND * 2.0 * np.pi * gap.chain.band / usual)
+
+
+def wavenumber_step(gap: Gap, joint: int) -> float:
+    """Return how far apart two wavenumbers must be for the stroke to tell them apart, by a third."""
+    return 2.0 * np.pi / float(np.ptp(gap.motion.position[:, joint])) / STEPS_PER_LOBE
+
+
+def wavenumbers(gap: Gap, joint: int) -> Floats:
+    """Return a grid of wavenumbers (k,) as fine as the stroke can tell apart."""
+    low, high = wavenumber_bounds(gap, joint)
+    step = wavenumber_step(gap, joint)
+    return np.asarray(low + step * np.arange(min(int((high - low) / step), MOST_WAVENUMBERS)), dtype=np.float64)
+
+
+def waves_at_rows(gap: Gap, joint: int, wavenumber: Floats, every: int, *, turns: bool) -> Floats:
+    """Return cosine and sine of each wavenumber (k,) at each ``every``-th row, (rows/every, k, 2), good enough to rank
+    them: weakened as the chain weakens the frequency they have there, with no filtering.
+
+    With ``turns`` they turn with the direction of motion.
+    """
+    phase = np.outer(gap.at_rows("position")[::every, joint], wavenumber)
+    passed = gap.chain.response(np.outer(gap.at_rows("velocity")[::every, joint], wavenumber / (2.0 * np.pi)))
+    if turns:
+        passed = passed * gap.at_rows("forward")[::every, [joint]]
+    return np.asarray(np.stack([np.cos(phase) * passed, np.sin(phase) * passed], axis=2))
