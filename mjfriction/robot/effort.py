@@ -57,9 +57,24 @@ def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
         for coupling in joint.coupling:
             other = robot.joints.index(coupling.joint)
             total[:, i] += coupling.coulomb * forward_share(rubbing, other)
-            total[:, i] += coupling.viscous * rubbing.velocity[:, other] + coupling.effort * alone[:, other]
+            total[:, i] += coupling.viscous * rubbing.velocity[:, other]
+            if coupling.effort:
+                total[:, i] += coupling.effort * shared_effort(robot, motion, other, alone[:, other])
         reported[:, i] = as_reported(joint, total[:, i], motion, motor.position[:, i]) + joint.effort_sensor.offset
     return Effort(rigid, friction, total, reported)
+
+
+def shared_effort(robot: Robot, motion: Motion, joint: int, predicted: Floats) -> Floats:
+    """Return the effort (n,) that a joint shares with others: as its drive reported it, where it did, else as
+    ``predicted``.
+
+    A joint that sticks carries what its drive gives, which its motion does not tell.
+    """
+    table, reported = robot.table.joint[joint], motion.torque[:, joint]
+    if not np.all(np.isfinite(reported)):
+        return predicted
+    worth = effort_per_reported(table, motion.quantity[joint], robot.name)
+    return as_given(table, reported * worth, motion, motion.position[:, joint] - table.position_sensor.offset)
 
 
 def friction_states(robot: Robot, body: Body, motion: Motion) -> dict[str, dict[str, Floats]]:

@@ -62,6 +62,20 @@ def test_the_log_is_what_the_robot_predicts(ur5: Robot) -> None:
         assert error < 1e-3 * np.sqrt(np.mean(measured[sure] ** 2)), joint
 
 
+def test_a_joint_that_sticks_shares_the_effort_that_its_drive_gives(ur5: Robot) -> None:
+    robot = with_elbow(ur5, coupling=(Coupling(joint="wrist_1_joint", effort=0.5),))
+    course = motion(robot)
+    wrist = robot.joints.index("wrist_1_joint")
+    course.position[:, wrist] = HOME[wrist]  # it rests, and friction holds it with any part of its level
+    log = log_from_table(pa.table(simulate(robot, course, recorder=Recorder(500.0))), "log")
+    predicted = predict_log(log, robot)
+    speed = np.abs(np.gradient(log.columns["position.elbow_joint"], log.time))
+    sure = (speed > 0.1) & (log.time > 1.0) & (log.time < 7.0)
+    shared = 0.5 * (log.columns["effort.wrist_1_joint"] - predicted["effort.wrist_1_joint"])[sure]
+    error = (log.columns["effort.elbow_joint"] - predicted["effort.elbow_joint"])[sure]
+    assert np.sqrt(np.mean(error**2)) < 0.05 * np.sqrt(np.mean(shared**2))
+
+
 def test_a_joint_that_gives_sags_by_compliance_times_load(ur5: Robot) -> None:
     soft = with_elbow(frictionless(ur5), transmission=Transmission(compliance=2e-4))
     done = run(soft, hold(soft, HOME, 6.0)).played

@@ -11,6 +11,7 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
+from mjfriction.robot.effort import shared_effort
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import direction
 from mjfriction.robot.schema import CommonDrive, Coupling
@@ -75,8 +76,9 @@ class SharedEffort(_Coupling):
     """A share of the other joint's effort."""
 
     def samples(self, gap: Gap, site: Site) -> Floats:
-        """The other joint's stated effort, (n, 1)."""
-        return column(gap.effort.total[:, self.source(gap, site)])
+        """The other joint's effort, (n, 1)."""
+        other = self.source(gap, site)
+        return column(shared_effort(gap.robot, gap.motion, other, gap.effort.total[:, other]))
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The share."""
