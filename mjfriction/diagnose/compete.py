@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 from mjfriction.diagnose.causes.cause import Cause, Site
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
-from mjfriction.diagnose.nuisance import Nuisance
+from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
 from mjfriction.diagnose.tangent import straightened
 from mjfriction.diagnose.trial import Trial, try_out
 from mjfriction.identify.gap import Gap
@@ -31,6 +31,8 @@ AROUND_STEPS = 9
 NEAR_BEST = 0.9  # of the best candidate's merit, from which on two are compared on the real balance
 PROOF_SEED = 0  # of the resampling by which a gain is held against zero
 SCREENED_ROWS = 1000  # enough to rank shapes by
+HEARD = 0.02  # periods of the band, by which a delay must have moved for columns to be drawn anew
+HEARINGS = 3
 
 
 @dataclass(frozen=True)
@@ -111,8 +113,30 @@ def _forward(gap: Gap, nuisance: Nuisance, field: Field, count: int, tell: Tell)
         if not passing:
             break
         best = max(fairly(model, passing), key=lambda trial: trial.merit)
-        model = straightened(reshaped(build_model(gap, nuisance, (*model.chosen, best.chosen))))
+        model = straightened(reshaped(build_model(model.gap, model.nuisance, (*model.chosen, best.chosen))))
+        model = _as_heard(model)
     return model
+
+
+def _as_heard(model: Model) -> Model:
+    # Where drives are found to report late, all causes are looked for as late as they are reported.
+    for _ in range(HEARINGS):
+        late = _delays(model)
+        if np.max(np.abs(late - model.gap.late)) * model.gap.chain.band < HEARD:
+            break
+        heard = model.gap.heard_later(late)
+        model = straightened(reshaped(build_model(heard, make_nuisance(heard), model.chosen)))
+    return model
+
+
+def _delays(model: Model) -> Floats:
+    # By how much the drives report later than is stated, as far as was found, (joints,).
+    stated = robot = model.gap.robot
+    for choice, place in zip(model.chosen, model.places, strict=True):
+        if choice.cause.of_sensor:
+            robot = choice.cause.extend(robot, choice.site, model.strengths[place])
+    pairs = zip(robot.table.joint, stated.table.joint, strict=True)
+    return np.array([found.effort_sensor.delay - own.effort_sensor.delay for found, own in pairs])
 
 
 def _passing(model: Model, field: Field, count: int) -> list[Trial]:
@@ -207,7 +231,10 @@ def _tried(model: Model, choice: Chosen) -> Trial | None:
     if not choice.cause.own_shape(model.gap, best.site):
         return None
     # The shape that fits best may be one that nature does not allow; the grid's may be.
-    return try_out(model, best) or try_out(model, choice)
+    trial = try_out(model, best) or try_out(model, choice)
+    if trial is not None and choice.cause.of_sensor and model.chosen:
+        return _bent(model, trial)
+    return trial
 
 
 def _screening(gap: Gap, entrant: Entrant, every: int) -> Columns:

@@ -39,7 +39,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     nuisance = Nuisance((), ()) if faults else make_nuisance(gap)
     settled = settle(compete(gap, nuisance, field, tell), field)
     tell("proving what was found", PROVING)
-    model = settled.model
+    model, gap = settled.model, settled.model.gap
     heldout = model.heldout_residual()
     after = tuple(find_structure(gap, heldout))
     curves = stroke_curves(model, heldout)

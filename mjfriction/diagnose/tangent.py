@@ -54,15 +54,22 @@ def _admissible(model: Model, choice: Chosen, strengths: Floats) -> bool:
 
 def _tangents(model: Model, strengths: list[Floats], drawn: list[Chosen]) -> tuple[Chosen, ...]:
     gap, keys = model.gap, [choice.key for choice in drawn]
-    curved = [(c, own) for c, own in zip(model.chosen, strengths, strict=True) if c.cause.curved]
-    stated = gap.chain.rows(gap.effort.reported)
-    whole = _predicted(gap, curved)
+    pairs = list(zip(model.chosen, strengths, strict=True))
+    curved = [pair for pair in pairs if pair[0].cause.curved]
+    # A late sensor is late with what other causes bring, straight as they are.
+    sensed = any(choice.cause.of_sensor for choice, _ in curved)
+    straight = [(c, own) for c, own in pairs if sensed and not c.cause.curved and _possible(gap, c, own)]
+    punctual = _predicted(gap, straight) if straight else gap.chain.rows(gap.effort.reported)
+    held_late = _held_late(gap, straight)
+    stated = punctual - held_late
+    whole = _predicted(gap, [*straight, *curved])
     effects, slopes = {}, {}
     for i, (choice, own) in enumerate(curved):
         if choice.key not in keys:
             continue
-        others = [*curved[:i], *curved[i + 1 :]]
-        effects[choice.key] = whole - (_predicted(gap, others) if others else stated)
+        others = [*straight, *curved[:i], *curved[i + 1 :]]
+        before = punctual if len(others) == len(straight) else _predicted(gap, others)
+        effects[choice.key] = whole - before + (held_late if choice.cause.of_sensor else 0.0)
         slopes[choice.key] = _near(choice, own) or _slopes(gap, others, choice, own, whole)
     # What they do together, beyond what each does among the others, is shared out; one alone leaves it to the others.
     together = (whole - stated - sum(effects.values())) / len(curved) if len(drawn) == len(curved) else 0.0
@@ -78,6 +85,20 @@ def _tangents(model: Model, strengths: list[Floats], drawn: list[Chosen]) -> tup
         site = replace(choice.site, around=float(own[0])) if choice.site.around else choice.site
         out.append(replace(choice, site=site, tangent=Tangent(columns, bend, drawn_at)))
     return tuple(out)
+
+
+def _possible(gap: Gap, choice: Chosen, strengths: Floats) -> bool:
+    return choice.cause.admissible(gap, choice.site, strengths)
+
+
+def _held_late(gap: Gap, straight: list[tuple[Chosen, Floats]]) -> Floats:
+    # What straight causes' columns lack of being punctual: that they are late is no effect of the delay's any more.
+    out = np.zeros_like(gap.residual)
+    for choice, own in straight if np.any(gap.late) else ():
+        now, then = (choice.cause.columns(one, choice.site) for one in (gap, gap.prompt))
+        for joint, columns in now.items():
+            out[:, joint] += (then[joint] - columns) @ own
+    return out
 
 
 def _near(choice: Chosen, own: Floats) -> tuple[Columns, Floats] | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,9 @@ from mjfriction.robot.bandwidth import choose_cutoff
 from mjfriction.robot.effort import (
     Effort,
     as_reported,
+    delayed,
     effort_per_reported,
+    later,
     link_motion,
     predict_effort,
     without_offsets,
@@ -48,7 +50,8 @@ class Gap:
     of friction near reversals and at rest may add to a row, same unit.  ``doubt_speed`` (joints,): the speed
     under which that is so.  ``blocks``: the stretches of motion the rows fall into.  ``per_reported``
     (joints,): effort per unit of what the drive reports, 1 or N·m/A.  ``filtered`` (joints,): the frequency (Hz) from
-    which on a drive has taken the rest of its effort, infinite where none did.
+    which on a drive has taken the rest of its effort, infinite where none did.  ``late`` (joints,) is by how much (s)
+    drives are taken to report later than is stated, in what is set beside the residual.
     """
 
     robot: Robot
@@ -66,6 +69,7 @@ class Gap:
     blocks: Blocks
     per_reported: Floats
     filtered: Floats
+    late: Floats
 
     @property
     def examined(self) -> tuple[int, ...]:
@@ -75,11 +79,14 @@ class Gap:
     @functools.cached_property
     def _kinematics(self) -> dict[str, Floats]:
         motion = self.motion
-        return {
-            "position": self.chain.rows(motion.position),
-            "velocity": self.chain.rows(motion.velocity),
-            "forward": self.chain.rows(np.column_stack([self.forward(i) for i in range(len(motion.joints))])),
-        }
+        forward = np.column_stack([self.forward(i) for i in range(len(motion.joints))])
+        courses = {"position": motion.position, "velocity": motion.velocity, "forward": forward}
+        return {name: self.chain.rows(self._heard(course)) for name, course in courses.items()}
+
+    def _heard(self, course: Floats) -> Floats:
+        # A course of every joint (n, joints) as late as its drive reports, beyond what is stated.
+        columns = [delayed(own, self.motion, late) for own, late in zip(course.T, self.late, strict=True)]
+        return np.column_stack(columns) if np.any(self.late) else course
 
     def at_rows(self, name: str) -> Floats:
         """Return ``position``, ``velocity`` or the ``forward`` direction of friction at the rows, (rows, joints)."""
@@ -95,7 +102,7 @@ class Gap:
         return self._reported(joint, torque, self.motion, self.chain)
 
     def _reported(self, joint: int, torque: Floats, motion: Motion, chain: Chain) -> Floats:
-        table = self.robot.table.joint[joint]
+        table = later(self.robot.table.joint[joint], float(self.late[joint]))
         seen = as_reported(table, torque, motion, motion.position[:, joint] - table.position_sensor.offset)
         rows = chain.rows(seen.reshape(seen.shape[0], -1))
         return np.asarray(rows.reshape(-1, *torque.shape[1:]))
@@ -117,9 +124,24 @@ class Gap:
     def _reach(self) -> int:
         # Samples from which on another one does not touch what a sensor says of this one.
         sensors = [joint.effort_sensor for joint in self.robot.table.joint]
-        late = max(abs(sensor.delay) for sensor in sensors)
+        late = max(abs(sensor.delay) + abs(more) for sensor, more in zip(sensors, self.late, strict=True))
         slow = max((FILTER_PERIODS / sensor.bandwidth for sensor in sensors if sensor.bandwidth), default=0.0)
         return int(np.ceil((late + slow) * self.motion.rate)) + 1
+
+    def heard_later(self, late: Floats) -> Gap:
+        """Return the gap with drives that report so much later (joints,) s than is stated.
+
+        Residual and prediction stay; what is set beside them, and where friction's direction is in doubt, are late.
+        """
+        table = self.robot.table
+        joints = tuple(later(joint, float(more)) for joint, more in zip(table.joint, late, strict=True))
+        heard = gap_of(replace(self.robot, table=table.model_copy(update={"joint": joints})), self)
+        return replace(self, late=np.asarray(late), doubt=heard.doubt, clear=heard.clear)
+
+    @functools.cached_property
+    def prompt(self) -> Gap:
+        """The gap with columns as late as is stated, and no later."""
+        return replace(self, late=np.zeros_like(self.late))
 
     def rms(self, values: Floats, joint: int) -> float:
         """Return the RMS of a joint's rows (rows,) over those that are clear."""
@@ -228,6 +250,7 @@ def _held_against(
         blocks=cut_blocks(chain, chain.rows(motion.position), log.source),
         per_reported=per_reported,
         filtered=filtered,
+        late=np.zeros(len(motion.joints)),
     )
 
 

@@ -109,7 +109,7 @@ def as_reported(joint: Joint, torque: Floats, motion: Motion, position: Floats) 
         worth = 1.0 / (1.0 + waves_along(joint.actuator.ripple, position))
         torque = torque * worth.reshape(-1, *[1] * (torque.ndim - 1))
     sensor = joint.effort_sensor
-    seen = _late(torque, motion, sensor.delay)
+    seen = delayed(torque, motion, sensor.delay)
     return np.asarray(sensor.scale * (seen if sensor.bandwidth is None else motion.low_passed(seen, sensor.bandwidth)))
 
 
@@ -120,7 +120,7 @@ def as_given(joint: Joint, reported: Floats, motion: Motion, position: Floats) -
     ``position`` (n,) is the drive's own.
     """
     sensor = joint.effort_sensor
-    given = _late((reported - sensor.offset) / sensor.scale, motion, -sensor.delay)
+    given = delayed((reported - sensor.offset) / sensor.scale, motion, -sensor.delay)
     return np.asarray(given * (1.0 + waves_along(joint.actuator.ripple, position)))
 
 
@@ -164,7 +164,14 @@ def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
     return linked
 
 
-def _late(effort: Floats, motion: Motion, delay: float) -> Floats:
+def later(joint: Joint, delay: float) -> Joint:
+    """Return a joint whose drive reports its effort so much later (s)."""
+    sensor = joint.effort_sensor.model_copy(update={"delay": joint.effort_sensor.delay + delay})
+    return joint.model_copy(update={"effort_sensor": sensor}) if delay else joint
+
+
+def delayed(effort: Floats, motion: Motion, delay: float) -> Floats:
+    """Return what was there so much earlier (s) of (n, ...) along a motion, its pieces apart."""
     if delay == 0.0:
         return effort
     columns = effort.reshape(effort.shape[0], -1)

@@ -12,6 +12,7 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
+from mjfriction.robot.effort import later
 from mjfriction.robot.robot import Robot
 
 DELAY = Parameter("delay", "s", "time by which the reported effort comes after the motion it belongs to")
@@ -34,9 +35,7 @@ def _late(gap: Gap, joint: int, delay: float) -> Floats:
 
 
 def _delayed(robot: Robot, joint: str, delay: float) -> Robot:
-    table = robot.joint(joint)
-    sensor = table.effort_sensor.model_copy(update={"delay": table.effort_sensor.delay + delay})
-    return robot.with_joint(table.model_copy(update={"effort_sensor": sensor}))
+    return robot.with_joint(later(robot.joint(joint), delay))
 
 
 class _Delay(JointCause):
@@ -49,6 +48,7 @@ class _Delay(JointCause):
     picture = "loop"
     before_sensor = False
     curved = True
+    of_sensor = True
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The stated effort's change per second of delay, (n, 1)."""
