@@ -129,14 +129,15 @@ def fit_law(problem: Problem, law: Law) -> LawFit:
     The statics of a law with a state are those of its sibling without one, fitted first; then, these held, its bristle;
     then all together.  Elements are as many as predict motion best that was not fitted.
     """
-    begin: list[Values] = list(starts(law, problem.usual()))
+    plain: list[Values] = list(starts(law, problem.usual()))
+    begin = plain
     free = [name for name in begin[0] if name not in LEFT_AS_DECLARED]
     sibling = STATIC_SIBLING.get(law.name)
     if sibling is not None:
         statics = fit_law(problem, find_law(sibling)).told
         # The fading speed is known now, so that starts differ in the bristle alone.
         known = {name: value for name, value in statics.items() if name in free}
-        plain, begin = begin, [{**start, **known} for start in begin[: len(GIVING_TRAVELS)]]
+        begin = [{**start, **known} for start in plain[: len(GIVING_TRAVELS)]]
     if law is POSITION_DEPENDENT:
         elements, arrays = first_waves(problem)
         return _thinned(problem, _best(problem, [_at(law, free, {**begin[0], **arrays}, elements)]))

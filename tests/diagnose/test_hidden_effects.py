@@ -384,6 +384,31 @@ def test_a_late_effort_is_timed(tmp_path: Path) -> None:
     assert delays.pop() == pytest.approx(0.02, rel=0.1)
 
 
+def test_what_a_late_drive_reports_of_another_cause_is_late_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def uneven(i: Instant) -> np.ndarray:
+        return 3.0 * np.cos(12.0 * i.q) * np.sign(i.v)
+
+    def uneven_and_late(i: Instant) -> np.ndarray:
+        whole = i.rigid + i.friction + uneven(i)
+        return np.interp(i.time - 0.05, i.time, whole) - i.rigid - i.friction
+
+    machine = Machine(hidden={2: uneven_and_late})
+    both = {("friction.position", "elbow_joint"), ("sensor.delay", "elbow_joint")}
+    diagnosis = run(tmp_path / "late", machine, seed=5)
+    assert set(names(diagnosis)) == both
+    fitted = {parameter.name: parameter.value for finding in diagnosis.findings for parameter in finding.parameters}
+    assert fitted["delay"] == pytest.approx(0.05, rel=0.02)
+    assert fitted["wavenumber"] == pytest.approx(12.0, rel=0.01)
+    assert fitted["cosine"] == pytest.approx(3.0, rel=0.05)
+    # Heard as if the drive were prompt, the wave is another wave.
+    monkeypatch.setattr("mjfriction.diagnose.compete.HEARD", np.inf)
+    monkeypatch.setattr("mjfriction.diagnose.causes.delay._Delay.of_sensor", False)
+    prompt = run(tmp_path / "prompt", machine, seed=5)
+    assert set(names(prompt)) != both
+
+
 def test_less_than_a_sample_late_is_refitted_and_no_finding(tmp_path: Path) -> None:
     diagnosis = run(tmp_path, Machine(hidden={j: late(0.0035) for j in range(6)}, noise=0.02), seed=5)
     assert diagnosis.findings == ()
