@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
+from mjfriction.diagnose.causes.varying import Step, WarmUpDrift
 from mjfriction.diagnose.links_off import links_far_off
 from mjfriction.diagnose.model import Chosen, Key, Model, build_model, cause_block, partners
 from mjfriction.diagnose.stated import Settled, without_links
@@ -18,6 +19,8 @@ from mjfriction.record.log import Floats
 
 LEAST_SEEN = 0.2  # of the mean square that is left at a joint, that a cause must take away there: half of the noise
 DROWNED = 1.0  # of the mean square that is left unexplained at a joint, if any, that it must take away
+COURSES = frozenset({WarmUpDrift.name, Step.name})  # of friction over time
+LEAST_OF_COURSES = 0.2  # of the largest on a joint, that another must reach: no warm-up is quite the one fitted
 
 
 @dataclass(frozen=True)
@@ -36,7 +39,8 @@ def find_untold(
     What is next to nothing of the effort, or hardly shows beside what is left on motion not fitted (``heldout``, rows
     by joints), may be what the larger causes leave by a percent of misfit.  And a course that no cause is,
     ``remaining``, can be told in part by many: a hum looks a little like a late effort, a load that swings like a
-    spring; and what only spells out one of ``curves`` tells of nothing else.  A link is none where all links a few
+    spring; and what only spells out one of ``curves`` tells of nothing else.  A course over time that is
+    small beside another on its joint is what that other's form leaves.  A link is none where all links a few
     percent off, in all of their ten parameters, do as well.  The other half of a cause that is told
     was asked for by name, and is told too.
     """
@@ -54,6 +58,7 @@ def find_untold(
         for choice, place in zip(model.chosen, model.places, strict=True)
         if effect(gap, choice, strengths[place]) < LEAST_EFFECT
     }
+    small |= _beside_larger_courses(model)
     for choice in (*model.chosen, *settled.levels):
         if choice.key not in common | small:
             before = without_cause(model, choice).heldout_residual()
@@ -66,6 +71,16 @@ def find_untold(
     asked = {choice.key for choice in model.chosen if partners(choice, told)}
     spelling = frozenset(key for curve in curves for key in curve.keys)
     return Untold(frozenset(common | (small - asked)) | spelling, left)
+
+
+def _beside_larger_courses(model: Model) -> set[Key]:
+    # The courses of friction over time that are small beside another on their joint.
+    sizes: dict[int, dict[Key, float]] = {}
+    for choice, place in zip(model.chosen, model.places, strict=True):
+        if choice.cause.name in COURSES:
+            own = effect(model.gap, choice, model.strengths[place])
+            sizes.setdefault(choice.site.joint, {})[choice.key] = own
+    return {key for own in sizes.values() for key, size in own.items() if size < LEAST_OF_COURSES * max(own.values())}
 
 
 def without_cause(model: Model, choice: Chosen) -> Model:

@@ -9,7 +9,6 @@ import pyarrow as pa
 import pytest
 
 from mjfriction.control.servo import Control
-from mjfriction.diagnose.causes import waves
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.identify.protocol import plan_excitation
@@ -32,10 +31,11 @@ def test_a_wave_of_little_more_than_a_period_is_one_wave(tmp_path: Path, monkeyp
     (finding,) = found(wavenumber).findings
     assert (finding.cause, finding.joint) == ("drive.cogging", "elbow_joint")
     assert finding.parameters[0].value ** 2 + finding.parameters[1].value ** 2 == pytest.approx(16.0, rel=0.05)
-    monkeypatch.setattr(waves, "FEWEST_WAVES", 1.5)
+    monkeypatch.setattr("mjfriction.identify.stroke_waves.FEWEST_WAVES", 1.5)
     assert [own.cause for own in found(wavenumber).findings] != ["drive.cogging"]
 
 
+@pytest.mark.bench
 def test_the_tables_cogging_is_recovered() -> None:
     table = read_robot("machine_table")
     stated = table.with_joint(table.table.joint[0].model_copy(update={"cogging": ()}))

@@ -171,11 +171,12 @@ ALIKE = {
 spring, and a spring is nearly a zero that is off with links a little heavier, and the other way round: what can be
 fitted without those names does not show in the error.
 """
+SLOW = {"friction.presliding", "drive.rotor_inertia"}
 
 
 @pytest.mark.parametrize(
     "case",
-    [pytest.param(case, id=case.cause, marks=[pytest.mark.bench] * (case.cause in ALIKE)) for case in CASES],
+    [pytest.param(case, id=case.cause, marks=[pytest.mark.bench] * (case.cause in ALIKE | SLOW)) for case in CASES],
 )
 def test_without_the_cause_among_the_candidates_it_is_not_found(
     case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -382,6 +383,18 @@ def test_a_late_effort_is_timed(tmp_path: Path) -> None:
     delays = {joint.effort_sensor.delay for joint in every.robot.table.joint}
     assert len(delays) == 1
     assert delays.pop() == pytest.approx(0.02, rel=0.1)
+
+
+def test_a_warm_up_of_two_time_constants_is_one_warm_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def warms(i: Instant) -> np.ndarray:
+        share = 0.6 * (1.0 - np.exp(-i.time / 3.0)) + 0.4 * (1.0 - np.exp(-i.time / 25.0))
+        return -5.5 * share * np.sign(i.v)
+
+    machine = Machine(noise=0.1, hidden={2: warms})
+    assert names(run(tmp_path / "one", machine, seed=21)) == [("friction.temperature", "elbow_joint")]
+    # What one time constant leaves of the two looks like a step, else.
+    monkeypatch.setattr("mjfriction.diagnose.untold.LEAST_OF_COURSES", 0.0)
+    assert ("event.change", "elbow_joint") in names(run(tmp_path / "two", machine, seed=21))
 
 
 def test_what_a_late_drive_reports_of_another_cause_is_late_too(

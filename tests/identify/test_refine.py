@@ -32,10 +32,15 @@ def robot_with(folder: Path, coulomb: float, viscous: float, more: str = "") -> 
     return read_robot(folder / "robot.toml")
 
 
-def recorded(folder: Path):
+def recorded(folder: Path, seconds: float = 30.0, rate: float = 500.0):
     real = robot_with(folder, COULOMB, VISCOUS, "position_sensor = { resolution = 0.006 }\n")
-    motion = excitation(("hinge",), np.zeros(1), np.ones(1), np.full(1, 3.0), 30.0, seed=4)
-    return log_from_table(pa.table(simulate(real, motion, recorder=Recorder(500.0), seed=1)), "coarse")
+    motion = excitation(("hinge",), np.zeros(1), np.ones(1), np.full(1, 3.0), seconds, seed=4)
+    return log_from_table(pa.table(simulate(real, motion, recorder=Recorder(rate), seed=1)), "coarse")
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory: pytest.TempPathFactory):
+    return recorded(tmp_path_factory.mktemp("short"), 15.0, 250.0)
 
 
 def test_refinement_brings_the_open_loop_simulation_back_to_the_log(tmp_path: Path) -> None:
@@ -119,8 +124,8 @@ def test_a_piece_too_short_for_a_stretch_is_left_out(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_every_law_can_be_fitted(law: str, tmp_path: Path) -> None:
-    found = identify_log(recorded(tmp_path), robot_with(tmp_path, 1.0, 1.0), law=law)
+def test_every_law_can_be_fitted(law: str, short, tmp_path: Path) -> None:
+    found = identify_log(short, robot_with(tmp_path, 1.0, 1.0), law=law)
     (fitted,) = found.laws
     assert fitted.fit.law.name == law
     assert all(np.isfinite([p.value, p.low, p.high]).all() or p.note for p in fitted.parameters)
