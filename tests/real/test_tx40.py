@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,10 @@ import pytest
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.identify.identification import identify_log
+from mjfriction.record.log import Log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
+from mjfriction.robot.robot import Robot
 
 JOINTS = tuple(f"joint_{i}" for i in range(1, 7))
 RATIO = np.array([32.0, 32.0, 45.0, -48.0, 45.0, 32.0])
@@ -23,8 +26,7 @@ VISCOUS = (8.05, 5.53, 1.97, 1.11, 1.86, 0.65)
 ROTOR = (0.362, 0.362, 0.0988, 0.0313, 0.0468, 0.0105)  # kg·m² at the joint
 
 
-@pytest.fixture(scope="module")
-def tx40(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
+def on_joint_side(data: Path) -> Log:
     table = pyarrow.parquet.read_table(data / "tx40/motor_side.parquet")
     turns = np.diag(RATIO)
     turns[5, 4] = RATIO[5]
@@ -34,16 +36,25 @@ def tx40(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
     columns = {"time": table["time"].to_numpy()}
     columns |= {f"position.{joint}": position[:, i] for i, joint in enumerate(JOINTS)}
     columns |= {f"effort.{joint}": effort[:, i] for i, joint in enumerate(JOINTS)}
+    return log_from_table(pa.table(columns), "tx40")
+
+
+def stated(data: Path, folder: Path, rotors: Sequence[float] = ROTOR) -> Robot:
     lines = ['name = "tx40"', f'model = "{data / "tx40/tx40.urdf"}"']
     for i, joint in enumerate(JOINTS):
         lines += ["[[joint]]", f'name = "{joint}"']
-        rotor = ROTOR[i] / RATIO[i] ** 2
+        rotor = rotors[i] / RATIO[i] ** 2
         lines += [f"actuator = {{ gear_ratio = {RATIO[i]}, torque_constant = 1.0, rotor_inertia = {rotor} }}"]
         parameters = f"{{ coulomb = {COULOMB[i]}, viscous = {VISCOUS[i]} }}"
         lines += [f'friction = {{ law = "coulomb_viscous", parameters = {parameters} }}']
-    path = tmp_path_factory.mktemp("tx40") / "robot.toml"
+    path = folder / "robot.toml"
     path.write_text("\n".join(lines), encoding="utf-8")
-    return diagnose_log(log_from_table(pa.table(columns), "tx40"), read_robot(path))
+    return read_robot(path)
+
+
+@pytest.fixture(scope="module")
+def tx40(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
+    return diagnose_log(on_joint_side(data), stated(data, tmp_path_factory.mktemp("tx40")))
 
 
 def test_the_coupling_of_the_wrist_is_found_with_its_published_size(tx40: Diagnosis) -> None:
@@ -77,3 +88,13 @@ def test_friction_identified_beside_the_coupling_is_as_published(tx40: Diagnosis
         own = VISCOUS[i] - (shared if i >= 4 else 0.0)
         assert viscous.low < own < viscous.high
         assert viscous.high - viscous.low < 0.3 * VISCOUS[i]
+
+
+@pytest.mark.bench
+def test_rotors_that_are_not_stated_are_found_as_published(data: Path, tmp_path: Path) -> None:
+    found = diagnose_log(on_joint_side(data), stated(data, tmp_path, (*ROTOR[:2], 0.0, 0.0, 0.0, 0.0)))
+    assert {("drive.rotor_inertia", f"joint_{i}") for i in (3, 4)} <= {(f.cause, f.joint) for f in found.findings}
+    third, fourth = (found.robot.joint(f"joint_{i}").actuator for i in (3, 4))
+    assert fourth.rotor_inertia * RATIO[3] ** 2 == pytest.approx(ROTOR[3], rel=0.1)
+    # That of joint 3 is told from its link's by a wrist that hardly moves.
+    assert third.rotor_inertia * RATIO[2] ** 2 == pytest.approx(ROTOR[2], rel=0.25)
