@@ -77,7 +77,7 @@ def cut_stretches(gap: Gap, robot: Robot, seconds: float) -> Stretches:
         if beyond:
             raise RobotError(
                 f"joint '{joint.name}': its {', '.join(beyond)} is not in the MuJoCo model, so that simulated motion "
-                "cannot be compared; refine without it"
+                "cannot be compared; do without it"
             )
     fine = max(1, int(np.ceil(1.0 / (motion.rate * LONGEST_STEP) - 1e-9)))
     step = 1.0 / (motion.rate * fine)
