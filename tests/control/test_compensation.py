@@ -48,6 +48,7 @@ def followed(table: Robot, control: Control, period: float = 8.0) -> Run:
     return run_machine(table, inner_loops("axis", 0.0, 80e-6, period), 1000.0, control, table)
 
 
+@pytest.mark.bench
 def test_fed_forward_or_observed_friction_makes_the_error_small_and_both_beat_either(table: Robot) -> None:
     plain = Control(bandwidth=20.0, friction="none", cancels_cogging=True, sensed=True)
     none = error(followed(table, plain))

@@ -171,7 +171,7 @@ ALIKE = {
 spring, and a spring is nearly a zero that is off with links a little heavier, and the other way round: what can be
 fitted without those names does not show in the error.
 """
-SLOW = {"friction.presliding", "drive.rotor_inertia"}
+SLOW = {"friction.presliding", "drive.rotor_inertia", "drive.elasticity", "friction.temperature", "drive.cogging"}
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,9 @@ SECONDS = 1.0  # of swing at a time
 # Of one run every row is 20 ms after the last, of the others the efforts jump by 17 N·m where gravity makes 2.8.
 
 
-@pytest.mark.parametrize("runs", [("direct_collocation", "system_identification"), ("ilqr",)])
+@pytest.mark.parametrize(
+    "runs", [pytest.param(("direct_collocation", "system_identification"), marks=pytest.mark.bench), ("ilqr",)]
+)
 def test_simulated_motion_tells_what_inverse_dynamics_cannot(data: Path, runs: tuple[str, ...]) -> None:
     folder = data / "pendulum"
     stated = read_robot(folder / "robot.toml")
