@@ -41,6 +41,11 @@ class JointComparison:
     noise_floor: float
     errors: tuple[ModelError, ...]
 
+    @property
+    def position_unit(self) -> str:
+        """The unit of its position."""
+        return "m" if self.unit == "N" else "rad"
+
 
 @dataclass(frozen=True)
 class Comparison:

@@ -25,13 +25,17 @@ SCREENED_ROWS = 2000
 Arrays = dict[str, tuple[float, ...]]
 
 
-def first_springs(problem: Problem) -> tuple[Elements, Arrays]:
-    """Return the springs of a Maxwell-slip model and values for them to begin from, by least squares on a ladder of
-    travels.
+def first_elements(problem: Problem, law: Law) -> tuple[Elements, Arrays]:
+    """Return the springs of a Maxwell-slip model on a ladder of travels, or waves of the level on a grid of
+    wavenumbers, and values for them to begin from, by least squares.
 
     One after another is added where it lowers the error most, as long as that of motion not fitted falls by three
     standard errors and a fiftieth.
     """
+    return _waves(problem) if isinstance(elements_of_law(law, 1), Waves) else _springs(problem)
+
+
+def _springs(problem: Problem) -> tuple[Elements, Arrays]:
     gap, joint = problem.gap, problem.joint
     ratio = abs(gap.robot.table.joint[joint].actuator.gear_ratio) if problem.side == "motor" else 1.0
     blurred = float(gap.doubt_speed[joint] * DOUBT_PERIODS / gap.motion.cutoff)
@@ -64,10 +68,7 @@ def springs_of(law: Law, values: Values) -> tuple[Elements, Arrays]:
     return elements, {"share": tuple(own / math.fsum(level) for own in level), "stiffness": tuple(stiffness)}
 
 
-def first_waves(problem: Problem) -> tuple[Elements, Arrays]:
-    """Return waves of the level along the stroke and values for them to begin from, on a grid of wavenumbers; grown as
-    :func:`first_springs` are.
-    """
+def _waves(problem: Problem) -> tuple[Elements, Arrays]:
     gap, joint = problem.gap, problem.joint
     grid = wavenumbers(gap, joint)
     base = np.hstack([_lines(problem, "viscous"), _lines(problem, "coulomb")])

@@ -10,14 +10,12 @@ from scipy.optimize import least_squares
 
 from mjfriction.identify.coordinates import Coordinates
 from mjfriction.identify.elements import Elements
-from mjfriction.identify.first_elements import first_springs, first_waves, springs_of
+from mjfriction.identify.first_elements import first_elements, springs_of
 from mjfriction.identify.problem import Problem
 from mjfriction.identify.regression import Normal, Rows, System
 from mjfriction.identify.starts import DYNAMIC, GIVING_TRAVELS, LEFT_AS_DECLARED, starts
 from mjfriction.laws.catalog import find_law
 from mjfriction.laws.law import Law
-from mjfriction.laws.maxwell_slip import MAXWELL_SLIP
-from mjfriction.laws.position_dependent import POSITION_DEPENDENT
 from mjfriction.laws.rules import Values, scalar
 from mjfriction.record.log import Floats
 from mjfriction.robot.schema import FrictionTerm
@@ -35,6 +33,9 @@ STATIC_SIBLING = {
     "gms": "stribeck",
 }
 """The law without a state whose statics are those of a law with one."""
+
+SPRINGS_OF = {"leuven": "maxwell_slip", "gms": "maxwell_slip"}
+"""The law whose springs those of another begin as."""
 
 MOST_ROUNDS, FIRST_ROUNDS = 40, 6
 QUICKER = (0.2, 1.0, 5.0)  # times the usual damping or rate of a bristle, to begin from
@@ -138,19 +139,17 @@ def fit_law(problem: Problem, law: Law) -> LawFit:
         # The fading speed is known now, so that starts differ in the bristle alone.
         known = {name: value for name, value in statics.items() if name in free}
         begin = [{**start, **known} for start in plain[: len(GIVING_TRAVELS)]]
-    if law is POSITION_DEPENDENT:
-        elements, arrays = first_waves(problem)
-        return _thinned(problem, _best(problem, [_at(law, free, {**begin[0], **arrays}, elements)]))
-    if law is MAXWELL_SLIP:
-        elements, arrays = first_springs(problem)
-        return _thinned(problem, _best(problem, [_at(law, free, {**begin[0], **arrays}, elements)]))
-    if law.elements:
-        elements, arrays = springs_of(law, fit_law(problem, MAXWELL_SLIP).values)
+    simpler = SPRINGS_OF.get(law.name)
+    if simpler is not None:
+        elements, arrays = springs_of(law, fit_law(problem, find_law(simpler)).values)
         # Where most of the motion is before sliding, the sibling knows little of the statics.
         slow = [name for name in free if name not in DYNAMIC]
         whole = _best(problem, [_at(law, slow, {**start, **arrays}, elements) for start in [begin[0], *plain]]).values
         quick = [{name: factor * scalar(whole, name) for name in free if name in DYNAMIC} for factor in QUICKER]
         return _thinned(problem, _best(problem, [_at(law, free, {**whole, **own}, elements) for own in quick]))
+    if law.elements:
+        elements, arrays = first_elements(problem, law)
+        return _thinned(problem, _best(problem, [_at(law, free, {**begin[0], **arrays}, elements)]))
     if sibling is not None:
         bristle = [name for name in free if name in DYNAMIC]
         begin = [_best(problem, [_at(law, bristle, start) for start in begin]).values]

@@ -142,7 +142,7 @@ def print_comparison(comparison: Comparison, console: Console) -> None:
             table.add_row("  in current", *(f"{current:.3g}" for current in currents), "", "A")
         if comparison.seconds is not None:
             ends = [f"{error.position:.3g}" for error in joint.errors]
-            table.add_row("  in position", *ends, "", "m" if joint.unit == "N" else "rad")
+            table.add_row("  in position", *ends, "", joint.position_unit)
     console.print(table)
     if comparison.seconds is not None:
         console.print(

@@ -7,6 +7,7 @@ import pyarrow as pa
 import pytest
 
 from mjfriction.errors import LogError
+from mjfriction.identify.identification import identify_log
 from mjfriction.identify.pressure import (
     SteadyPoints,
     choose_variant,
@@ -21,6 +22,7 @@ from mjfriction.plant.motions import valve_steps
 from mjfriction.plant.sensors import Recorder
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.record.log import Log
+from mjfriction.record.merge import merge_logs
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
 
@@ -71,6 +73,19 @@ def test_two_free_pressures_find_the_pistons_areas_whatever_friction_is(points: 
     drawn = SteadyPoints(points.speed, of.head_area * head - of.rod_area * rod, head, rod, points.error)
     assert fit_variant(drawn, "extending", 3).rms < 1e-2
     assert fit_variant(drawn, "extending", 5).rms > 100.0
+
+
+def test_friction_that_follows_the_pressures_is_identified_from_the_motion(logs: list[Log]) -> None:
+    stated = read_robot("hydraulic_cylinder")
+    left = {}
+    for law in ("pressure", "asymmetric"):
+        found = identify_log(merge_logs(logs), stated, law=law)
+        left[law] = found.joints[0].rms_heldout_after
+        if law == "pressure":
+            fitted = {parameter.name: parameter for parameter in found.laws[0].parameters}
+            assert fitted["rod_pressure_extending"].low > 0.0
+            assert fitted["rod_pressure_retracting"].low > fitted["rod_pressure_extending"].high
+    assert left["pressure"] < 0.4 * left["asymmetric"]
 
 
 def test_growth_with_speed_is_found_where_there_is_one() -> None:
