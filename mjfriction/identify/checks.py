@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import itertools
+import math
 
 import numpy as np
 
 from mjfriction.identify.fit import LawFit
+from mjfriction.laws.rules import scalar
 from mjfriction.record.log import Floats
 
 ALIKE = 0.98  # correlation of two parameters past which only a combination of them is known
 LOOSE = 1.0  # of a value, that its interval may be wide to either side before it is not fixed
 UNSEEN = 1e-9  # of the friction's RMS, that a change of a parameter by itself must make
 AT_BOUND = 1e-6  # of the coordinates' size
+BACKWARD = 0.02  # of the rows in motion, fewer than which go the other way
+FASTEST = 0.99  # quantile of the speeds
+FALLEN = 0.8  # of a level that falls away, that must be gone at the fastest speed for what lies beyond to show
+BEYOND = frozenset({"coulomb", "viscous"})
 SHAPES = frozenset(
     {"bristle_stiffness", "bristle_damping", "stribeck_velocity", "stribeck_steepness", "stribeck_exponent"}
 )
@@ -36,10 +42,33 @@ def notes(fit: LawFit, half: Floats, covariance: Floats) -> dict[str, str]:
         for bound, which in ((low[k], "lowest"), (high[k], "highest")):
             if np.isfinite(bound) and abs(fit.x[k] - bound) < AT_BOUND * (1.0 + abs(bound)):
                 out[name] = f"at the {which} value allowed"
+    for name, said in _of_motion(fit).items():
+        out.setdefault(name, said)
     deviation = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     correlation = covariance / np.outer(deviation, deviation)
     for a, b in itertools.combinations(range(len(names)), 2):
         if abs(correlation[a, b]) > ALIKE:
             for one, other in ((a, b), (b, a)):
                 out.setdefault(names[one], f"not told from {names[other]} on this motion")
+    return out
+
+
+def _of_motion(fit: LawFit) -> dict[str, str]:
+    # What the motion by itself cannot tell.
+    out: dict[str, str] = {}
+    problem, values, names = fit.problem, fit.values, fit.coordinates.single
+    gap, joint = problem.gap, problem.joint
+    ratio = gap.robot.table.joint[joint].actuator.gear_ratio if problem.side == "motor" else 1.0
+    velocity = gap.motion.velocity[:, joint]
+    forward = float(np.mean(velocity[np.abs(velocity) > gap.doubt_speed[joint]] > 0.0))
+    if min(forward, 1.0 - forward) < BACKWARD:
+        levels = [name for name in names if fit.law.parameter(name).unit == "{force}"]
+        out |= dict.fromkeys(levels, "not told from the effort's zero by motion one way only: record both directions")
+    if "stribeck_velocity" in values:
+        # exp(−(v/v_s)^δ) is what is left of the level that falls away.
+        exponent = scalar(values, "stribeck_exponent") if "stribeck_exponent" in values else 1.0
+        fallen = scalar(values, "stribeck_velocity") * (-math.log(1.0 - FALLEN)) ** (1.0 / exponent)
+        if np.quantile(np.abs(ratio * velocity), FASTEST) < fallen:
+            beyond = BEYOND.intersection(names)
+            out |= dict.fromkeys(beyond, "friction still falls at the fastest speed of this log: record faster motion")
     return out
