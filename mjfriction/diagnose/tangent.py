@@ -29,7 +29,8 @@ def straightened(model: Model, newcomer: Chosen | None = None) -> Model:
     With a ``newcomer`` of the model's, it alone is drawn anew, and the others keep the tangents that they have.
     """
     for _ in range(ROUNDS):
-        strengths = [model.strengths[place] for place in model.places]
+        fitted = zip(model.chosen, model.places, strict=True)
+        strengths = [_drawn_at(choice, model.strengths[place]) for choice, place in fitted]
         pairs = list(zip(model.chosen, strengths, strict=True))
         if not any(_bends(model, *pair) for pair in pairs) or not all(_admissible(model, *pair) for pair in pairs):
             return model
@@ -41,6 +42,11 @@ def straightened(model: Model, newcomer: Chosen | None = None) -> Model:
         if all(np.linalg.norm(b - a) <= SETTLED * np.linalg.norm(a) for a, b in steps):
             break
     return model
+
+
+def _drawn_at(choice: Chosen, strengths: Floats) -> Floats:
+    # Columns that were drawn around a strength that was searched are good there, and may not be where they point to.
+    return strengths if choice.tangent or not choice.site.around else np.array([choice.site.around])
 
 
 def _bends(model: Model, choice: Chosen, strengths: Floats) -> bool:

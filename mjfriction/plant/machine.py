@@ -23,8 +23,9 @@ from mjfriction.record.log import PUSH, VOLTAGE
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Spring
 from mjfriction.robot.simulation import robot_laws, robot_spec
-from mjfriction.sim.closed_loop import Drive, Played, couple_drive, drop_actuators, play, split_transmission
+from mjfriction.sim.closed_loop import Drive, Played, drop_actuators, play
 from mjfriction.sim.spec import Spec
+from mjfriction.sim.transmission import DeadZone, couple_drive, split_transmission
 
 FOLLOWED = 0.5  # of the travel asked for, below which a joint has not followed
 LONGEST_STEP, LONGEST_STEP_GIVING, LONGEST_STEP_OIL = 1e-3, 2.5e-4, 1e-4  # s; what gives rings faster than a rigid arm
@@ -105,14 +106,16 @@ def run_machine(
     if any(joint.hydraulics for joint in robot.table.joint):
         oil = OilDrives(robot, model, servo, control, trajectory, time, surrounding)
         drive, cylinders = oil, oil.cylinders
+    spec, dead_zones = _spec(robot, step, inertia_at(body, course.position[0]) - body.armature)
     played = play(
-        _spec(robot, step, inertia_at(body, course.position[0]) - body.armature),
+        spec,
         robot.joints,
         robot_laws(robot),
         np.array([course.position[0], course.velocity[0]]),
         drive,
         time.size,
         step,
+        dead_zones=dead_zones,
         passive=Passive(robot) if has_passive(robot) else None,
         around=surrounding,
         laws_at=Varying(robot, surrounding, time, step) if any(map(varies, robot.table.joint)) else None,
@@ -149,17 +152,20 @@ def _check(robot: Robot, trajectory: Trajectory) -> None:
             raise RobotError(f"robot '{robot.name}': the trajectory has '{name}', but no cylinder moves such a joint")
 
 
-def _spec(robot: Robot, step: float, link_inertia: Floats) -> Spec:
+def _spec(robot: Robot, step: float, link_inertia: Floats) -> tuple[Spec, dict[str, DeadZone]]:
     # The model with what gives and what is shared in its transmissions; springs act beside, as the drives feel them.
     spec = robot_spec(_without_springs(robot))
     spec.option.timestep = step
     drop_actuators(spec)
+    dead_zones: dict[str, DeadZone] = {}
     for i, joint in enumerate(robot.table.joint):
         own = joint.transmission
         if own.compliance or own.backlash:
-            split_transmission(
+            zone = split_transmission(
                 spec, joint.name, compliance=own.compliance, backlash=own.backlash, inertia=float(link_inertia[i])
             )
+            if zone is not None:
+                dead_zones[joint.name] = zone
         for shared in joint.common_drive:
             couple_drive(
                 spec,
@@ -170,7 +176,7 @@ def _spec(robot: Robot, step: float, link_inertia: Floats) -> Spec:
                 viscous=shared.viscous,
                 inertia=shared.inertia,
             )
-    return spec
+    return spec, dead_zones
 
 
 def _controller(robot: Robot, model: Robot) -> Robot:

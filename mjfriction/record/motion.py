@@ -102,6 +102,13 @@ class Motion:
         columns = {name: values[samples] for name, values in self.columns.items()}
         return replace(self, columns=columns, **{name: getattr(self, name)[samples] for name in sampled})
 
+    def differentiated(self, values: Floats) -> Floats:
+        """Return the derivative of values (n,) along the motion, each piece by central differences."""
+        out = np.empty_like(values)
+        for own in self.pieces:
+            out[own] = np.gradient(values[own]) * self.rate
+        return out
+
     def low_passed(self, values: Floats, band: float) -> Floats:
         """Return values (n, …) along the motion, each piece through a low-pass at ``band`` (Hz) that shifts nothing."""
         out = np.empty_like(values)

@@ -157,7 +157,8 @@ def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
         for i, joint in enumerate(robot.table.joint):
             if joint.transmission.compliance or joint.transmission.backlash:
                 carried = load[:, i] + friction[:, i] if joint.transmission.carries_friction else load[:, i]
-                behind = lag(joint.transmission, motion, carried, inertia[:, i])
+                ahead = motion.acceleration[:, i] - linked.acceleration[:, i]
+                behind = lag(joint.transmission, motion, carried, carried + inertia[:, i] * ahead, inertia[:, i])
                 for part, derivative in zip(parts, smooth_derivatives(motion, behind), strict=True):
                     part[:, i] -= derivative
         linked = replace(motion, position=parts[0], velocity=parts[1], acceleration=parts[2])

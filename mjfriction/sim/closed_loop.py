@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -16,12 +16,10 @@ from mjfriction.sim.attach import Laws, attach, rewrite
 from mjfriction.sim.callback import friction_active
 from mjfriction.sim.messages import messages_dropped
 from mjfriction.sim.reading import BROKEN, read_friction
+from mjfriction.sim.transmission import DeadZone, behind_stops, give_places
 
-GIVE = "{}_give"  # the joint behind a transmission's own: how far the link is ahead of its motor
-STOP_TIME = 2.0  # time steps: the stiffest stop that MuJoCo's solver takes
 SETTLING = 0.5  # s
 TELLING = 5000  # steps, after which a run tells how far it is
-GIVE_DAMPING = 0.1  # of critical, of the link on its compliant transmission
 
 
 @dataclass(frozen=True)
@@ -66,6 +64,7 @@ def play(
     count: int,
     step: float,
     *,
+    dead_zones: Mapping[str, DeadZone] | None = None,
     passive: Passive | None = None,
     around: Callable[[int], Around] | None = None,
     laws_at: Callable[[int], Laws | None] | None = None,
@@ -74,9 +73,10 @@ def play(
 ) -> Played:
     """Run a model for a number of steps and return what happened at the beginning of every one.
 
-    ``start`` are position and velocity (2, joints).  The torque of a step is held through it.  ``around`` is asked,
-    after the drive, for what surrounds the joints; ``laws_at`` may give other laws (of the same kinds) for a step on;
-    with ``whole`` the friction laws' states are kept; ``tell`` hears how far it is.
+    ``start`` are position and velocity (2, joints).  The torque of a step is held through it.  ``dead_zones`` act in
+    the transmissions of joints that were split.  ``around`` is asked, after the drive, for what surrounds the joints;
+    ``laws_at`` may give other laws (of the same kinds) for a step on; with ``whole`` the friction laws' states are
+    kept; ``tell`` hears how far it is.
 
     Raises :class:`SimulationError` when the run leaves what can be computed: the joint and the time.
     """
@@ -86,9 +86,8 @@ def play(
     data = mujoco.MjData(model)
     places = np.array([model.jnt_qposadr[model.joint(name).id] for name in joints])
     dofs = np.array([model.jnt_dofadr[model.joint(name).id] for name in joints])
-    behind = {i: GIVE.format(name) for i, name in enumerate(joints)}
-    known = {model.joint(i).name for i in range(model.njnt)}
-    gives = {i: int(model.jnt_qposadr[model.joint(name).id]) for i, name in behind.items() if name in known}
+    gives = give_places(model, joints)
+    press = behind_stops(model, dead_zones or {})
     reader = read_friction(model) if laws else None
     rubbing = np.array([joints.index(name) for name in reader.joints]) if reader else np.array([], dtype=int)
     data.qpos[places], data.qvel[dofs] = start
@@ -112,6 +111,7 @@ def play(
                 out.link_position[k, i] += data.qpos[place]
             applied[dofs] = torque if passive is None else torque - passive(position, velocity, torque)
             data.qfrc_applied[:] = applied
+            press(data)
             now = None if around is None else around(k)
             if now is not None:
                 data.qfrc_applied[dofs] += now.push
@@ -146,40 +146,7 @@ def _broken(model: mujoco.MjModel, data: mujoco.MjData, time: float) -> str:
     )
 
 
-def split_transmission(spec: mujoco.MjSpec, joint: str, *, compliance: float, backlash: float, inertia: float) -> None:
-    """Part a joint of a spec into the motor's turn and the give of its transmission, in place.
-
-    The joint keeps its name and its rotor and becomes the motor's; a second one about the same axis, ``<joint>_give``,
-    moves the link by what the transmission gives: a spring of 1/``compliance``, or stops ``backlash`` apart.
-    ``inertia`` is what the link weighs, kg·m² or kg.
-    """
-    own = spec.joint(joint)
-    degree = 180.0 / np.pi if spec.compiler.degree and own.type == mujoco.mjtJoint.mjJNT_HINGE else 1.0
-    give = own.parent.add_joint(name=GIVE.format(joint), type=own.type, axis=own.axis, pos=own.pos)
-    if compliance > 0.0:
-        give.stiffness[0] = 1.0 / compliance
-        give.damping[0] = 2.0 * GIVE_DAMPING * np.sqrt(inertia / compliance)
-    if backlash > 0.0:
-        # A stop as stiff as a rigid one behind half the play on either side; with compliance, the spring acts besides.
-        give.limited = mujoco.mjtLimited.mjLIMITED_TRUE
-        give.range = [-0.5 * backlash * degree, 0.5 * backlash * degree]
-        give.solref_limit = [STOP_TIME * spec.option.timestep, 1.0]
-
-
 def drop_actuators(spec: mujoco.MjSpec) -> None:
     """Take a model's own actuators out of a spec, in place: the drives act on the joints themselves."""
     for actuator in list(spec.actuators):
         spec.delete(actuator)
-
-
-def couple_drive(
-    spec: mujoco.MjSpec, joint: str, other: str, ratio: float, *, coulomb: float, viscous: float, inertia: float
-) -> None:
-    """Let a drive that turns with joint + ratio·other rub and weigh, in place."""
-    tendon = spec.add_tendon(name=f"{joint}_{other}_drive")
-    tendon.wrap_joint(joint, 1.0)
-    tendon.wrap_joint(other, ratio)
-    tendon.frictionloss = coulomb
-    tendon.damping[0] = viscous
-    tendon.armature = inertia
-    tendon.solref_friction = [STOP_TIME * spec.option.timestep, 1.0]

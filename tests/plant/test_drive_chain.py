@@ -8,8 +8,9 @@ import numpy as np
 import pyarrow as pa
 import pytest
 from scipy.linalg import expm
+from scipy.signal import butter, sosfiltfilt
 
-from mjfriction.body.inverse import inverse_dynamics
+from mjfriction.body.inverse import inverse_dynamics, mass_matrix_at
 from mjfriction.control.course import Course
 from mjfriction.control.servo import Control, ServoDrives
 from mjfriction.plant.machine import run_machine, simulate
@@ -210,3 +211,33 @@ def test_a_gear_of_stated_efficiency_loses_that_share_lifting_and_lowering() -> 
     lifting = load * done.velocity[:, 1] > 0.0
     assert np.median(share[sure & lifting]) == pytest.approx(1.0 / efficiency, rel=0.01)
     assert np.median(share[sure & ~lifting]) == pytest.approx(efficiency, rel=0.01)
+
+
+def test_behind_its_play_a_transmission_gives_with_the_load() -> None:
+    # The link weighs on a vertical axis: it rests on one stop, and on the spring behind it.
+    both = axis(transmission=Transmission(compliance=2.0e-6, backlash=0.002))
+    hanging = Robot(both.table.model_copy(update={"gravity": (-9.81, 0.0, 0.0)}), both.folder)
+    body = hanging.body()
+    load = float(inverse_dynamics(body, np.zeros((1, 1)), np.zeros((1, 1)), np.zeros((1, 1)))[0, 0])
+    done = run_machine(hanging, Trajectory(("axis",), np.linspace(0.0, 3.0, 50), np.zeros((50, 1))), 4000.0).played
+    behind = done.position[-1, 0] - done.link_position[-1, 0]
+    assert load > 100.0
+    assert behind == pytest.approx(2.0e-6 * load + 0.001, rel=1e-3)
+
+
+@pytest.mark.parametrize("machine", ["linear_axis", "machine_table"])
+def test_what_slides_lags_its_motor_by_what_it_needs(machine: str) -> None:
+    robot = read_robot(machine)
+    (joint,) = robot.table.joint
+    soft = robot.with_joint(joint.model_copy(update={"transmission": Transmission(compliance=1.0e-6)}))
+    course = excitation(robot.joints, np.zeros(1), np.array([0.05]), np.array([0.3]), 4.0, seed=1)
+    run = run_machine(soft, course, 4000.0)
+    behind = run.played.position[:, 0] - run.played.link_position[:, 0]
+    step, body = float(run.time[1]), soft.body()
+    link = float(mass_matrix_at(body, np.zeros(1))[0, 0] - body.armature[0])
+    needed = 1.0e-6 * link * np.gradient(np.gradient(run.played.link_position[:, 0], step), step)
+    inner = slice(2000, -2000)  # once the start has rung out
+    slow = butter(4, 20.0, fs=1.0 / step, output="sos")
+    behind, needed = (sosfiltfilt(slow, course)[inner] for course in (behind, needed))
+    assert np.std(needed) > 1e-6
+    assert np.sqrt(np.mean(np.square(behind - needed))) < 0.05 * np.std(needed)

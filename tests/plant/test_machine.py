@@ -20,7 +20,7 @@ from mjfriction.robot.friction import stated_levels
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Coupling, Event, Spring, Transmission, WarmUp
-from mjfriction.sim.closed_loop import GIVE_DAMPING
+from mjfriction.sim.transmission import GIVE_DAMPING
 from tests.plant.bare import frictionless
 
 HOME = np.array([0.0, -1.2, 1.4, -0.4, 1.2, 0.0])

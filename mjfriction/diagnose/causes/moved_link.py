@@ -5,6 +5,7 @@ gives (drive.elasticity) or that has play (drive.backlash).
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import ClassVar, final
 
@@ -23,8 +24,9 @@ OFFSET = Parameter("offset", "{length}", "what the sensor reads where the joint 
 COMPLIANCE = Parameter("compliance", "{length}/{force}", "how far the transmission gives per load", lower=0.0)
 BACKLASH = Parameter("backlash", "{length}", "play of the transmission, from stop to stop", lower=0.0)
 FARTHEST = 0.5  # rad or m that a zero may be off
-PLAYS = tuple(6.4e-2 * 0.5**k for k in range(13))  # rad or m: from 64 mrad to 16 µm
-FINER = 1.5  # half of a step of these
+PLAYS = tuple(6.4e-2 * 0.8**k for k in range(38))  # rad or m: from 64 mrad to 17 µm
+FINER = 1.15  # half of a step of these
+ROUNDS = 2  # in which a link's place in its play and what it needs there are found
 NEAR = (0.6, 1.6)  # times the play that the columns were drawn for
 WIDEST = 0.2  # rad or m of play or of give
 FELT = 1e-6  # of the noise floor, below which a shift is felt by no joint
@@ -176,23 +178,47 @@ class Backlash(_MovedLink):
     """The transmission has play: the link lags its sensor by half of it, towards the load.
 
     Crossed at once, it is linear in the play.  Crossed by the link's own inertia, it takes its time: the columns are
-    drawn around a play that is searched until the strength agrees with it.
+    drawn around a play that is searched until the strength agrees with it.  A play a fifth larger lands so much later
+    that it explains nothing of the landing, so that many have to be tried.
     """
 
     name = "drive.backlash"
+    curved = True
 
     def sites(self, gap: Gap) -> list[Site]:
         """Joints whose load changes sign; elsewhere play is an offset of the sensor."""
         joints = [site for site in super().sites(gap) if np.ptp(np.sign(load_on_link(gap, site.joint))) > 0.0]
         return [replace(site, around=play) for site in joints for play in (0.0, *PLAYS)]
 
-    def shift(self, gap: Gap, site: Site) -> list[Floats]:
-        """Half the place of the link in its play, through the position's filter, and its derivatives."""
+    def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
+        """What the joint itself feels, without the position's filter: many plays, each for little."""
+        joint = sites[0].joint
+        stiffness, damping, inertia = (derivative[:, joint, joint] for derivative in gap.derivatives)
+        torques = np.empty((gap.motion.time.size, len(sites), 1))
+        for k, site in enumerate(sites):
+            behind = [self._behind(gap, site)]
+            for _ in range(2):
+                behind.append(gap.motion.differentiated(behind[-1]))
+            torques[:, k, 0] = -(stiffness * behind[0] + damping * behind[1] + inertia * behind[2])
+        return {joint: gap.reported(joint, torques)[::every]}
+
+    def _behind(self, gap: Gap, site: Site) -> Floats:
+        # How far the link is behind per unit of play, (n,).
         load = load_on_link(gap, site.joint)
         if site.around == 0.0:
-            return smooth_derivatives(gap.motion, 0.5 * np.sign(load))
-        inertia = gap.derivatives[2][:, site.joint, site.joint]
-        return smooth_derivatives(gap.motion, 0.5 * coasting(gap.motion, load, inertia, site.around))
+            return 0.5 * np.sign(load)
+        stiffness, damping, inertia = (derivative[:, site.joint, site.joint] for derivative in gap.derivatives)
+        following = load
+        for _ in range(ROUNDS):
+            # What a link would need to follow the motor from where it is.
+            behind = 0.5 * coasting(gap.motion, following, inertia, site.around)
+            moved = stiffness * behind + damping * gap.motion.differentiated(behind)
+            following = load - site.around * moved
+        return behind
+
+    def shift(self, gap: Gap, site: Site) -> list[Floats]:
+        """Half the place of the link in its play, through the position's filter, and its derivatives."""
+        return smooth_derivatives(gap.motion, self._behind(gap, site))
 
     def around_bounds(self, gap: Gap, site: Site) -> tuple[float, float] | None:
         """To the neighbours on the grid."""

@@ -1,0 +1,62 @@
+"""Where a link is behind its motor: against a fall from stop to stop, and against the machine in MuJoCo."""
+
+from __future__ import annotations
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from mjfriction.control.servo import Control
+from mjfriction.plant.machine import log_columns, run_machine
+from mjfriction.plant.motions import excitation
+from mjfriction.plant.sensors import Recorder
+from mjfriction.record.motion import estimate_motion
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.effort import link_motion, without_offsets
+from mjfriction.robot.files import read_robot
+from mjfriction.robot.schema import Transmission
+from mjfriction.sim.stops import between_stops
+
+HOME = np.array([0.0, -1.2, 1.4, -0.4, 1.2, 0.0])
+
+
+def test_between_its_stops_a_mass_falls_freely() -> None:
+    step, pull = 1e-4, 8.0
+    time = np.arange(20000) * step
+    place = between_stops(np.where(time < 0.5, -pull, pull), step, 10)
+    assert np.all(place[time < 0.5] == -1.0)
+    landing = 0.5 + np.sqrt(2.0 * 2.0 / pull)
+    free = (time >= 0.5) & (time < landing - step)
+    np.testing.assert_allclose(place[free], -1.0 + 0.5 * pull * (time[free] - 0.5) ** 2, atol=2e-3)
+    assert np.all(place[time > landing + step] == 1.0)
+
+
+def test_a_stop_keeps_what_it_caught_while_the_blow_rings() -> None:
+    step = 1e-3
+    pull = np.full(1000, 50.0)
+    pull[0] = -1.0
+    landed = int(np.argmax(between_stops(pull, step, 0) == 1.0))
+    pull[landed + 1 : landed + 15] = -2000.0  # what a filter leaves of the blow
+    assert np.min(between_stops(pull, step, 0)[landed:]) < 0.9
+    assert np.all(between_stops(pull, step, 20)[landed:] == 1.0)
+
+
+@pytest.mark.parametrize(("joint", "play"), [("shoulder_lift_joint", 0.04), ("wrist_2_joint", 0.02)])
+def test_the_link_is_where_the_machine_has_it(joint: str, play: float) -> None:
+    robot = read_robot("ur5")
+    i = robot.joints.index(joint)
+    loose = robot.with_joint(robot.table.joint[i].model_copy(update={"transmission": Transmission(backlash=play)}))
+    # Fast enough for gravity to be overcome, so that both stops are reached.
+    course = excitation(robot.joints, HOME, np.full(6, 0.8), np.full(6, 2.5), 12.0, seed=3)
+    recorder = Recorder(500.0)
+    run = run_machine(loose, course, recorder.rate, Control())
+    log = log_from_table(pa.table(log_columns(loose, course, recorder, run, 0)), "log")
+    motion = estimate_motion(log, loose.joints, 40.0)
+    body = loose.body()
+    linked = link_motion(loose, body, without_offsets(loose, motion))
+    predicted = (motion.position - linked.position)[:, i] / (0.5 * play)
+    place = np.interp(motion.time, run.time, (run.played.position - run.played.link_position)[:, i]) / (0.5 * play)
+    inner = (motion.time > 1.0) & (motion.time < 11.0)
+    assert np.min(place[inner]) < -0.9
+    assert np.max(place[inner]) > 0.9
+    assert np.sqrt(np.mean(np.square(predicted - place)[inner])) < 0.1
