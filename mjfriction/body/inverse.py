@@ -14,13 +14,13 @@ def inverse_dynamics(body: Body, position: Floats, velocity: Floats, acceleratio
 
     All arguments and the result have shape (n, joints), in the order of ``body.joints``.
     """
-    model, data = body.model, body.model.createData()
+    model = body.model
     q = configuration(body, position)
     v, a = in_model_order(body, velocity), in_model_order(body, acceleration)
-    out = np.empty_like(v)
-    for i in range(q.shape[0]):
-        out[i] = pin.rnea(model, data, q[i], v[i], a[i])
-    return out[:, list(body.columns)]
+    out = np.empty((model.nv, q.shape[0]), order="F")
+    if q.size:
+        pin.rneaInParallel(1, pin.ModelPool(model, 1), q.T, v.T, a.T, out)
+    return out.T[:, list(body.columns)]
 
 
 def motion_derivatives(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> tuple[Floats, ...]:
@@ -46,7 +46,7 @@ def inertia_along(body: Body, position: Floats) -> Floats:
     q = configuration(body, position)
     out = np.empty((q.shape[0], model.nv))
     for i in range(q.shape[0]):
-        out[i] = np.diag(pin.crba(model, data, q[i]))
+        out[i] = pin.crba(model, data, q[i]).diagonal()
     return np.asarray((out - np.array(model.armature))[:, list(body.columns)])
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import minimize
 
+from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.diagnose.causes.cause import Cause, Site
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
@@ -18,6 +19,7 @@ from mjfriction.identify.proof import gain_at
 from mjfriction.identify.regression import UNSEEN, Columns
 from mjfriction.progress import Tell, silently
 from mjfriction.record.log import Floats
+from mjfriction.robot.robot import Robot
 
 # These two were loosened (from 0.01 and 0.03) with the EMPS log in hand, whose offset stands at their edge; no other
 # data speaks for their values yet.
@@ -26,12 +28,13 @@ LEAST_KIN = 0.02  # of its partner's effort that a cause's other half must reach
 LEAST_KIN_EFFECT = 0.002  # and of the joint's effort
 BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "friction.presliding", "friction.asymmetry"})
 MOST_CAUSES = 12
+MOST_ON_JOINT = 4  # of these: what a fifth would tell is what the others leave
 SHORT_LIST = 8
-AROUND_STEPS = 9
 NEAR_BEST = 0.9  # of the best candidate's merit, from which on two are compared on the real balance
 PROOF_SEED = 0  # of the resampling by which a gain is held against zero
 SCREENED_ROWS = 1000  # enough to rank shapes by
 HEARD = 0.02  # periods of the band, by which a delay must have moved for columns to be drawn anew
+WEIGHED = 0.1  # of a joint's load, by which it must have changed for columns to be drawn anew
 HEARINGS = 3
 
 
@@ -88,7 +91,7 @@ def compete(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silently) -
     """
     asked, count = field, size(field)
     while True:
-        model = _pruned(_forward(gap, nuisance, asked, count, tell), count)
+        model = _as_known(_pruned(_forward(gap, nuisance, asked, count, tell), count))
         refused = [choice for choice in model.chosen if not _proved(model, choice)] + _dissolved(model)
         if not refused:
             return straightened(_with_kin(model, field))
@@ -114,19 +117,44 @@ def _forward(gap: Gap, nuisance: Nuisance, field: Field, count: int, tell: Tell)
             break
         best = max(fairly(model, passing), key=lambda trial: trial.merit)
         model = straightened(reshaped(build_model(model.gap, model.nuisance, (*model.chosen, best.chosen))))
-        model = _as_heard(model)
+        model = _as_known(model)
     return model
 
 
-def _as_heard(model: Model) -> Model:
-    # Where drives are found to report late, all causes are looked for as late as they are reported.
+def _as_known(model: Model) -> Model:
+    # Where drives are found to report late, all causes are looked for as late as they are reported; where the body is
+    # found to be another, with the loads of that.
     for _ in range(HEARINGS):
-        late = _delays(model)
-        if np.max(np.abs(late - model.gap.late)) * model.gap.chain.band < HEARD:
+        gap, nuisance, late, robot = model.gap, model.nuisance, _delays(model), _weighed(model)
+        if np.max(np.abs(late - gap.late)) * gap.chain.band >= HEARD:
+            gap = gap.heard_later(late)
+            nuisance = make_nuisance(gap)
+        if _load_changes(gap, robot):
+            gap = gap.beside(robot)
+        if gap is model.gap:
             break
-        heard = model.gap.heard_later(late)
-        model = straightened(reshaped(build_model(heard, make_nuisance(heard), model.chosen)))
+        model = straightened(reshaped(build_model(gap, nuisance, model.chosen)))
     return model
+
+
+def _weighed(model: Model) -> Robot:
+    # The stated robot with the body that was found.
+    robot = model.gap.robot
+    for choice, place in zip(model.chosen, model.places, strict=True):
+        strengths = model.strengths[place]
+        if choice.cause.of_body and choice.cause.admissible(model.gap, choice.site, strengths):
+            robot = choice.cause.extend(robot, choice.site, strengths)
+    return robot
+
+
+def _load_changes(gap: Gap, robot: Robot) -> bool:
+    # Whether another body's loads are far from those that are known.
+    motion, known = gap.motion, gap.known
+    some = slice(None, None, max(1, motion.time.size // SCREENED_ROWS))
+    at = (motion.position[some], motion.velocity[some], motion.acceleration[some])
+    loads = [inverse_dynamics(body, *at) for body in (robot.body(), known.body)]
+    moved, size = (np.sqrt(np.mean(np.square(values), axis=0)) for values in (loads[0] - loads[1], loads[1]))
+    return bool(np.any(moved > WEIGHED * size))
 
 
 def _delays(model: Model) -> Floats:
@@ -208,9 +236,10 @@ def _ranked(model: Model, field: Field) -> list[Chosen]:
     # Candidates by what they gain on a part of the rows, of which those that gain nothing are left out.
     every = max(1, model.gap.blocks.row.size // SCREENED_ROWS)
     best = []
+    found = [choice.site.joint for choice in model.chosen if not choice.cause.whole_arm]
     for entrant in field:
         order = _present(model, entrant)
-        if order >= entrant.times:
+        if order >= entrant.times or (found.count(entrant.joint) >= MOST_ON_JOINT and not entrant.cause.whole_arm):
             continue
         columns = _screening(model.gap, entrant, every)
         strengths, gains = model.system.screen(columns, every)
@@ -261,10 +290,9 @@ def _best_shape(model: Model, choice: Chosen) -> Chosen:
         strengths, gains = model.system.screen({joint: values[:, None, :] for joint, values in columns.items()})
         return -float(gains[0]) if choice.cause.admissible(model.gap, site, strengths[0]) else 0.0
 
-    around = choice.cause.around_bounds(model.gap, choice.site)
-    if around is not None:
-        sites = [replace(choice.site, around=float(value)) for value in np.geomspace(*around, AROUND_STEPS)]
-        return Chosen(choice.cause, min([choice.site, *sites], key=lost))
+    around = choice.cause.around_sites(model.gap, choice.site)
+    if around:
+        return Chosen(choice.cause, min([choice.site, *around], key=lost))
     bounds = choice.cause.shape_bounds(model.gap, choice.site)
     if not bounds:
         return choice

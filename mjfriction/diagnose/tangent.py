@@ -14,7 +14,6 @@ from mjfriction.diagnose.model import Chosen, Model, Tangent, build_model
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.record.log import Floats
-from mjfriction.robot.effort import predict_effort
 from mjfriction.robot.robot import Robot
 
 ROUNDS = 4
@@ -65,7 +64,7 @@ def _tangents(model: Model, strengths: list[Floats], drawn: list[Chosen]) -> tup
     # A late sensor is late with what other causes bring, straight as they are.
     sensed = any(choice.cause.of_sensor for choice, _ in curved)
     straight = [(c, own) for c, own in pairs if sensed and not c.cause.curved and _possible(gap, c, own)]
-    punctual = _predicted(gap, straight) if straight else gap.chain.rows(gap.effort.reported)
+    punctual = _predicted(gap, straight) if straight else gap.predicted_as_stated
     held_late = _held_late(gap, straight)
     stated = punctual - held_late
     whole = _predicted(gap, [*straight, *curved])
@@ -131,4 +130,4 @@ def _predicted(gap: Gap, curved: list[tuple[Chosen, Floats]]) -> Floats:
     robot: Robot = gap.robot
     for choice, strengths in curved:
         robot = choice.cause.extend(robot, choice.site, strengths)
-    return gap.chain.rows(predict_effort(robot, robot.body(), gap.motion).reported)
+    return gap.predicted(robot)

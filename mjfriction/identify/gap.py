@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import make_interp_spline
 
 from mjfriction.body.inverse import motion_derivatives
 from mjfriction.body.model import Body
@@ -37,7 +38,17 @@ CLEAR = 0.1  # of a row's window that may be in doubt for the row to count as cl
 FEWEST_CLEAR, ENOUGH_CLEAR = 0.2, 200  # of a joint's rows, and rows: with fewer than both it is judged on all of them
 HOPELESS = 1e6  # times the effort, that a row may be off by which says nothing
 FILTER_PERIODS = 8.0  # of a low-pass's band, after which it has forgotten
+SAMPLES_PER_PERIOD = 8.0  # of the position filter's cutoff, that show the motion
+SAMPLES_OF_PIECE = 15  # at least
 DOUBT_PERIODS = 0.6  # of the position filter's cutoff: how far a sign change is blurred
+
+
+@dataclass(frozen=True)
+class Known:
+    """The robot as far as it is known: the ``body`` and the ``effort`` that it needs along the motion."""
+
+    body: Body
+    effort: Effort
 
 
 @dataclass(frozen=True)
@@ -51,7 +62,8 @@ class Gap:
     under which that is so.  ``blocks``: the stretches of motion the rows fall into.  ``per_reported``
     (joints,): effort per unit of what the drive reports, 1 or N·m/A.  ``filtered`` (joints,): the frequency (Hz) from
     which on a drive has taken the rest of its effort, infinite where none did.  ``late`` (joints,) is by how much (s)
-    drives are taken to report later than is stated, in what is set beside the residual.
+    drives are taken to report later than is stated, in what is set beside the residual, and ``known`` what that is
+    drawn with: the stated robot, or the one that what was found so far has made of its body.
     """
 
     robot: Robot
@@ -70,6 +82,7 @@ class Gap:
     per_reported: Floats
     filtered: Floats
     late: Floats
+    known: Known
 
     @property
     def examined(self) -> tuple[int, ...]:
@@ -120,6 +133,37 @@ class Gap:
                 rows.append(self._reported(joint, values[:, joint], motion, chain))
         return {joint: np.concatenate(rows) for joint, rows in found.items()}
 
+    @functools.cached_property
+    def _sparse(self) -> slice:
+        # As few samples as the position's filter leaves anything between, and some of every piece.
+        shortest = min(int(np.count_nonzero(own)) for own in self.motion.pieces)
+        least = min(int(self.motion.rate / (SAMPLES_PER_PERIOD * self.motion.cutoff)), shortest // SAMPLES_OF_PIECE)
+        return slice(None, None, max(1, least))
+
+    @functools.cached_property
+    def _sparse_motion(self) -> Motion:
+        thin = self._sparse
+        return replace(self.motion.part(thin), rate=self.motion.rate / thin.step)
+
+    def predicted(self, robot: Robot) -> Floats:
+        """Return what a robot would report along this motion, at the rows, (rows, joints).
+
+        It is computed on as few samples as show the motion: good for what one robot predicts otherwise than another.
+        """
+        reported = predict_effort(robot, robot.body(), self._sparse_motion).reported
+        if self._sparse.step == 1:
+            return self.chain.rows(reported)
+        out = np.empty((self.motion.time.size, reported.shape[1]))
+        for own, some in zip(self.motion.pieces, self._sparse_motion.pieces, strict=True):
+            between = make_interp_spline(self._sparse_motion.time[some], reported[some], k=3)
+            out[own] = between(self.motion.time[own])
+        return self.chain.rows(out)
+
+    @functools.cached_property
+    def predicted_as_stated(self) -> Floats:
+        """What the stated robot would report, as :meth:`predicted` has it, (rows, joints)."""
+        return self.predicted(self.robot)
+
     @property
     def _reach(self) -> int:
         # Samples from which on another one does not touch what a sensor says of this one.
@@ -137,6 +181,14 @@ class Gap:
         joints = tuple(later(joint, float(more)) for joint, more in zip(table.joint, late, strict=True))
         heard = gap_of(replace(self.robot, table=table.model_copy(update={"joint": joints})), self)
         return replace(self, late=np.asarray(late), doubt=heard.doubt, clear=heard.clear)
+
+    def beside(self, robot: Robot) -> Gap:
+        """Return the gap with what is set beside residual and prediction drawn with another robot's body."""
+        body = robot.body()
+        gap = replace(self, known=Known(body, predict_effort(robot, body, self.motion)))
+        same = ("_kinematics", "_forward", "link_rows", "linked", "_sparse_motion", "predicted_as_stated")
+        gap.__dict__.update({name: self.__dict__[name] for name in same if name in self.__dict__})
+        return gap
 
     @functools.cached_property
     def prompt(self) -> Gap:
@@ -172,9 +224,9 @@ class Gap:
 
     @functools.cached_property
     def derivatives(self) -> tuple[Floats, ...]:
-        """How the links' torques change with position, velocity and acceleration, each (n, joints, joints)."""
+        """How the known links' torques change with position, velocity and acceleration, each (n, joints, joints)."""
         linked = self.linked
-        return motion_derivatives(self.body, linked.position, linked.velocity, linked.acceleration)
+        return motion_derivatives(self.known.body, linked.position, linked.velocity, linked.acceleration)
 
 
 def measure_gap(log: Log, robot: Robot) -> Gap:
@@ -251,6 +303,7 @@ def _held_against(
         per_reported=per_reported,
         filtered=filtered,
         late=np.zeros(len(motion.joints)),
+        known=Known(body, effort),
     )
 
 

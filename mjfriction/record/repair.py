@@ -10,6 +10,8 @@ from mjfriction.record.faults import Fault, clipped, frozen, glitches, repeated_
 from mjfriction.record.log import CURRENT, EFFORT, POSITION, VELOCITY, Floats, Log
 
 MOST_LISTED = 3  # places of one fault that are spelled out
+ENDS = 0.01  # of a joint's samples, at either end of its travel, that glitches may be
+HELD = 0.01  # of the longest travel, within which a joint is held: what gives there goes by single counts
 MOST_CLIPPED = 0.5  # of a channel's samples; past that it is no recording of a torque
 
 
@@ -30,6 +32,7 @@ def repaired(log: Log) -> Log:
     faults = list(log.faults)
     unusable = dict(log.unusable)
     dropped = np.zeros(log.time.size, dtype=bool)
+    travel = {joint: _travel(columns[f"{POSITION}.{joint}"]) for joint in log.joints}
     for joint in log.joints:
         for quantity in (POSITION, VELOCITY, EFFORT, CURRENT):
             name = f"{quantity}.{joint}"
@@ -38,7 +41,7 @@ def repaired(log: Log) -> Log:
                 faults += found
         speed = _speed(log, columns, joint)
         still = stuck(columns[f"{POSITION}.{joint}"], speed)
-        if np.any(still):
+        if np.any(still) and travel[joint] > HELD * max(travel.values()):
             faults.append(_left_out(log, "data.stuck", f"{POSITION}.{joint}", still, "those rows were left out"))
             dropped |= still
         moving = np.abs(speed) > 0.05 * np.sqrt(np.mean(np.square(speed)))
@@ -58,6 +61,11 @@ def repaired(log: Log) -> Log:
                     faults.append(_left_out(log, kind, name, mask, action))
     changed = replace(log, columns=columns, faults=tuple(faults), unusable=unusable)
     return _without(changed, dropped) if np.any(dropped) else changed
+
+
+def _travel(position: Floats) -> float:
+    low, high = np.quantile(position, [ENDS, 1.0 - ENDS])
+    return float(high - low)
 
 
 def _bridged(log: Log, name: str, values: Floats) -> tuple[Floats, list[Fault]]:

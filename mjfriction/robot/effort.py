@@ -148,17 +148,19 @@ def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
     if not any(joint.transmission.compliance or joint.transmission.backlash for joint in robot.table.joint):
         return motion
     inertia = inertia_along(body, motion.position)
+    rubbed = np.array([joint.transmission.carries_friction for joint in robot.table.joint])
     linked = motion
     for _ in range(GIVING_ROUNDS):
         load = inverse_dynamics(body, linked.position, linked.velocity, linked.acceleration)
-        friction = friction_along(robot, linked, load)
-        load -= body.armature * linked.acceleration
+        carried = load - body.armature * linked.acceleration
+        if np.any(rubbed):
+            carried += rubbed * friction_along(robot, linked, load)
         parts = [motion.position.copy(), motion.velocity.copy(), motion.acceleration.copy()]
         for i, joint in enumerate(robot.table.joint):
             if joint.transmission.compliance or joint.transmission.backlash:
-                carried = load[:, i] + friction[:, i] if joint.transmission.carries_friction else load[:, i]
                 ahead = motion.acceleration[:, i] - linked.acceleration[:, i]
-                behind = lag(joint.transmission, motion, carried, carried + inertia[:, i] * ahead, inertia[:, i])
+                following = carried[:, i] + inertia[:, i] * ahead
+                behind = lag(joint.transmission, motion, carried[:, i], following, inertia[:, i])
                 for part, derivative in zip(parts, smooth_derivatives(motion, behind), strict=True):
                     part[:, i] -= derivative
         linked = replace(motion, position=parts[0], velocity=parts[1], acceleration=parts[2])

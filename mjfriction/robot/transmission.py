@@ -9,6 +9,7 @@ from mjfriction.record.motion import Motion, smooth_derivatives
 from mjfriction.robot.schema import Transmission
 from mjfriction.sim.stops import between_stops
 
+FLIGHT_RATE = 1000.0  # Hz, at least, at which a flight is followed: it lands between two samples of most logs
 LOAD_BAND = 0.2  # of the position filter's cutoff: a load holds accelerations, and what gives under it their noise
 
 
@@ -34,6 +35,10 @@ def coasting(motion: Motion, following: Floats, inertia: Floats, backlash: float
     """
     out = np.empty_like(following)
     pull = following / inertia / (0.5 * backlash)
+    finer = int(np.ceil(FLIGHT_RATE / motion.rate))
+    step = 1.0 / (finer * motion.rate)
     for own in motion.pieces:
-        out[own] = between_stops(pull[own], 1.0 / motion.rate, round(motion.rate / motion.cutoff))
+        sample = np.arange((np.count_nonzero(own) - 1) * finer + 1) / finer
+        course = np.interp(sample, np.arange(np.count_nonzero(own)), pull[own])
+        out[own] = between_stops(course, step, round(1.0 / (step * motion.cutoff)))[::finer]
     return out

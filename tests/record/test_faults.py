@@ -162,3 +162,17 @@ def test_the_rounding_of_a_simulation_is_no_glitch() -> None:
     assert not np.any(glitches(held))
     held[700] = 1e-3
     assert np.flatnonzero(glitches(held)).tolist() == [700]
+
+
+def test_a_held_joint_that_gives_by_single_counts_is_no_stuck_sensor() -> None:
+    time = np.arange(0.0, 20.0, 0.002)
+    count = 5e-8
+    held = np.zeros(time.size)
+    held[4000:4400] = count
+    held[9000:] = -2.0 * count
+    columns = {"time": time, "position.mover": np.sin(time), "effort.mover": np.cos(time)}
+    columns |= {"position.wrist": held, "effort.wrist": np.random.default_rng(0).normal(size=time.size)}
+    assert np.any(stuck(held, np.gradient(held, time)))
+    log = log_from_table(pa.table(columns), "log")
+    assert log.faults == ()
+    assert log.time.size == time.size

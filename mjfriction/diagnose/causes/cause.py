@@ -18,6 +18,8 @@ from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 
+AROUND_STEPS = 9  # strengths that are tried around one of a grid
+
 Shape = tuple[float, ...]
 Picture = Literal["covariate", "turned", "spectrum", "turned_spectrum", "travel", "loop"]
 
@@ -60,6 +62,7 @@ class Cause(ABC):
     whole_arm: ClassVar[bool] = False  # whether every joint feels it; its site is then where it shows most
     curved: ClassVar[bool] = False  # whether the effort bends with the strengths: then fitted on the real balance
     of_sensor: ClassVar[bool] = False  # whether it acts on whatever torques there are, those of other causes too
+    of_body: ClassVar[bool] = False  # whether it changes what the links weigh, which other causes' effects grow with
     times: ClassVar[int] = 1  # how many of its kind a joint may have
     before_sensor: ClassVar[bool] = True  # whether the change passes the effort sensor's scale, as all torques do
     contains: ClassVar[tuple[str, ...]] = ()  # causes that are this one with a strength at zero: no rivals of theirs
@@ -109,9 +112,11 @@ class Cause(ABC):
         """Return how finely the rows can tell each shape parameter at best: by default as finely as the fit says."""
         return tuple(0.0 for _ in site.shape)
 
-    def around_bounds(self, gap: Gap, site: Site) -> tuple[float, float] | None:
-        """Return the range that the strength is searched in which the columns are drawn around; by default none is."""
-        return None
+    def around_sites(self, gap: Gap, site: Site) -> list[Site]:
+        """Return the places near one that are tried besides, where columns are drawn around a strength; by default none
+        is.
+        """
+        return []
 
     def shape_steps(self, gap: Gap, site: Site) -> tuple[float, ...]:
         """Return how far each shape parameter is moved at first when it is searched: by default a tenth of itself."""
@@ -145,3 +150,9 @@ class JointCause(Cause):
 def column(values: Floats) -> Floats:
     """Return (n,) as one column (n, 1)."""
     return np.asarray(values)[:, None]
+
+
+def near_around(site: Site, finer: float) -> list[Site]:
+    """Return places whose columns are drawn around strengths up to ``finer`` times smaller and larger."""
+    strengths = np.geomspace(site.around / finer, site.around * finer, AROUND_STEPS)
+    return [replace(site, around=float(strength)) for strength in strengths]

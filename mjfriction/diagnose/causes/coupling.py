@@ -78,7 +78,7 @@ class SharedEffort(_Coupling):
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The other joint's effort, (n, 1)."""
         other = self.source(gap, site)
-        return column(shared_effort(gap.robot, gap.motion, other, gap.effort.total[:, other]))
+        return column(shared_effort(gap.robot, gap.motion, other, gap.known.effort.total[:, other]))
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The share."""

@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
+from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column, near_around
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
@@ -26,7 +26,7 @@ def _late(gap: Gap, joint: int, delay: float) -> Floats:
     # How the stated effort changes per second of delay: its secant, and for none its tangent.  Pieces are apart.
     out = np.empty_like(gap.motion.time)
     for own in gap.motion.pieces:
-        effort, time = gap.effort.total[own, joint], gap.motion.time[own]
+        effort, time = gap.known.effort.total[own, joint], gap.motion.time[own]
         if delay == 0.0:
             out[own] = -np.gradient(effort) * gap.motion.rate
         else:
@@ -63,9 +63,9 @@ class _Delay(JointCause):
         near = site.around == 0.0 or abs(strengths[0] / site.around - 1.0) < NEAR
         return bool(near and abs(strengths[0]) < LONGEST)
 
-    def around_bounds(self, gap: Gap, site: Site) -> tuple[float, float] | None:
+    def around_sites(self, gap: Gap, site: Site) -> list[Site]:
         """To the neighbours on the grid."""
-        return (site.around / FINER, site.around * FINER) if site.around else None
+        return near_around(site, FINER) if site.around else []
 
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """A shift of less than one sample is how a log is sampled: a command, say, acts over the step that follows."""

@@ -26,6 +26,7 @@ class _Link(Cause):
     name = "body.link_inertia"
     covariate = "effort"
     whole_arm = True
+    of_body = True
     part: ClassVar[slice]  # of a gap's link rows, that is the cause's own
 
     def sites(self, gap: Gap) -> list[Site]:

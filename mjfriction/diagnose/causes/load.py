@@ -23,7 +23,7 @@ class Load(JointCause):
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The size of the load in the direction of motion, (n, 1)."""
-        return column(gap.forward(site.joint) * np.abs(gap.effort.rigid[:, site.joint]))
+        return column(gap.forward(site.joint) * np.abs(gap.known.effort.rigid[:, site.joint]))
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The coefficient, stated plus change."""
@@ -43,7 +43,7 @@ class Load(JointCause):
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Say what the load adds between light and heavy."""
         unit = "N" if gap.body.sliding[site.joint] else "N·m"
-        light, heavy = np.quantile(np.abs(gap.effort.rigid[:, site.joint]), [0.05, 0.95])
+        light, heavy = np.quantile(np.abs(gap.known.effort.rigid[:, site.joint]), [0.05, 0.95])
         return (
             f"friction rises by {strengths[0] * (heavy - light):.3g} {unit} as the load goes from {light:.3g} to "
             f"{heavy:.3g} {unit}, in both directions of motion"

@@ -11,7 +11,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Site, column, near_around
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
@@ -34,7 +34,8 @@ FELT = 1e-6  # of the noise floor, below which a shift is felt by no joint
 
 def load_on_link(gap: Gap, joint: int) -> Floats:
     """Return the load that a transmission carries along the stated motion, (n,): the link's, not the rotor's."""
-    return np.asarray(gap.effort.rigid[:, joint] - gap.body.armature[joint] * gap.motion.acceleration[:, joint])
+    known = gap.known
+    return np.asarray(known.effort.rigid[:, joint] - known.body.armature[joint] * gap.motion.acceleration[:, joint])
 
 
 class _MovedLink(Cause):
@@ -126,7 +127,7 @@ class _Elasticity(_MovedLink):
     def load(self, gap: Gap, joint: int) -> Floats:
         """Return what the transmission carries, (n,)."""
         load = load_on_link(gap, joint)
-        return load + gap.effort.friction[:, joint] if self.carries_friction else load
+        return load + gap.known.effort.friction[:, joint] if self.carries_friction else load
 
     def shift(self, gap: Gap, site: Site) -> list[Floats]:
         """The load and its derivatives."""
@@ -220,9 +221,9 @@ class Backlash(_MovedLink):
         """Half the place of the link in its play, through the position's filter, and its derivatives."""
         return smooth_derivatives(gap.motion, self._behind(gap, site))
 
-    def around_bounds(self, gap: Gap, site: Site) -> tuple[float, float] | None:
-        """To the neighbours on the grid."""
-        return (site.around / FINER, site.around * FINER) if site.around else None
+    def around_sites(self, gap: Gap, site: Site) -> list[Site]:
+        """To the neighbours on the grid; and crossed at once."""
+        return [*near_around(site, FINER), replace(site, around=0.0)] if site.around else []
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The play, stated plus change."""

@@ -25,7 +25,7 @@ class TorqueConstant(JointCause):
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The stated effort of the joint, (n, 1)."""
-        return column(gap.effort.total[:, site.joint])
+        return column(gap.known.effort.total[:, site.joint])
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The factor, 1 where the reading is right."""

@@ -26,6 +26,7 @@ class _WholeArm(Cause):
     """A change that enters every joint; its site is the joint where it shows most."""
 
     whole_arm = True
+    of_body = True
     covariate = "position"
     curved = True
 
