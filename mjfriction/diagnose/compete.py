@@ -9,6 +9,8 @@ from scipy.optimize import minimize
 
 from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.diagnose.causes.cause import Cause, Site
+from mjfriction.diagnose.causes.delay import JointDelay
+from mjfriction.diagnose.causes.moved_link import Backlash
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
 from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
@@ -28,7 +30,6 @@ LEAST_KIN = 0.02  # of its partner's effort that a cause's other half must reach
 LEAST_KIN_EFFECT = 0.002  # and of the joint's effort
 BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "friction.presliding", "friction.asymmetry"})
 MOST_CAUSES = 12
-MOST_ON_JOINT = 4  # of these: what a fifth would tell is what the others leave
 SHORT_LIST = 8
 NEAR_BEST = 0.9  # of the best candidate's merit, from which on two are compared on the real balance
 PROOF_SEED = 0  # of the resampling by which a gain is held against zero
@@ -92,7 +93,8 @@ def compete(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silently) -
     asked, count = field, size(field)
     while True:
         model = _as_known(_pruned(_forward(gap, nuisance, asked, count, tell), count))
-        refused = [choice for choice in model.chosen if not _proved(model, choice)] + _dissolved(model)
+        refused = [choice for choice in model.chosen if not _proved(model, choice)]
+        refused += _dissolved(model) + _of_landings(model)
         if not refused:
             return straightened(_with_kin(model, field))
         asked = _narrowed(asked, refused)
@@ -222,6 +224,17 @@ def _dissolved(model: Model) -> list[Chosen]:
     return [least_sure] if worst > 1.0 else []
 
 
+def _of_landings(model: Model) -> list[Chosen]:
+    # With what it lands, a link pushes its motor back before any row can say so: beside play, efforts that seem to come
+    # early on the same joint are that.
+    loose = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, Backlash)}
+    return [
+        choice
+        for choice, place in zip(model.chosen, model.places, strict=True)
+        if isinstance(choice.cause, JointDelay) and choice.site.joint in loose and model.strengths[place][0] < 0.0
+    ]
+
+
 def contenders(model: Model, field: Field) -> list[Trial]:
     """Screen every candidate not in the model yet, and return the trials of a short list, each at its best shape."""
     return _all_tried(model, _ranked(model, field)[:SHORT_LIST])
@@ -236,10 +249,9 @@ def _ranked(model: Model, field: Field) -> list[Chosen]:
     # Candidates by what they gain on a part of the rows, of which those that gain nothing are left out.
     every = max(1, model.gap.blocks.row.size // SCREENED_ROWS)
     best = []
-    found = [choice.site.joint for choice in model.chosen if not choice.cause.whole_arm]
     for entrant in field:
         order = _present(model, entrant)
-        if order >= entrant.times or (found.count(entrant.joint) >= MOST_ON_JOINT and not entrant.cause.whole_arm):
+        if order >= entrant.times:
             continue
         columns = _screening(model.gap, entrant, every)
         strengths, gains = model.system.screen(columns, every)

@@ -144,6 +144,16 @@ def test_play_behind_a_payload_is_found(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 @pytest.mark.bench
+def test_a_landing_is_no_effort_that_comes_early(monkeypatch: pytest.MonkeyPatch) -> None:
+    setting = Setting("ur5", rate=250.0, noise=0.1, off=0.03, motion="pick_and_place")
+    case = make_case(13, setting, (draw_of("body.payload"), draw_of("drive.backlash")), SEVERITY["large"])
+    loose = {("body.payload", None), ("drive.backlash", "shoulder_pan_joint")}
+    assert named(diagnosed(case)) == loose
+    monkeypatch.setattr(compete, "_of_landings", lambda model: [])
+    assert named(diagnosed(case)) == loose | {("sensor.delay", "shoulder_pan_joint")}
+
+
+@pytest.mark.bench
 def test_a_play_of_a_third_of_a_millimetre_is_found() -> None:
     setting = Setting("linear_axis", seconds=40.0, rate=500.0, noise=0.05, off=0.03)
     case = make_case(9, setting, (draw_of("drive.backlash"),), SEVERITY["large"])
