@@ -12,7 +12,6 @@ import pytest
 from mjfriction.benchmark.cases import SEVERITY, Case, Setting, draw_of, make_case, write_case
 from mjfriction.benchmark.effects.catalog import EFFECTS
 from mjfriction.benchmark.score import Finding, Outcome
-from mjfriction.diagnose import compete
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.identify import blows
@@ -130,27 +129,6 @@ def test_play_of_a_sliding_table_is_found_with_its_size() -> None:
     (finding,) = diagnosed(case).findings
     assert (finding.cause, finding.joint) == ("drive.backlash", "axis")
     assert finding.parameters[0].value == pytest.approx(hidden.strength, rel=0.05)
-
-
-@pytest.mark.bench
-def test_play_behind_a_payload_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    # Of what hangs on a wrist's play, the payload is the most: drawn without it, the link lands at other times.
-    setting = Setting("ur5", rate=250.0, noise=0.1, off=0.03, motion="pick_and_place")
-    case = make_case(12, setting, (draw_of("body.payload"), draw_of("drive.backlash")), SEVERITY["large"])
-    hidden = {(one.cause, one.joint) for one in case.hidden}
-    assert named(diagnosed(case)) == hidden
-    monkeypatch.setattr(compete, "WEIGHED", np.inf)
-    assert named(diagnosed(case)) != hidden
-
-
-@pytest.mark.bench
-def test_a_landing_is_no_effort_that_comes_early(monkeypatch: pytest.MonkeyPatch) -> None:
-    setting = Setting("ur5", rate=250.0, noise=0.1, off=0.03, motion="pick_and_place")
-    case = make_case(13, setting, (draw_of("body.payload"), draw_of("drive.backlash")), SEVERITY["large"])
-    loose = {("body.payload", None), ("drive.backlash", "shoulder_pan_joint")}
-    assert named(diagnosed(case)) == loose
-    monkeypatch.setattr(compete, "_of_landings", lambda model: [])
-    assert named(diagnosed(case)) == loose | {("sensor.delay", "shoulder_pan_joint")}
 
 
 @pytest.mark.bench

@@ -1,0 +1,58 @@
+"""Causes beside others: drawn with the body as it is known, and refused where another leaves what looks like them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.delay import JointDelay
+from mjfriction.diagnose.causes.load import Load
+from mjfriction.diagnose.causes.moved_link import Backlash
+from mjfriction.diagnose.compete import _of_landings
+from mjfriction.diagnose.model import Chosen, build_model
+from mjfriction.diagnose.nuisance import make_nuisance
+from mjfriction.identify.gap import Gap, gap_of, measure_gap
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.schema import Payload
+from tests.hidden.machine import Machine, write_case
+
+ELBOW = 2
+
+
+def gap_of_machine(folder: Path, machine: Machine) -> Gap:
+    log, robot = write_case(folder, machine, seed=1, seconds=20.0)
+    return measure_gap(read_log(log), read_robot(robot))
+
+
+def test_beside_a_payload_friction_under_load_is_drawn_with_it(tmp_path: Path) -> None:
+    gap = gap_of_machine(tmp_path, Machine())
+    table = gap.robot.table.model_copy(
+        update={"payload": Payload(mass=5.0, com=(0.0, 0.0, 0.1), parent="wrist_3_link")}
+    )
+    carrying = Robot(table, gap.robot.folder)
+    known = gap.beside(carrying)
+    stated, drawn = (Load().columns(one, Site(ELBOW))[ELBOW] for one in (gap, known))
+    # What is stated of a robot that carries the payload is what is known of one on which it was found.
+    direct = Load().columns(gap_of(carrying, gap), Site(ELBOW))[ELBOW]
+    np.testing.assert_allclose(drawn, direct, rtol=1e-9)
+    assert np.linalg.norm(drawn - stated) > 0.2 * np.linalg.norm(stated)
+    np.testing.assert_array_equal(known.residual, gap.residual)
+
+
+@pytest.mark.parametrize(("delay", "refused"), [(-0.02, True), (0.02, False)])
+def test_beside_play_an_effort_that_seems_early_is_a_landing(delay: float, refused: bool, tmp_path: Path) -> None:
+    shifted = Machine(
+        hidden={
+            ELBOW: lambda i: np.interp(i.time - delay, i.time, i.rigid + i.friction) - (i.rigid + i.friction),
+        }
+    )
+    gap = gap_of_machine(tmp_path, shifted)
+    play, late = Chosen(Backlash(), Site(ELBOW, around=0.001)), Chosen(JointDelay(), Site(ELBOW))
+    model = build_model(gap, make_nuisance(gap), (play, late))
+    assert [choice.key for choice in _of_landings(model)] == ([late.key] if refused else [])
+    assert _of_landings(model.without(play)) == []
