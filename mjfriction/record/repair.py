@@ -8,10 +8,10 @@ import numpy as np
 
 from mjfriction.record.faults import Fault, clipped, frozen, glitches, repeated_rows, spans, stuck
 from mjfriction.record.log import CURRENT, EFFORT, POSITION, VELOCITY, Floats, Log
+from mjfriction.record.motion import HELD
 
 MOST_LISTED = 3  # places of one fault that are spelled out
 ENDS = 0.01  # of a joint's samples, at either end of its travel, that glitches may be
-HELD = 0.01  # of the longest travel, within which a joint is held: what gives there goes by single counts
 MOST_CLIPPED = 0.5  # of a channel's samples; past that it is no recording of a torque
 
 
@@ -41,6 +41,7 @@ def repaired(log: Log) -> Log:
                 faults += found
         speed = _speed(log, columns, joint)
         still = stuck(columns[f"{POSITION}.{joint}"], speed)
+        # What gives of a joint that is held goes by single counts.
         if np.any(still) and travel[joint] > HELD * max(travel.values()):
             faults.append(_left_out(log, "data.stuck", f"{POSITION}.{joint}", still, "those rows were left out"))
             dropped |= still

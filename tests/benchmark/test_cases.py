@@ -10,8 +10,10 @@ import pyarrow as pa
 import pytest
 
 from mjfriction.benchmark.cases import SEVERITY, Case, Setting, draw_of, make_case, write_case
+from mjfriction.benchmark.drawing import draw_case
 from mjfriction.benchmark.effects.catalog import EFFECTS
 from mjfriction.benchmark.score import Finding, Outcome
+from mjfriction.diagnose import compete
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.identify import blows
@@ -129,6 +131,23 @@ def test_play_of_a_sliding_table_is_found_with_its_size() -> None:
     (finding,) = diagnosed(case).findings
     assert (finding.cause, finding.joint) == ("drive.backlash", "axis")
     assert finding.parameters[0].value == pytest.approx(hidden.strength, rel=0.05)
+
+
+@pytest.mark.bench
+def test_a_landing_is_no_effort_that_comes_early(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = draw_case(540012).case()  # play, and behind it a give that hardly shows
+    assert named(diagnosed(case)) == {("drive.backlash", "axis")}
+    monkeypatch.setattr(compete, "_of_landings", lambda model: [])
+    assert ("sensor.delay", "axis") in named(diagnosed(case))
+
+
+@pytest.mark.bench
+def test_play_behind_a_payload_is_drawn_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = draw_case(540002).case()  # a payload that weighs most of what the wrist's play lets go
+    loose = ("drive.backlash", "wrist_2_joint")
+    assert loose in named(diagnosed(case))
+    monkeypatch.setattr(compete, "WEIGHED", np.inf)
+    assert loose not in named(diagnosed(case))
 
 
 @pytest.mark.bench

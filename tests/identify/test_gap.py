@@ -14,7 +14,10 @@ from mjfriction.identify.gap import measure_gap
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log
 from mjfriction.robot.bandwidth import choose_cutoff
+from mjfriction.robot.effort import predict_effort
 from mjfriction.robot.files import read_robot
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.schema import Payload
 
 
 @pytest.fixture(scope="module")
@@ -60,3 +63,26 @@ def test_a_quiet_velocity_widens_the_band_only_if_it_is_the_positions(demo: Log,
     assert (beside > 1.5 * alone) is raises
     if not raises:
         assert beside == alone
+
+
+@pytest.mark.parametrize("shortest", [None, 70])
+def test_what_another_robot_changes_is_predicted_from_few_samples_as_from_all(demo: Log, shortest: int | None) -> None:
+    rng = np.random.default_rng(6)
+    columns = {name: values for name, values in demo.columns.items() if not name.startswith("velocity.")}
+    columns |= {
+        name: values + 1e-2 * rng.normal(size=values.size)  # so rough that little of the band is left
+        for name, values in columns.items()
+        if name.startswith("position.")
+    }
+    segment = np.zeros(demo.time.size, dtype=np.int64)
+    if shortest is not None:
+        segment[-shortest:] = 1
+    gap = measure_gap(replace(demo, columns=columns, segment=segment), read_robot("ur5"))
+    payload = Payload(mass=3.0, com=(0.0, 0.0, 0.1), parent="wrist_3_link")
+    carrying = Robot(gap.robot.table.model_copy(update={"payload": payload}), gap.robot.folder)
+    few = gap.predicted(carrying) - gap.predicted_as_stated
+    whole = gap.chain.rows(predict_effort(carrying, carrying.body(), gap.motion).reported - gap.effort.reported)
+    np.testing.assert_allclose(few, whole, atol=0.005 * np.max(np.abs(whole)))
+    assert gap._sparse.step > 1
+    if shortest is not None:
+        assert shortest / gap._sparse.step > 10.0  # enough of the shortest piece for a course between

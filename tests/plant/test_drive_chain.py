@@ -22,6 +22,7 @@ from mjfriction.robot.files import read_robot
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Actuator, CommonDrive, FrictionTerm, PositionSensor, Transmission, Wave
+from mjfriction.sim.transmission import DeadZone
 
 LINK, ROTOR = 60.0, 6.0e-5 * 628.3185307**2  # kg of the linear axis
 NONE = FrictionTerm(law="coulomb_viscous", parameters={"coulomb": 0.0, "viscous": 0.0})
@@ -241,3 +242,11 @@ def test_what_slides_lags_its_motor_by_what_it_needs(machine: str) -> None:
     behind, needed = (sosfiltfilt(slow, course)[inner] for course in (behind, needed))
     assert np.std(needed) > 1e-6
     assert np.sqrt(np.mean(np.square(behind - needed))) < 0.05 * np.std(needed)
+
+
+def test_the_spring_behind_a_play_only_pushes() -> None:
+    zone = DeadZone(half=0.01, stiffness=100.0, damping=5.0)
+    assert zone.force(0.009, 3.0) == 0.0
+    assert zone.force(0.03, 0.1) == pytest.approx(-100.0 * 0.02 - 5.0 * 0.1)
+    assert zone.force(-0.03, -0.1) == pytest.approx(100.0 * 0.02 + 5.0 * 0.1)
+    assert zone.force(0.03, -1.0) == 0.0  # it leaves faster than the spring follows
