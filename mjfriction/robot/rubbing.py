@@ -119,6 +119,15 @@ def waves_along(waves: tuple[Wave, ...], position: Floats) -> Floats:
     return out
 
 
+def wave_slopes_along(waves: tuple[Wave, ...], position: Floats) -> Floats:
+    """Return how the sum of waves along the stroke changes with position, at positions (n,)."""
+    turned = (
+        Wave(wavenumber=wave.wavenumber, cosine=wave.wavenumber * wave.sine, sine=-wave.wavenumber * wave.cosine)
+        for wave in waves
+    )
+    return waves_along(tuple(turned), position)
+
+
 def surroundings(joint: Joint, motion: Motion, index: int, load: Floats) -> Floats:
     """Return what the joint's friction may read along a motion, shape (n, 6); room temperature where none is logged."""
 

@@ -1,4 +1,6 @@
-"""Causes beside others: drawn with the body as it is known, and refused where another leaves what looks like them."""
+"""Causes beside others: drawn with what is known of body and stroke, and refused where another leaves what looks like
+them.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,7 @@ import pytest
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.delay import JointDelay
 from mjfriction.diagnose.causes.load import Load
-from mjfriction.diagnose.causes.moved_link import Backlash
+from mjfriction.diagnose.causes.moved_link import Backlash, EncoderOffset
 from mjfriction.diagnose.compete import _of_landings
 from mjfriction.diagnose.model import Chosen, build_model
 from mjfriction.diagnose.nuisance import make_nuisance
@@ -18,7 +20,7 @@ from mjfriction.identify.gap import Gap, gap_of, measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Payload
+from mjfriction.robot.schema import Payload, Spring, Wave
 from tests.hidden.machine import Machine, write_case
 
 ELBOW = 2
@@ -56,3 +58,21 @@ def test_beside_play_an_effort_that_seems_early_is_a_landing(delay: float, refus
     model = build_model(gap, make_nuisance(gap), (play, late))
     assert [choice.key for choice in _of_landings(model)] == ([late.key] if refused else [])
     assert _of_landings(model.without(play)) == []
+
+
+def test_a_zero_that_is_off_moves_what_is_stated_along_the_stroke(tmp_path: Path) -> None:
+    plain = gap_of_machine(tmp_path, Machine())
+    wave = Wave(wavenumber=8.0, cosine=1.5, sine=-2.0)
+    own = plain.robot.table.joint[ELBOW]
+    varied = own.model_copy(
+        update={"cogging": (wave,), "friction_waves": (wave,), "spring": Spring(stiffness=20.0, preload=1.0)}
+    )
+    gap = gap_of(plain.robot.with_joint(varied), plain)
+    drawn = EncoderOffset().columns(gap, Site(ELBOW))[ELBOW][:, 0]
+    step = 1e-4
+    moved = EncoderOffset().extend(gap.robot, Site(ELBOW), np.array([step]))
+    difference = (gap_of(moved, gap).residual - gap.residual)[:, ELBOW] / -step
+    away = gap.clear[:, ELBOW]
+    np.testing.assert_allclose(drawn[away], difference[away], atol=0.01 * float(np.max(np.abs(difference))))
+    without = EncoderOffset().columns(plain, Site(ELBOW))[ELBOW][:, 0]
+    assert np.linalg.norm(without - difference) > 0.5 * np.linalg.norm(difference)

@@ -18,6 +18,7 @@ from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.record.motion import smooth_derivatives
 from mjfriction.robot.robot import Robot
+from mjfriction.robot.rubbing import wave_slopes_along
 from mjfriction.robot.transmission import LOAD_BAND, coasting
 
 OFFSET = Parameter("offset", "{length}", "what the sensor reads where the joint is at zero")
@@ -94,6 +95,14 @@ class EncoderOffset(_MovedLink):
         """One, at rest."""
         one = np.ones_like(gap.motion.time)
         return [one, 0.0 * one, 0.0 * one]
+
+    def _torques(self, gap: Gap, site: Site) -> Floats:
+        # What goes along the stroke, springs and waves, stands elsewhere too; the motor is where its link is.
+        out = super()._torques(gap, site)
+        joint, position = gap.robot.table.joint[site.joint], gap.linked.position[:, site.joint]
+        out[:, site.joint] -= joint.spring.stiffness + wave_slopes_along(joint.cogging, position)
+        out[:, site.joint] -= gap.forward(site.joint) * wave_slopes_along(joint.friction_waves, position)
+        return out
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The offset, stated plus change."""
