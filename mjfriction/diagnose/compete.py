@@ -32,6 +32,7 @@ BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "frictio
 MOST_CAUSES = 12
 SHORT_LIST = 8
 NEAR_BEST = 0.9  # of the best candidate's merit, from which on two are compared on the real balance
+NO_DIFFERENCE = 1.0  # of merit: the data are then but 1.6 times as likely under one as under the other
 PROOF_SEED = 0  # of the resampling by which a gain is held against zero
 SCREENED_ROWS = 1000  # enough to rank shapes by
 HEARD = 0.02  # periods of the band, by which a delay must have moved for columns to be drawn anew
@@ -117,10 +118,20 @@ def _forward(gap: Gap, nuisance: Nuisance, field: Field, count: int, tell: Tell)
         passing = _passing(model, field, count)
         if not passing:
             break
-        best = max(fairly(model, passing), key=lambda trial: trial.merit)
+        best = _best(field, fairly(model, passing))
         model = straightened(reshaped(build_model(model.gap, model.nuisance, (*model.chosen, best.chosen))))
         model = _as_known(model)
     return model
+
+
+def _best(field: Field, trials: list[Trial]) -> Trial:
+    # The one of the largest merit, or the first in the field of those that come as near to it as makes no difference.
+    causes = [type(entrant.cause) for entrant in field]
+    most = max(trial.merit for trial in trials)
+    return min(
+        (trial for trial in trials if trial.merit > most - NO_DIFFERENCE),
+        key=lambda trial: causes.index(type(trial.chosen.cause)),
+    )
 
 
 def _as_known(model: Model) -> Model:

@@ -13,6 +13,7 @@ from mjfriction.identify.protocol import candidate_motions, difference, motion_a
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.robot.robot import Robot
 
+TOLD = 3.0  # times the noise, from which on two explanations are told apart
 FASTER = 1.5  # times the speed that the log reached
 
 
@@ -39,7 +40,8 @@ class Experiment:
 def design_experiment(model: Model, target: Chosen, rival: Chosen) -> Experiment | None:
     """Return the motion, of many within the joints' limits, on which a cause and its rival differ most.
 
-    Both are fitted to the log with everything else.  None where they differ nowhere by more than on the log itself.
+    Both are fitted to the log with everything else.  Where motions in the middle of the range tell nothing, the cause's
+    own joint is moved alone to its sides.  None where they differ nowhere by more than on the log itself.
     """
     gap = model.gap
     rest = tuple(choice for choice in model.chosen if choice.key != target.key)
@@ -47,11 +49,17 @@ def design_experiment(model: Model, target: Chosen, rival: Chosen) -> Experiment
     on_log, _ = _apart(gap, robots, None)
     best: Experiment | None = None
     top = FASTER * np.max(np.abs(gap.motion.velocity), axis=0)
-    for trajectory in candidate_motions(gap.robot.joints, gap.body, top, target.site.joint):
-        apart, joint = _apart(gap, robots, trajectory)
-        if apart > on_log and (best is None or apart > best.apart):
-            between = (target.cause.name, rival.cause.name)
-            best = Experiment(trajectory, gap.robot.joints[joint], apart, on_log, between)
+    for side in (0.0, -1.0, 1.0):
+        motions = candidate_motions(
+            gap.robot.joints, gap.body, top, target.site.joint, all_joints=side == 0.0, side=side
+        )
+        for trajectory in motions:
+            apart, joint = _apart(gap, robots, trajectory)
+            if apart > on_log and (best is None or apart > best.apart):
+                between = (target.cause.name, rival.cause.name)
+                best = Experiment(trajectory, gap.robot.joints[joint], apart, on_log, between)
+        if side == 0.0 and best is not None and best.apart > TOLD:
+            break
     return best
 
 

@@ -162,10 +162,22 @@ def plan_separation(robots: tuple[Robot, Robot], *, seed: int = 0, tell: Tell = 
 
 
 def candidate_motions(
-    names: tuple[str, ...], body: Body, top: Floats, joint: int, *, all_joints: bool = True, seed: int = 0
+    names: tuple[str, ...],
+    body: Body,
+    top: Floats,
+    joint: int,
+    *,
+    all_joints: bool = True,
+    side: float = 0.0,
+    seed: int = 0,
 ) -> list[Trajectory]:
-    """Return motions within the joints' limits: all joints at several speeds and places, and one joint to and fro."""
+    """Return motions within the joints' limits: all joints at several speeds and places, and one joint to and fro.
+
+    With ``side`` −1 or 1 that one moves as far from the middle of its range as it may, though by no more than a quarter
+    of a turn: a load may point the other way there.
+    """
     middle, reach = room(body)
+    middle[joint] += side * _room_aside(body, joint, float(reach[joint]))
     out = []
     if all_joints:
         out = [
@@ -181,6 +193,12 @@ def candidate_motions(
     still = np.tile(middle, (alone.time.size, 1))
     still[:, joint] = alone.position[:, 0]
     return [*out, Trajectory(names, alone.time, still)]
+
+
+def _room_aside(body: Body, joint: int, reach: float) -> float:
+    half = 0.5 * (body.upper[joint] - body.lower[joint])
+    widest = np.inf if body.sliding[joint] else 0.5 * np.pi
+    return float(np.clip(half - reach, 0.0, widest)) if np.isfinite(half) or np.isfinite(widest) else 0.0
 
 
 def motion_along(robot: Robot, trajectory: Trajectory) -> Motion:

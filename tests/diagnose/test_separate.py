@@ -17,15 +17,17 @@ from mjfriction.plant.trajectory import Trajectory
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Spring
+from mjfriction.robot.schema import Spring, Transmission
 
 HOME = np.array([0.0, -1.2, 1.4, -0.4, 1.2, 0.0])
-WRIST = 4
+HANGING = np.array([0.0, -1.2, 2.2, -0.4, 1.2, 0.0])  # the forearm well below the horizontal
+WIDE = np.array([0.5, 0.25, 0.3, 0.3, 0.5, 0.5])
+WRIST, ELBOW = 4, 2
 
 
-def noisy(robot: Robot) -> Robot:
+def noisy(robot: Robot, noise: float = 0.24) -> Robot:
     for joint in robot.table.joint:
-        sensor = joint.effort_sensor.model_copy(update={"noise": 0.24})
+        sensor = joint.effort_sensor.model_copy(update={"noise": noise})
         robot = robot.with_joint(joint.model_copy(update={"effort_sensor": sensor}))
     return robot
 
@@ -76,3 +78,30 @@ def test_a_spring_over_a_short_stroke_is_told_by_the_asked_motion(robots: tuple[
     second = diagnosed(machine, stated, experiment.trajectory)
     assert [(f.cause, f.joint, f.alternatives) for f in second.findings] == [("body.spring", "wrist_2_joint", ())]
     assert second.next_experiment is None
+
+
+def test_play_that_the_load_never_crosses_is_a_zero_that_is_off() -> None:
+    stated = noisy(read_robot("ur5"), 0.1)
+    loose = stated.table.joint[ELBOW].model_copy(update={"transmission": Transmission(backlash=0.04)})
+    machine = stated.with_joint(loose)
+    wide = excitation(stated.joints, HANGING, WIDE, np.full(6, 0.6), 40.0, seed=5)
+    first = diagnosed(machine, stated, wide)
+    (finding,) = first.findings
+    assert (finding.cause, finding.alternatives) == ("sensor.encoder_offset", ("drive.backlash",))
+    assert finding.confidence == pytest.approx(0.5, abs=0.1)
+    assert first.next_experiment is not None
+    second = diagnosed(machine, stated, first.next_experiment.trajectory)
+    assert [(f.cause, f.joint, f.alternatives) for f in second.findings] == [("drive.backlash", "elbow_joint", ())]
+
+
+def test_a_zero_that_is_off_against_the_load_is_no_play() -> None:
+    stated = noisy(read_robot("ur5"), 0.1)
+    found = {}
+    for offset in (-0.04, 0.04):
+        sensor = stated.table.joint[ELBOW].position_sensor.model_copy(update={"offset": offset})
+        machine = stated.with_joint(stated.table.joint[ELBOW].model_copy(update={"position_sensor": sensor}))
+        wide = excitation(stated.joints, HANGING, WIDE, np.full(6, 0.6), 40.0, seed=5)
+        (finding,) = diagnosed(machine, stated, wide).findings
+        assert finding.cause == "sensor.encoder_offset"
+        found[offset] = finding.alternatives
+    assert sorted(found.values()) == [(), ("drive.backlash",)]

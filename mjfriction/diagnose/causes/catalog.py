@@ -24,6 +24,7 @@ from mjfriction.diagnose.causes.whole_arm import GravityDirection, Payload
 
 STATED_LEVELS = CoulombViscous()
 
+# Of causes that do equally well the first is the one that is named, the others are its alternatives.
 STRUCTURAL: tuple[Cause, ...] = (
     Stribeck(),
     ViscousNonlinear(),
@@ -46,6 +47,7 @@ STRUCTURAL: tuple[Cause, ...] = (
     DifferenceDrive(),
     Elasticity(),
     LinkSideElasticity(),
+    EncoderOffset(),
     Backlash(),
     Spring(),
     Payload(),
@@ -54,5 +56,4 @@ STRUCTURAL: tuple[Cause, ...] = (
     GravityDirection(),
     JointDelay(),
     LogDelay(),
-    EncoderOffset(),
 )

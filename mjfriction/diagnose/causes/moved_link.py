@@ -26,6 +26,7 @@ COMPLIANCE = Parameter("compliance", "{length}/{force}", "how far the transmissi
 BACKLASH = Parameter("backlash", "{length}", "play of the transmission, from stop to stop", lower=0.0)
 FARTHEST = 0.5  # rad or m that a zero may be off
 PLAYS = tuple(6.4e-2 * 0.8**k for k in range(38))  # rad or m: from 64 mrad to 17 µm
+AT_ONCE = (0.0,)  # beside these, a play that is crossed in no time
 FINER = 1.15  # half of a step of these
 ROUNDS = 2  # in which a link's place in its play and what it needs there are found
 NEAR = (0.6, 1.6)  # times the play that the columns were drawn for
@@ -196,9 +197,16 @@ class Backlash(_MovedLink):
     curved = True
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Joints whose load changes sign; elsewhere play is an offset of the sensor."""
-        joints = [site for site in super().sites(gap) if np.ptp(np.sign(load_on_link(gap, site.joint))) > 0.0]
-        return [replace(site, around=play) for site in joints for play in (0.0, *PLAYS)]
+        """Every joint, with many plays to coast across, and crossed at once.
+
+        Where the load never changes its sign play is but an offset of the sensor, and nothing tells of how it would be
+        crossed.
+        """
+        return [
+            replace(site, around=play)
+            for site in super().sites(gap)
+            for play in (*PLAYS, *AT_ONCE[: _crossings(gap, site.joint)])
+        ]
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
         """What the joint itself feels, without the position's filter: many plays, each for little."""
@@ -232,7 +240,8 @@ class Backlash(_MovedLink):
 
     def around_sites(self, gap: Gap, site: Site) -> list[Site]:
         """To the neighbours on the grid; and crossed at once."""
-        return [*near_around(site, FINER), replace(site, around=0.0)] if site.around else []
+        at_once = AT_ONCE[: _crossings(gap, site.joint)]
+        return [*near_around(site, FINER), *(replace(site, around=play) for play in at_once)] if site.around else []
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The play, stated plus change."""
@@ -253,5 +262,11 @@ class Backlash(_MovedLink):
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give the play and how often it was crossed."""
         unit = "m" if gap.body.sliding[site.joint] else "rad"
-        crossed = int(np.count_nonzero(np.diff(np.sign(load_on_link(gap, site.joint)))))
-        return f"the link lags its sensor by a gap of {strengths[0]:.3g} {unit} that the load crossed {crossed} times"
+        gap_found = f"the link lags its sensor by a gap of {strengths[0]:.3g} {unit} that the load"
+        crossed = _crossings(gap, site.joint)
+        return f"{gap_found} crossed {crossed} times" if crossed else f"{gap_found} never crossed"
+
+
+def _crossings(gap: Gap, joint: int) -> int:
+    # How often the load on a link changes its sign.
+    return int(np.count_nonzero(np.diff(np.sign(load_on_link(gap, joint)))))
