@@ -9,15 +9,12 @@ from scipy.optimize import minimize
 
 from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.diagnose.causes.cause import Cause, Site
-from mjfriction.diagnose.causes.delay import JointDelay
-from mjfriction.diagnose.causes.moved_link import Backlash
-from mjfriction.diagnose.intervals import half_widths
-from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
+from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
+from mjfriction.diagnose.refusal import refused
 from mjfriction.diagnose.tangent import straightened
 from mjfriction.diagnose.trial import Trial, try_out
 from mjfriction.identify.gap import Gap
-from mjfriction.identify.proof import gain_at
 from mjfriction.identify.regression import UNSEEN, Columns
 from mjfriction.progress import Tell, silently
 from mjfriction.record.log import Floats
@@ -28,12 +25,10 @@ from mjfriction.robot.robot import Robot
 KIN_CHANCE = 0.05  # at which a cause's other half is taken along: that of its 95 % interval leaving out zero
 LEAST_KIN = 0.02  # of its partner's effort that a cause's other half must reach
 LEAST_KIN_EFFECT = 0.002  # and of the joint's effort
-BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "friction.presliding", "friction.asymmetry"})
 MOST_CAUSES = 12
 SHORT_LIST = 8
 NEAR_BEST = 0.9  # of the best candidate's merit, from which on two are compared on the real balance
 NO_DIFFERENCE = 1.0  # of merit: the data are then but 1.6 times as likely under one as under the other
-PROOF_SEED = 0  # of the resampling by which a gain is held against zero
 SCREENED_ROWS = 1000  # enough to rank shapes by
 HEARD = 0.02  # periods of the band, by which a delay must have moved for columns to be drawn anew
 WEIGHED = 0.1  # of a joint's load, by which it must have changed for columns to be drawn anew
@@ -88,24 +83,22 @@ def compete(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silently) -
     Forward: of the candidates whose strengths are beyond chance (Wald's test with block-clustered covariance, at a
     level divided by the number of candidates) and that take away a share of the error on motion not fitted, the one
     that takes most is chosen, until none is left.  Backward: causes that the later ones have made needless are dropped.
-    Proof: a cause whose gain on motion not fitted may be none, or whose size is not told from none beside another curve
-    on its joint, is refused, and the others compete anew without it.
+    Proof: what :func:`~mjfriction.diagnose.refusal.refused` names is refused, and the others compete anew without it.
     """
     asked, count = field, size(field)
     while True:
         model = _as_known(_pruned(_forward(gap, nuisance, asked, count, tell), count))
-        refused = [choice for choice in model.chosen if not _proved(model, choice)]
-        refused += _dissolved(model) + _of_landings(model)
-        if not refused:
+        no_causes = refused(model)
+        if not no_causes:
             return straightened(_with_kin(model, field))
-        asked = _narrowed(asked, refused)
+        asked = _narrowed(asked, no_causes)
 
 
-def _narrowed(field: Field, refused: list[Chosen]) -> Field:
+def _narrowed(field: Field, no_causes: list[Chosen]) -> Field:
     # What is refused, and all that come after it of its kind, are asked for no more.
     out = []
     for entrant in field:
-        orders = [one.site.order for one in refused if (type(one.cause), one.site.joint) == entrant.kind]
+        orders = [one.site.order for one in no_causes if (type(one.cause), one.site.joint) == entrant.kind]
         if min(orders, default=entrant.times) > 0:
             out.append(replace(entrant, times=min([*orders, entrant.times])))
     return tuple(out)
@@ -209,41 +202,6 @@ def _bent(model: Model, trial: Trial) -> Trial:
     # What the curved causes chosen before have come to is left as it was: only the newcomer bends.
     fitted = straightened(build_model(model.gap, model.nuisance, (*model.chosen, trial.chosen)), trial.chosen)
     return try_out(model, fitted.chosen[-1]) or trial
-
-
-def _proved(model: Model, choice: Chosen) -> bool:
-    # A joint at rest holds its friction at any level below Coulomb's, for as long as it rests: many rows that say one
-    # thing.  What is seen there alone, and not while the joint moves, is no finding.
-    before, after = model.without(choice).heldout_residual(), model.heldout_residual()
-    touched, _ = cause_block(model.gap, choice)
-    return any(gain_at(model.gap, before, after, joint, PROOF_SEED).low > 0.0 for joint in touched)
-
-
-def _dissolved(model: Model) -> list[Chosen]:
-    # Two curves over speed on one joint may stand in for a third, each large only to cancel the other: with the shapes
-    # let go, the size of one of them is then not even told from none.
-    joints = [choice.site.joint for choice in model.chosen if choice.cause.name in BENDING]
-    if len(set(joints)) == len(joints):
-        return []
-    widths = half_widths(model).causes
-    doubt = [
-        (float(half[0] / max(abs(model.strengths[place][0]), 1e-300)), choice)
-        for choice, place, half in zip(model.chosen, model.places, widths, strict=True)
-        if choice.cause.name in BENDING and joints.count(choice.site.joint) > 1
-    ]
-    worst, least_sure = max(doubt, key=lambda entry: entry[0])
-    return [least_sure] if worst > 1.0 else []
-
-
-def _of_landings(model: Model) -> list[Chosen]:
-    # With what it lands, a link pushes its motor back before any row can say so: beside play, efforts that seem to come
-    # early on the same joint are that.
-    loose = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, Backlash)}
-    return [
-        choice
-        for choice, place in zip(model.chosen, model.places, strict=True)
-        if isinstance(choice.cause, JointDelay) and choice.site.joint in loose and model.strengths[place][0] < 0.0
-    ]
 
 
 def contenders(model: Model, field: Field) -> list[Trial]:

@@ -19,6 +19,7 @@ from mjfriction.robot.friction import stated_levels
 PRIOR_SHARE = 100.0  # a cause's strength may be worth this many times the joint's effort: next to no restraint
 BACKWARD_COULOMB = 0.1  # of a joint's friction that its Coulomb level may seem to be negative by
 MOST_TAKEN = 1.25  # of a joint's Coulomb level, that its causes may move into laws of their own
+NOISE_ROUNDS, SETTLED = 8, 0.02  # at most, and the relative change of a noise at which they end
 BACKWARD_VISCOUS = 0.3  # and its damping, which errors of the links' inertias reach too
 
 Key = tuple[str, int, int]  # a cause's name, its joint, and which of its kind it is there
@@ -175,12 +176,16 @@ def build_model(gap: Gap, nuisance: Nuisance, chosen: tuple[Chosen, ...]) -> Mod
     columns = [nuisance.columns, *(block for block, _ in blocks)]
     precisions = [nuisance.precision, *(precision for _, precision in blocks)]
     target = np.nan_to_num(gap.residual) - sum(choice.tangent.bend for choice in chosen if choice.tangent)
-    noise = np.maximum(least_noise(gap), np.sqrt(np.mean(np.square(np.nan_to_num(gap.residual)), axis=0)))
-    for _ in range(3):
+    noise = least_noise(gap)
+    for joint in gap.examined:
+        noise[joint] = max(noise[joint], gap.rms(gap.residual[:, joint], joint))
+    for _ in range(NOISE_ROUNDS):
         model = Model(gap, nuisance, chosen, System(_weighted_rows(gap, target, noise), columns, precisions))
-        left = model.residual()
+        left, before = model.residual(), noise.copy()
         for joint in gap.examined:
             noise[joint] = row_noise(gap, joint, left[:, joint], float(noise[joint]))
+        if np.all(np.abs(noise - before) <= SETTLED * before):
+            break
     system = System(_weighted_rows(gap, target, noise), columns, precisions)
     return Model(gap, nuisance, chosen, system.kept_within(nuisance.of_links, nuisance.link_reach))
 

@@ -13,9 +13,9 @@ from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.delay import JointDelay
 from mjfriction.diagnose.causes.load import Load
 from mjfriction.diagnose.causes.moved_link import Backlash, EncoderOffset
-from mjfriction.diagnose.compete import _of_landings
 from mjfriction.diagnose.model import Chosen, build_model
 from mjfriction.diagnose.nuisance import make_nuisance
+from mjfriction.diagnose.refusal import _of_landings
 from mjfriction.identify.gap import Gap, gap_of, measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot

@@ -22,15 +22,15 @@ FINER = 1.6  # a step of the grid
 NEAR = 0.6  # relative, of the delay found to the one its columns were drawn for
 
 
-def _late(gap: Gap, joint: int, delay: float) -> Floats:
-    # How the stated effort changes per second of delay: its secant, and for none its tangent.  Pieces are apart.
+def late(gap: Gap, effort: Floats, delay: float) -> Floats:
+    """Return how an effort (n,) changes per second of delay: its secant, and for none its tangent, pieces apart."""
     out = np.empty_like(gap.motion.time)
     for own in gap.motion.pieces:
-        effort, time = gap.known.effort.total[own, joint], gap.motion.time[own]
+        part, time = effort[own], gap.motion.time[own]
         if delay == 0.0:
-            out[own] = -np.gradient(effort) * gap.motion.rate
+            out[own] = -np.gradient(part) * gap.motion.rate
         else:
-            out[own] = (np.interp(time - delay, time, effort) - effort) / delay
+            out[own] = (np.interp(time - delay, time, part) - part) / delay
     return out
 
 
@@ -52,7 +52,7 @@ class _Delay(JointCause):
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The stated effort's change per second of delay, (n, 1)."""
-        return column(_late(gap, site.joint, site.around))
+        return column(late(gap, gap.known.effort.total[:, site.joint], site.around))
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The delay, stated plus change."""

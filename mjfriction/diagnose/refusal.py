@@ -1,0 +1,85 @@
+"""Causes that fit and are none: what a model that was found is asked before it is believed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mjfriction.diagnose.causes.delay import JointDelay, late
+from mjfriction.diagnose.causes.moved_link import Backlash
+from mjfriction.diagnose.intervals import half_widths
+from mjfriction.diagnose.model import Chosen, Model, cause_block
+from mjfriction.identify.proof import measure_gain
+
+BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "friction.presliding", "friction.asymmetry"})
+PROOF_SEED = 0  # of the resampling by which a gain is held against zero
+APART, SURELY_APART = 0.5, 2.0  # of a delay, and deviations, by which friction's part of it differs from the rest's
+
+
+def refused(model: Model) -> list[Chosen]:
+    """Return the causes of a model that are no findings.
+
+    Those whose gain on motion not fitted may be none where friction is clear; those whose size is not told from none
+    beside another curve on their joint; efforts that seem early beside play; and delays of which only a part of the
+    effort knows.
+    """
+    unproved = [choice for choice in model.chosen if not _proved(model, choice)]
+    return [*unproved, *_dissolved(model), *_of_landings(model), *_torn(model)]
+
+
+def _proved(model: Model, choice: Chosen) -> bool:
+    # A joint at rest holds its friction at any level below Coulomb's, for as long as it rests: many rows that say one
+    # thing.  What is seen there alone, and not while the joint moves, is no finding.  Rows count by how sure they are.
+    gap, weight = model.gap, model.system.rows.weight
+    before, after = model.without(choice).heldout_residual() * weight, model.heldout_residual() * weight
+    moving = np.abs(gap.at_rows("velocity")) > gap.doubt_speed
+    touched, _ = cause_block(gap, choice)
+    return any(
+        measure_gain(before[own, joint], after[own, joint], gap.blocks.row[own], PROOF_SEED).low > 0.0
+        for joint, own in ((joint, moving[:, joint]) for joint in touched)
+    )
+
+
+def _dissolved(model: Model) -> list[Chosen]:
+    # Two curves over speed on one joint may stand in for a third, each large only to cancel the other: with the shapes
+    # let go, the size of one of them is then not even told from none.
+    joints = [choice.site.joint for choice in model.chosen if choice.cause.name in BENDING]
+    if len(set(joints)) == len(joints):
+        return []
+    widths = half_widths(model).causes
+    doubt = [
+        (float(half[0] / max(abs(model.strengths[place][0]), 1e-300)), choice)
+        for choice, place, half in zip(model.chosen, model.places, widths, strict=True)
+        if choice.cause.name in BENDING and joints.count(choice.site.joint) > 1
+    ]
+    worst, least_sure = max(doubt, key=lambda entry: entry[0])
+    return [least_sure] if worst > 1.0 else []
+
+
+def _of_landings(model: Model) -> list[Chosen]:
+    # With what it lands, a link pushes its motor back before any row can say so: beside play, efforts that seem to come
+    # early on the same joint are that.
+    loose = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, Backlash)}
+    return [
+        choice
+        for choice, place in zip(model.chosen, model.places, strict=True)
+        if isinstance(choice.cause, JointDelay) and choice.site.joint in loose and model.strengths[place][0] < 0.0
+    ]
+
+
+def _torn(model: Model) -> list[Chosen]:
+    # A drive that reports late reports all of its effort late.  Where friction tells of quite another delay than the
+    # rest of the effort does, something else is wrong with one of the two.
+    gap = model.gap
+    out = []
+    for choice, place in zip(model.chosen, model.places, strict=True):
+        if not isinstance(choice.cause, JointDelay):
+            continue
+        joint, delay = choice.site.joint, float(model.strengths[place][0])
+        own = gap.reported(joint, late(gap, gap.known.effort.friction[:, joint], delay)[:, None])
+        precision = np.mean(np.square(own), axis=0) * 1e-12
+        normal = model.system.extended({joint: own}, precision)
+        strengths = normal.strengths(np.ones(gap.blocks.count, dtype=bool))
+        deviation = float(np.sqrt(normal.covariance(strengths, np.arange(gap.blocks.count))[-1, -1]))
+        if abs(strengths[-1]) > max(APART * abs(delay), SURELY_APART * deviation):
+            out.append(choice)
+    return out

@@ -1,0 +1,68 @@
+"""What a model that was found is asked before it is believed, and the noise it is weighed by."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.delay import JointDelay
+from mjfriction.diagnose.causes.stribeck import Stribeck
+from mjfriction.diagnose.model import Chosen, build_model
+from mjfriction.diagnose.nuisance import make_nuisance
+from mjfriction.diagnose.refusal import refused
+from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import Instant, Machine, write_case
+
+ELBOW = 2
+
+
+def gap_of_machine(folder: Path, machine: Machine) -> Gap:
+    log, robot = write_case(folder, machine, seed=1, seconds=30.0)
+    return measure_gap(read_log(log), read_robot(robot))
+
+
+def late(effort: np.ndarray, instant: Instant, seconds: float) -> np.ndarray:
+    return np.interp(instant.time - seconds, instant.time, effort) - effort
+
+
+def test_a_joint_that_mostly_rests_is_weighed_by_the_noise_of_its_motion(tmp_path: Path) -> None:
+    gap = gap_of_machine(tmp_path, Machine())
+    level = 300.0 * gap.noise_floor[ELBOW]
+    resting = np.sin(2.0 * np.pi * gap.chain.time / 3.0) > -0.6  # two thirds of every three seconds
+    held = level * np.sign(gap.at_rows("velocity")[:, ELBOW])  # as far as it can be from what the model takes it for
+    doubt, clear, residual = gap.doubt.copy(), gap.clear.copy(), gap.residual.copy()
+    doubt[resting, ELBOW], clear[resting, ELBOW] = level, False
+    residual[resting, ELBOW] += held[resting]
+    model = build_model(replace(gap, doubt=doubt, clear=clear, residual=residual), make_nuisance(gap), ())
+    least = 1.0 / float(np.max(model.system.rows.weight[:, ELBOW]))
+    assert least == pytest.approx(float(gap.noise_floor[ELBOW]), rel=0.3)
+
+
+@pytest.mark.parametrize("part", ["all", "friction"])
+def test_a_delay_of_which_only_friction_knows_is_none(part: str, tmp_path: Path) -> None:
+    def hidden(instant: Instant) -> np.ndarray:
+        return late(instant.friction + (instant.rigid if part == "all" else 0.0), instant, 0.03)
+
+    gap = gap_of_machine(tmp_path, Machine(hidden={ELBOW: hidden}))
+    delay = Chosen(JointDelay(), Site(ELBOW, around=0.03))
+    model = build_model(gap, make_nuisance(gap), (delay,))
+    assert model.strengths[-1] == pytest.approx(0.03, rel=0.3)
+    assert [choice.key for choice in refused(model)] == ([] if part == "all" else [delay.key])
+
+
+def test_a_level_that_fades_while_the_joint_moves_is_proved_by_rows_in_some_doubt(tmp_path: Path) -> None:
+    def fading(instant: Instant) -> np.ndarray:
+        return 2.5 * np.sign(instant.v) * np.exp(-np.square(instant.v / 0.03))
+
+    gap = gap_of_machine(tmp_path, Machine(hidden={ELBOW: fading}))
+    curve = Chosen(Stribeck(), Site(ELBOW, shape=(0.03, 2.0)))
+    assert refused(build_model(gap, make_nuisance(gap), (curve,))) == []
+    # Where nothing fades the same curve is refused.
+    plain = gap_of_machine(tmp_path, Machine())
+    assert [one.key for one in refused(build_model(plain, make_nuisance(plain), (curve,)))] == [curve.key]
