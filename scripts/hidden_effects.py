@@ -1,6 +1,6 @@
 """The hidden-effect benchmark: make cases, run tools on them, score them, and write docs/hidden_effects.md.
 
-Run: python -m scripts.hidden_effects --cases 200 --beside
+Run: python -m scripts.hidden_effects --cases 200 --beside 100
 Any command with the verbs ``diagnose`` and ``predict`` can be scored: --command "other-tool".
 Every case that is done stands in the results file, so that a run that was broken off can go on: --resume.
 """
@@ -13,7 +13,6 @@ import sys
 import tempfile
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, replace
-from functools import partial
 from pathlib import Path
 
 from mjfriction.benchmark.drawing import draw_case
@@ -45,13 +44,13 @@ def run_case(seed: int, tools: dict[str, str]) -> Row:
     return Row(seed, asdict(drawn.setting), drawn.severity, reached, outcomes)
 
 
-def done_before(results: Path, seeds: range, tools: dict[str, str]) -> dict[int, Row]:
-    """Return the rows of a results file that a run need not make again."""
+def done_before(results: Path, asked: dict[int, dict[str, str]]) -> dict[int, Row]:
+    """Return the rows of a results file that a run need not make again; ``asked`` are the tools of every seed."""
     if not results.is_file():
         return {}
     rows = map(Row.read, results.read_text(encoding="utf-8").splitlines())
-    kept = [row for row in rows if row.seed in seeds and set(tools) <= set(row.outcomes)]
-    return {row.seed: replace(row, outcomes={name: row.outcomes[name] for name in tools}) for row in kept}
+    kept = [row for row in rows if row.seed in asked and set(asked[row.seed]) <= set(row.outcomes)]
+    return {row.seed: replace(row, outcomes={name: row.outcomes[name] for name in asked[row.seed]}) for row in kept}
 
 
 def main() -> None:
@@ -59,16 +58,17 @@ def main() -> None:
     parser.add_argument("--cases", type=int, default=200)
     parser.add_argument("--first", type=int, default=400_000, help="seed of the first case")
     parser.add_argument("--command", help="a tool of your own to score in mjfriction's place")
-    parser.add_argument("--beside", action="store_true", help="two other tools on the same cases")
+    parser.add_argument("--beside", type=int, default=0, help="two other tools on so many of the first cases")
     parser.add_argument("--results", type=Path, default=RESULTS, help="every case as a line of JSON")
     parser.add_argument("--resume", action="store_true", help="keep the cases that the results file has")
     asked = parser.parse_args()
-    tools = {asked.command: asked.command} if asked.command else TOOLS if asked.beside else {OURS: TOOLS[OURS]}
+    own = {asked.command: asked.command} if asked.command else {OURS: TOOLS[OURS]}
     seeds = range(asked.first, asked.first + asked.cases)
-    rows = done_before(asked.results, seeds, tools) if asked.resume else {}
+    tools = {seed: {**own, **TOOLS} if k < asked.beside and not asked.command else own for k, seed in enumerate(seeds)}
+    rows = done_before(asked.results, tools) if asked.resume else {}
     left = [seed for seed in seeds if seed not in rows]
     with ProcessPoolExecutor(2) as pool, asked.results.open("a" if asked.resume else "w", encoding="utf-8") as file:
-        for row in pool.map(partial(run_case, tools=tools), left):
+        for row in pool.map(run_case, left, [tools[seed] for seed in left]):
             rows[row.seed] = row
             file.write(row.line() + "\n")
             file.flush()

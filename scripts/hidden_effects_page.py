@@ -32,11 +32,11 @@ effects are the plant's own parts, but friction laws and rigid bodies are the on
 other physics will be harder.
 
 *Exact*: just what was hidden was found, and what no cause fits was left open. *Hit*: every hidden cause is, at its
-joint, a finding or an alternative of one. *False alarm*: a finding of something else
-that has nothing hidden among its alternatives, changed friction levels aside.
+joint, a finding or an alternative of one. *Named*: the share of the hidden causes that are. *False alarm*: a finding
+of something else that has nothing hidden among its alternatives, changed friction levels aside.
 *Error removed*: the share of the avoidable prediction error on the other motion that the extended robot takes away
 (median). Seconds are of the whole command, two at a time on a machine of two cores; mjfriction's include its report
-page and recording.
+page and recording.{on_first}
 
 {tools}
 
@@ -98,7 +98,7 @@ def picture(outcomes: list[Outcome], target: Path) -> None:
     plt.close(figure)
 
 
-HEAD = ["| {} | number | exact | hit | false alarm | error removed | seconds |", f"|---|{'---:|' * 6}"]
+HEAD = ["| {} | number | exact | hit | named | false alarm | error removed | seconds |", f"|---|{'---:|' * 7}"]
 
 
 def scores(first: str, groups: Iterable[tuple[str, Sequence[Outcome]]]) -> str:
@@ -108,9 +108,10 @@ def scores(first: str, groups: Iterable[tuple[str, Sequence[Outcome]]]) -> str:
         if chosen:
             s = score(chosen)
             removed = "" if np.isnan(s.removed) else f"{s.removed:.2f}"
+            named = "" if np.isnan(s.named) else f"{100 * s.named:.0f} %"
             lines.append(
-                f"| {name} | {s.cases} | {100 * s.exact:.0f} % | {100 * s.hit:.0f} % | {100 * s.false_alarm:.0f} % | "
-                f"{removed} | {s.seconds:.1f} |"
+                f"| {name} | {s.cases} | {100 * s.exact:.0f} % | {100 * s.hit:.0f} % | {named} | "
+                f"{100 * s.false_alarm:.0f} % | {removed} | {s.seconds:.1f} |"
             )
     return "\n".join(lines)
 
@@ -153,11 +154,14 @@ def page(rows: list[Row]) -> str:
         open_, false = sum(one.left_open for one in own), sum(bool(one.false_alarms) for one in own)
         outside.append(f"| {cause.partition('.')[2].replace('_', ' ')} | {len(own)} | {open_} | {false} |")
     names = list(rows[0].outcomes)
-    tools = scores("tool", [(name, [row.outcomes[name] for row in rows]) for name in names])
+    shared = [row for row in rows if set(names) <= set(row.outcomes)]
+    tools = scores("tool", [(name, [row.outcomes[name] for row in shared]) for name in names])
+    on_first = f" The other tools were run on the first {len(shared)} cases." if len(shared) < len(rows) else ""
     return PAGE_TEXT.format(
         count=len(rows),
         first=rows[0].seed,
-        beside=" --beside" if len(names) > 1 else "",
+        beside=f" --beside {len(shared)}" if len(names) > 1 else "",
+        on_first=on_first if len(names) > 1 else "",
         faint=FAINT,
         drawn=sum(len(one.faint) for one in outcomes),
         tools=tools if len(names) > 1 else "",

@@ -82,20 +82,23 @@ class Score:
     cases: int
     exact: float
     hit: float
+    named: float
     false_alarm: float
     removed: float
     seconds: float
 
 
 def score(outcomes: Sequence[Outcome]) -> Score:
-    """Return the shares of exact cases, of hits, of cases with a structural false alarm, and the medians of the share
-    of avoidable error removed and of the seconds.
+    """Return the shares of exact cases, of hits, of hidden causes that are named, of cases with a structural false
+    alarm, and the medians of the share of avoidable error removed and of the seconds.
     """
+    named = [any(f.names(*cause) for f in one.found) for one in outcomes for cause in one.hidden]
     removed = [one.removed for one in outcomes if one.removed is not None]
     return Score(
         cases=len(outcomes),
         exact=float(np.mean([one.exact for one in outcomes])),
         hit=float(np.mean([one.hit for one in outcomes])),
+        named=float(np.mean(named)) if named else float("nan"),
         false_alarm=float(np.mean([bool(one.false_alarms) for one in outcomes])),
         removed=float(np.median(removed)) if removed else float("nan"),
         seconds=float(np.nanmedian([one.seconds for one in outcomes])),

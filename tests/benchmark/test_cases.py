@@ -12,7 +12,7 @@ import pytest
 from mjfriction.benchmark.cases import SEVERITY, Case, Setting, draw_of, make_case, write_case
 from mjfriction.benchmark.drawing import draw_case
 from mjfriction.benchmark.effects.catalog import EFFECTS
-from mjfriction.benchmark.score import Finding, Outcome
+from mjfriction.benchmark.score import Finding, Outcome, score
 from mjfriction.diagnose import compete
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
@@ -194,3 +194,13 @@ def test_what_is_too_faint_is_asked_of_no_tool_and_held_against_none() -> None:
     missed = Outcome((), (), "consistent", None, 1.0, faint=(("drive.elasticity", "elbow"),))
     assert missed.exact
     assert missed.hit
+
+
+def test_of_several_causes_each_counts_once_as_named_whether_all_were_found_or_not() -> None:
+    hidden = (("friction.load", "elbow"), ("drive.offset", "wrist"))
+    half = Outcome(hidden, (Finding("friction.load", "elbow", 0.9),), "explained", 1.0, 1.0)
+    clean = Outcome((), (), "consistent", None, 1.0)
+    both = score([half, clean])
+    assert both.named == 0.5
+    assert both.hit == 0.5
+    assert np.isnan(score([clean]).named)
