@@ -11,7 +11,7 @@ from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.diagnose.causes.cause import Cause, Site
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
-from mjfriction.diagnose.refusal import refused
+from mjfriction.diagnose.refusal import humming, refused
 from mjfriction.diagnose.tangent import straightened
 from mjfriction.diagnose.trial import Trial, try_out
 from mjfriction.identify.gap import Gap
@@ -77,21 +77,22 @@ def size(field: Field) -> int:
 SEARCHED, FURTHER = 0.8, 0.7  # of a diagnosis, that is search; of what is left of it, that each cause found leaves
 
 
-def compete(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silently) -> Model:
-    """Choose the causes that the log shows, strongest first.
+def compete(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silently) -> tuple[Model, Field]:
+    """Choose the causes that the log shows, strongest first; return them with what of the field was not refused.
 
     Forward: of the candidates whose strengths are beyond chance (Wald's test with block-clustered covariance, at a
     level divided by the number of candidates) and that take away a share of the error on motion not fitted, the one
     that takes most is chosen, until none is left.  Backward: causes that the later ones have made needless are dropped.
-    Proof: what :func:`~mjfriction.diagnose.refusal.refused` names is refused, and the others compete anew without it.
+    Proof: what :func:`~mjfriction.diagnose.refusal.refused` names is refused, and so is every cause of a joint that
+    hums, and the others compete anew without it.
     """
     asked, count = field, size(field)
     while True:
         model = _as_known(_pruned(_forward(gap, nuisance, asked, count, tell), count))
-        no_causes = refused(model)
-        if not no_causes:
-            return straightened(_with_kin(model, field))
-        asked = _narrowed(asked, no_causes)
+        no_causes, hums = refused(model), humming(model)
+        if not no_causes and not hums:
+            return straightened(_with_kin(model, field)), asked
+        asked = tuple(one for one in _narrowed(asked, no_causes) if one.joint not in hums or one.cause.whole_arm)
 
 
 def _narrowed(field: Field, no_causes: list[Chosen]) -> Field:

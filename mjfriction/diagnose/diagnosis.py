@@ -37,7 +37,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     faults = tuple(find_faults(gap))
     field = make_field(gap, () if faults else STRUCTURAL)
     nuisance = Nuisance((), ()) if faults else make_nuisance(gap)
-    settled = settle(compete(gap, nuisance, field, tell), field)
+    settled = settle(*compete(gap, nuisance, field, tell))
     tell("proving what was found", PROVING)
     model, gap = settled.model, settled.model.gap
     heldout = model.heldout_residual()

@@ -9,8 +9,10 @@ from mjfriction.diagnose.causes.moved_link import Backlash
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, cause_block
 from mjfriction.identify.proof import measure_gain
+from mjfriction.identify.tone import steady_tone
 
 BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "friction.presliding", "friction.asymmetry"})
+LOUDER = 0.5  # of what causes leave, that a tone leaves
 PROOF_SEED = 0  # of the resampling by which a gain is held against zero
 APART, SURELY_APART = 0.5, 2.0  # of a delay, and deviations, by which friction's part of it differs from the rest's
 
@@ -24,6 +26,26 @@ def refused(model: Model) -> list[Chosen]:
     """
     unproved = [choice for choice in model.chosen if not _proved(model, choice)]
     return [*unproved, *_dissolved(model), *_of_landings(model), *_torn(model)]
+
+
+def humming(model: Model) -> frozenset[int]:
+    """Return the joints whose own causes only imitate a steady tone: one that leaves less than half of what they leave.
+
+    Another machine on the same floor, or a loop that sings, is none of the causes; but a late effort, or a link that
+    gives, may be made to look like it.
+    """
+    gap, after, out = model.gap, model.heldout_residual(), set()
+    for joint in {choice.site.joint for choice in model.chosen if not choice.cause.whole_arm} & set(gap.examined):
+        without = model
+        for choice in model.chosen:
+            if choice.site.joint == joint and not choice.cause.whole_arm:
+                without = without.without(choice)
+        before = without.heldout_residual()[:, joint]
+        left = (gap.rms(after[:, joint], joint) / max(gap.rms(before, joint), 1e-300)) ** 2
+        tone = steady_tone(gap, joint, before)
+        if tone is not None and 1.0 - tone.share < LOUDER * left:
+            out.add(joint)
+    return frozenset(out)
 
 
 def _proved(model: Model, choice: Chosen) -> bool:
