@@ -22,12 +22,12 @@ docs: $(READY)
 	MUJOCO_GL=egl $(BIN)/python -m scripts.robot_pages
 	$(BIN)/python -m mkdocs build
 
-# Over an hour: two hundred cases, and two other tools on half of them.
+# Over an hour: two hundred cases, and two other tools on some of them.
 bench: $(READY)
 	$(BIN)/python -m pip install --quiet --require-hashes -r requirements-bench.lock
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses 2 --dist loadfile -m bench
 	$(BIN)/python -m scripts.bench
-	$(BIN)/python -m scripts.hidden_effects --cases 200 --beside 100
+	$(BIN)/python -m scripts.hidden_effects --cases 200 --beside 60
 	$(BIN)/python -m scripts.five_cases
 	test -z "$$MJFRICTION_DATA" || { $(BIN)/python -m scripts.identify_peers && $(BIN)/python -m scripts.real_case; }
 

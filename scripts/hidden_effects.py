@@ -1,6 +1,6 @@
 """The hidden-effect benchmark: make cases, run tools on them, score them, and write docs/hidden_effects.md.
 
-Run: python -m scripts.hidden_effects --cases 200 --beside 100
+Run: python -m scripts.hidden_effects --cases 200 --beside 60
 Any command with the verbs ``diagnose`` and ``predict`` can be scored: --command "other-tool".
 Every case that is done stands in the results file, so that a run that was broken off can go on: --resume.
 """

@@ -10,8 +10,15 @@ import pyarrow as pa
 import pyarrow.parquet
 import pytest
 
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.coupling import SumDrive
+from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.intervals import half_widths
+from mjfriction.diagnose.model import Chosen, build_model
+from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.identification import identify_log
 from mjfriction.record.log import Log
 from mjfriction.record.readers.table import log_from_table
@@ -98,3 +105,21 @@ def test_rotors_that_are_not_stated_are_found_as_published(data: Path, tmp_path:
     assert fourth.rotor_inertia * RATIO[3] ** 2 == pytest.approx(ROTOR[3], rel=0.1)
     # That of joint 3 is told from its link's by a wrist that hardly moves.
     assert third.rotor_inertia * RATIO[2] ** 2 == pytest.approx(ROTOR[2], rel=0.25)
+
+
+def test_rotors_of_the_wrist_that_are_not_stated_lie_where_they_were_published(data: Path, tmp_path: Path) -> None:
+    # Those of joints 1 and 2 turn with their links alone: no motion tells them from these.
+    gap = measure_gap(on_joint_side(data), stated(data, tmp_path, (*ROTOR[:4], 0.0, 0.0)))
+    cause, drive = RotorInertia(), SumDrive()
+    shared = next(site for site in drive.sites(gap) if (site.joint, site.other) == (4, 5))
+    rotors = [Chosen(cause, Site(joint)) for joint in (0, 1, 4, 5)]
+    model = build_model(gap, make_nuisance(gap), (Chosen(drive, shared), *rotors))
+    widths = dict(zip((choice.key for choice in model.chosen), half_widths(model).causes, strict=True))
+    for choice, place in zip(model.chosen, model.places, strict=True):
+        joint = choice.site.joint
+        if choice.cause is cause and joint in (4, 5):
+            (quantity,) = cause.quantities(gap, choice.site)
+            reflected = abs(quantity.factor) * RATIO[joint] ** 2
+            found, half = reflected * model.strengths[place][0], reflected * widths[choice.key][0]
+            assert abs(found - ROTOR[joint]) < half
+            assert half < 0.5 * ROTOR[joint]
