@@ -7,11 +7,12 @@ import numpy as np
 from mjfriction.diagnose.causes.delay import JointDelay, late
 from mjfriction.diagnose.causes.moved_link import Backlash
 from mjfriction.diagnose.intervals import half_widths
-from mjfriction.diagnose.model import Chosen, Model, cause_block
+from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
 from mjfriction.identify.proof import measure_gain
 from mjfriction.identify.tone import steady_tone
 
 BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "friction.presliding", "friction.asymmetry"})
+NEXT_TO_NO_RESTRAINT = 1e-12  # of a column's mean square
 LOUDER = 0.5  # of what causes leave, that a tone leaves
 PROOF_SEED = 0  # of the resampling by which a gain is held against zero
 APART, SURELY_APART = 0.5, 2.0  # of a delay, and deviations, by which friction's part of it differs from the rest's
@@ -20,7 +21,7 @@ APART, SURELY_APART = 0.5, 2.0  # of a delay, and deviations, by which friction'
 def refused(model: Model) -> list[Chosen]:
     """Return the causes of a model that are no findings.
 
-    Those whose gain on motion not fitted may be none where friction is clear; those whose size is not told from none
+    Those whose gain on motion not fitted may be none while joints move; those whose size is not told from none
     beside another curve on their joint; efforts that seem early beside play; and delays of which only a part of the
     effort knows.
     """
@@ -36,11 +37,8 @@ def humming(model: Model) -> frozenset[int]:
     """
     gap, after, out = model.gap, model.heldout_residual(), set()
     for joint in {choice.site.joint for choice in model.chosen if not choice.cause.whole_arm} & set(gap.examined):
-        without = model
-        for choice in model.chosen:
-            if choice.site.joint == joint and not choice.cause.whole_arm:
-                without = without.without(choice)
-        before = without.heldout_residual()[:, joint]
+        others = tuple(choice for choice in model.chosen if choice.site.joint != joint or choice.cause.whole_arm)
+        before = build_model(gap, model.nuisance, others).heldout_residual()[:, joint]
         left = (gap.rms(after[:, joint], joint) / max(gap.rms(before, joint), 1e-300)) ** 2
         tone = steady_tone(gap, joint, before)
         if tone is not None and 1.0 - tone.share < LOUDER * left:
@@ -58,6 +56,7 @@ def _proved(model: Model, choice: Chosen) -> bool:
     return any(
         measure_gain(before[own, joint], after[own, joint], gap.blocks.row[own], PROOF_SEED).low > 0.0
         for joint, own in ((joint, moving[:, joint]) for joint in touched)
+        if np.any(own)
     )
 
 
@@ -98,7 +97,9 @@ def _torn(model: Model) -> list[Chosen]:
             continue
         joint, delay = choice.site.joint, float(model.strengths[place][0])
         own = gap.reported(joint, late(gap, gap.known.effort.friction[:, joint], delay)[:, None])
-        precision = np.mean(np.square(own), axis=0) * 1e-12
+        if not np.any(own):
+            continue
+        precision = NEXT_TO_NO_RESTRAINT * np.mean(np.square(own), axis=0)
         normal = model.system.extended({joint: own}, precision)
         strengths = normal.strengths(np.ones(gap.blocks.count, dtype=bool))
         deviation = float(np.sqrt(normal.covariance(strengths, np.arange(gap.blocks.count))[-1, -1]))
