@@ -12,6 +12,7 @@ from mjfriction.record.log import Floats
 
 FEWEST_TURNS = 10.0  # of a tone, that the rows must hold
 FINER = 4  # lines that are looked at for one that the length of the log can tell apart
+MOST_GAPS = 20  # times the rows, that a log may last
 MOVING = 0.2  # share of a joint's velocity at the frequency, from which on it may be the motion's own
 
 
@@ -32,11 +33,14 @@ def steady_tone(gap: Gap, joint: int, residual: Floats) -> Tone | None:
     """Return the strongest tone of a joint's residual (rows,): of all A·cos 2πft + B·sin 2πft + C, the one that leaves
     least.
 
-    None where some joint moves at its frequency: it may then be anything that the motion brings about.
+    None where some joint moves at its frequency: it may then be anything that the motion brings about.  None, too,
+    where the log is mostly gaps.
     """
     time, clear = gap.chain.time, gap.clear[:, joint]
     step = float(np.median(np.diff(time)))
     place = np.rint((time - time[0]) / step).astype(np.int64)
+    if place[-1] > MOST_GAPS * time.size:
+        return None
     course = np.zeros(int(place[-1]) + 1)
     course[place[clear]] = residual[clear] - np.mean(residual[clear])
     power = np.abs(np.fft.rfft(course * np.hanning(course.size), FINER * course.size))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -38,3 +39,12 @@ def test_noise_holds_next_to_no_tone_and_motion_none(tmp_path: Path) -> None:
     assert noise is not None
     assert noise.share < 0.05
     assert steady_tone(gap, ELBOW, gap.at_rows("velocity")[:, ELBOW]) is None
+
+
+def test_a_log_that_is_mostly_gaps_tells_no_tone(tmp_path: Path) -> None:
+    gap = gap_of_machine(tmp_path, Machine(hidden={ELBOW: lambda i: 5.0 * np.sin(9.0 * i.time)}))
+    time = gap.chain.time.copy()
+    time[time.size // 2 :] += 1e8  # three years
+    apart = replace(gap, chain=replace(gap.chain, time=time))
+    assert steady_tone(gap, ELBOW, gap.residual[:, ELBOW]) is not None
+    assert steady_tone(apart, ELBOW, apart.residual[:, ELBOW]) is None
