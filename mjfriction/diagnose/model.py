@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -81,6 +82,11 @@ class Model:
         for choice in self.chosen:
             ends.append(ends[-1] + len(choice.cause.quantities(self.gap, choice.site)))
         return [slice(a, b) for a, b in itertools.pairwise(ends)]
+
+    @functools.cached_property
+    def heldout_errors(self) -> Floats:
+        """The weighted squared error (joints, blocks), each block predicted by a fit that has not seen it."""
+        return self.system.normal.heldout_errors(self.gap.blocks.folds)
 
     def residual(self) -> Floats:
         """Return what the model, fitted on everything, leaves: (rows, joints), N·m or N."""

@@ -116,8 +116,7 @@ def _links_help(model: Model) -> bool:
     if not nuisance.links or np.any(np.abs(model.link_changes[:, 0]) > MOST_LINK_CHANGE):
         return False
     without = normal.without(list(range(nuisance.of_links.start, nuisance.count)))
-    folds = model.gap.blocks.folds
-    gain = (without.heldout_errors(folds) - normal.heldout_errors(folds)).sum(axis=0)
+    gain = (without.heldout_errors(model.gap.blocks.folds) - model.heldout_errors).sum(axis=0)
     return bool(np.mean(gain) > LINK_BAR * np.std(gain, ddof=1) / np.sqrt(gain.size))
 
 

@@ -70,7 +70,7 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
     With ``repeating``, chance is judged over the repetitions of the motion where it repeats, else over the blocks: what
     a repeated motion leaves alike each time is then no noise, and there are few repetitions to judge by.
     """
-    gap, system = model.gap, model.system
+    gap = model.gap
     columns, precision = cause_block(gap, choice)
     normal = model.with_candidate(choice)
     fitted = normal.strengths(np.ones(gap.blocks.count, dtype=bool))
@@ -80,7 +80,7 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
         return None
     if not model.friction_is_physical(fitted, touched, choice):
         return None
-    before = system.normal.heldout_errors(gap.blocks.folds)[touched].sum(axis=0)
+    before = model.heldout_errors[touched].sum(axis=0)
     after = normal.heldout_errors(gap.blocks.folds)[touched].sum(axis=0)
     groups = gap.blocks.group if repeating else np.arange(gap.blocks.count)
     covariances = [normal.covariance(fitted, groups)]

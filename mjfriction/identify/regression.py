@@ -74,24 +74,26 @@ class Normal:
         """How many regressors."""
         return self.precision.size
 
+    @functools.cached_property
+    def _of_all_joints(self) -> tuple[Floats, Floats]:
+        # The equations of every block, its joints taken together.
+        return self.gram.sum(axis=0), self.moment.sum(axis=0)
+
     def strengths(self, training: NDArray[np.bool_]) -> Floats:
         """Return the strengths (p,) fitted on the blocks marked in ``training`` (blocks,)."""
-        gram = self.gram[:, training].sum(axis=(0, 1)) + np.diag(self.precision)
-        return _solve(gram, self.moment[:, training].sum(axis=(0, 1)))
+        gram, moment = (own[training].sum(axis=0) for own in self._of_all_joints)
+        return _solve(gram + np.diag(self.precision), moment)
 
-    def errors(self, strengths: Floats) -> Floats:
-        """Return the squared error (joints, blocks) left by given strengths."""
-        return np.asarray(
-            self.power
-            - 2.0 * self.moment @ strengths
-            + np.einsum("p,jbpq,q->jb", strengths, self.gram, strengths, optimize=True)
-        )
+    def errors(self, strengths: Floats, blocks: NDArray[np.bool_]) -> Floats:
+        """Return the squared error (joints, those blocks) left by given strengths."""
+        power, moment, gram = (own[:, blocks] for own in (self.power, self.moment, self.gram))
+        return np.asarray(power - 2.0 * moment @ strengths + (gram @ strengths) @ strengths)
 
     def heldout_errors(self, folds: list[NDArray[np.bool_]]) -> Floats:
         """Return the squared error (joints, blocks), each block predicted by a fit that has not seen it."""
         out = np.empty_like(self.power)
         for fold in folds:
-            out[:, fold] = self.errors(self.strengths(~fold))[:, fold]
+            out[:, fold] = self.errors(self.strengths(~fold), fold)
         return out
 
     def covariance(self, strengths: Floats, groups: Integers) -> Floats:
@@ -101,8 +103,9 @@ class Normal:
         itself, so that noise coloured or uneven within groups is accounted for whatever its form (Liang and Zeger,
         Biometrika 73, 1986), with the small-sample factor groups/(groups − 1).
         """
-        inverse = _solve(self.gram.sum(axis=(0, 1)) + np.diag(self.precision), np.eye(self.count))
-        by_block = self.moment.sum(axis=0) - self.gram.sum(axis=0) @ strengths
+        gram, moment = self._of_all_joints
+        inverse = self.white_covariance()
+        by_block = moment - gram @ strengths
         count = int(groups[-1]) + 1
         score = np.zeros((count, self.count))
         np.add.at(score, groups, by_block)
@@ -110,7 +113,7 @@ class Normal:
 
     def white_covariance(self) -> Floats:
         """Return the covariance (p, p) of the strengths if the weighted rows carry white noise of deviation 1."""
-        return _solve(self.gram.sum(axis=(0, 1)) + np.diag(self.precision), np.eye(self.count))
+        return _solve(self._of_all_joints[0].sum(axis=0) + np.diag(self.precision), np.eye(self.count))
 
     def without(self, columns: list[int]) -> Normal:
         """Return the equations with some regressors left out."""

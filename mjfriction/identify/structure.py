@@ -56,16 +56,13 @@ def curve_share(gap: Gap, joint: int, values: Floats, residual: Floats) -> float
     """Return the share of a joint's ``residual`` (rows, joints), squared, that a smooth curve over ``values`` (rows,)
     predicts on motion not fitted; noise gives 0 or a little less.
     """
-    target = np.zeros_like(residual)
-    weight = np.zeros_like(residual)
-    target[:, joint] = residual[:, joint]
     noise = gap.rms(residual[:, joint], joint)
     if noise == 0.0:
         return 0.0
-    weight[:, joint] = 1.0 / np.sqrt(noise**2 + np.square(gap.doubt[:, joint]))
+    weight = 1.0 / np.sqrt(noise**2 + np.square(gap.doubt[:, [joint]]))
     knots = np.unique(np.quantile(values, np.linspace(0.0, 1.0, KNOTS)))
     hats = np.column_stack([np.interp(values, knots, row) for row in np.eye(knots.size)])
     precision = np.full(knots.size, 1e-2 / noise**2)
-    normal = System(Rows(target, weight, gap.blocks.row), [{joint: hats}], [precision]).normal
-    left = float(normal.heldout_errors(gap.blocks.folds)[joint].sum())
-    return 1.0 - left / max(float(normal.power[joint].sum()), 1e-300)
+    normal = System(Rows(residual[:, [joint]], weight, gap.blocks.row), [{0: hats}], [precision]).normal
+    left = float(normal.heldout_errors(gap.blocks.folds).sum())
+    return 1.0 - left / max(float(normal.power.sum()), 1e-300)

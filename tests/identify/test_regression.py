@@ -42,7 +42,7 @@ def test_strengths_errors_and_held_out_errors_are_those_of_the_rows() -> None:
     expected = np.linalg.lstsq(a, y, rcond=None)[0]
     strengths = system.normal.strengths(every)
     np.testing.assert_allclose(strengths, expected, rtol=1e-6)
-    assert system.normal.errors(strengths).sum() == pytest.approx(np.sum((y - a @ expected) ** 2), rel=1e-9)
+    assert system.normal.errors(strengths, every).sum() == pytest.approx(np.sum((y - a @ expected) ** 2), rel=1e-9)
     fold = np.arange(BLOCKS) % 4 == 1
     a, y = stacked(rows, columns, ~fold[rows.block])
     elsewhere = np.linalg.lstsq(a, y, rcond=None)[0]
@@ -62,8 +62,8 @@ def test_screening_and_extending_agree_with_a_fit_of_everything() -> None:
     np.testing.assert_allclose(2.0 * doubled, strengths, rtol=1e-6)
     assert same == pytest.approx(gain, rel=1e-6)
     np.testing.assert_allclose(strengths, full.strengths(every)[-2:], rtol=1e-6)
-    before = system.normal.errors(system.normal.strengths(every)).sum()
-    assert gain == pytest.approx(before - full.errors(full.strengths(every)).sum(), rel=1e-6)
+    before = system.normal.errors(system.normal.strengths(every), every).sum()
+    assert gain == pytest.approx(before - full.errors(full.strengths(every), every).sum(), rel=1e-6)
     thinned, _ = system.screen({1: many[::3]}, every=3)
     np.testing.assert_allclose(thinned[0], strengths, atol=0.2)
     extended = system.extended(candidate, np.zeros(2))
