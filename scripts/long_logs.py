@@ -5,6 +5,7 @@ Run: python -m scripts.long_logs
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -45,7 +46,7 @@ minute. A log of a minute or two tells as much as an hour's, but of what changes
 
 @dataclass(frozen=True)
 class Cost:
-    """What the diagnosis of a log of so many minutes took: s, MB at its peak, and what it found."""
+    """What the diagnosis of a log of so many minutes took: s, MB at its peak, and what it found, in words."""
 
     minutes: float
     seconds: float
@@ -81,13 +82,14 @@ def diagnosed(minutes: float) -> Cost:
         _, status, usage = os.wait4(child.pid, 0)
         if status:
             raise SystemExit(f"the diagnosis of {minutes:.3g} minutes ended with {status}: {said}")
-        found = " ".join(said.split(".")[0].split()[1:])
+        report = json.loads((out / "report.json").read_text(encoding="utf-8"))
+        found = ", ".join(f"`{one['cause']}` at {one['joint']}" for one in report["findings"]) or "nothing"
         return Cost(minutes, time.perf_counter() - begun, usage.ru_maxrss * 1024 / 1e6, found)
 
 
 def page(costs: list[Cost]) -> str:
     """Return the page."""
-    lines = ["| log | samples | time, s | memory, MB | said |", "|---|---:|---:|---:|---|"]
+    lines = ["| log | samples | time, s | memory, MB | found |", "|---|---:|---:|---:|---|"]
     for cost in costs:
         length = f"{60.0 * cost.minutes:.0f} s" if cost.minutes < 2.0 else f"{cost.minutes:.0f} min"
         samples = 60.0 * cost.minutes * RATE
