@@ -101,25 +101,26 @@ def test_friction_identified_beside_the_coupling_is_as_published(tx40: Diagnosis
 def test_rotors_that_are_not_stated_are_found_as_published(data: Path, tmp_path: Path) -> None:
     found = diagnose_log(on_joint_side(data), stated(data, tmp_path, (*ROTOR[:2], 0.0, 0.0, 0.0, 0.0)))
     assert {("drive.rotor_inertia", f"joint_{i}") for i in (3, 4)} <= {(f.cause, f.joint) for f in found.findings}
-    third, fourth = (found.robot.joint(f"joint_{i}").actuator for i in (3, 4))
-    assert fourth.rotor_inertia * RATIO[3] ** 2 == pytest.approx(ROTOR[3], rel=0.1)
-    # That of joint 3 is told from its link's by a wrist that hardly moves.
-    assert third.rotor_inertia * RATIO[2] ** 2 == pytest.approx(ROTOR[2], rel=0.25)
+    (fourth,) = next(f for f in found.findings if (f.cause, f.joint) == ("drive.rotor_inertia", "joint_4")).parameters
+    assert fourth.low * RATIO[3] ** 2 < ROTOR[3] < fourth.high * RATIO[3] ** 2
 
 
-def test_rotors_of_the_wrist_that_are_not_stated_lie_where_they_were_published(data: Path, tmp_path: Path) -> None:
+def test_rotors_that_are_not_stated_lie_where_they_were_published(data: Path, tmp_path: Path) -> None:
     # Those of joints 1 and 2 turn with their links alone: no motion tells them from these.
-    gap = measure_gap(on_joint_side(data), stated(data, tmp_path, (*ROTOR[:4], 0.0, 0.0)))
+    gap = measure_gap(on_joint_side(data), stated(data, tmp_path, (*ROTOR[:2], 0.0, 0.0, 0.0, 0.0)))
     cause, drive = RotorInertia(), SumDrive()
     shared = next(site for site in drive.sites(gap) if (site.joint, site.other) == (4, 5))
-    rotors = [Chosen(cause, Site(joint)) for joint in (0, 1, 4, 5)]
+    rotors = [Chosen(cause, Site(joint)) for joint in range(6)]
     model = build_model(gap, make_nuisance(gap), (Chosen(drive, shared), *rotors))
     widths = dict(zip((choice.key for choice in model.chosen), half_widths(model).causes, strict=True))
+    found, half = {}, {}
     for choice, place in zip(model.chosen, model.places, strict=True):
-        joint = choice.site.joint
-        if choice.cause is cause and joint in (4, 5):
-            (quantity,) = cause.quantities(gap, choice.site)
+        if choice.cause is cause:
+            (quantity,), joint = cause.quantities(gap, choice.site), choice.site.joint
             reflected = abs(quantity.factor) * RATIO[joint] ** 2
-            found, half = reflected * model.strengths[place][0], reflected * widths[choice.key][0]
-            assert abs(found - ROTOR[joint]) < half
-            assert half < 0.5 * ROTOR[joint]
+            found[joint] = reflected * model.strengths[place][0]
+            half[joint] = reflected * widths[choice.key][0]
+    for joint in (3, 4, 5):
+        assert abs(found[joint] - ROTOR[joint]) < half[joint] < 0.5 * ROTOR[joint]
+    # That of joint 3 is told from its link's by a wrist that hardly moves; it comes out 10 % small, with 10 % of width.
+    assert found[2] == pytest.approx(ROTOR[2], rel=0.2)
