@@ -89,11 +89,13 @@ def _of_landings(model: Model) -> list[Chosen]:
 
 def _torn(model: Model) -> list[Chosen]:
     # A drive that reports late reports all of its effort late.  Where friction tells of quite another delay than the
-    # rest of the effort does, something else is wrong with one of the two.
+    # rest of the effort does, something else is wrong with one of the two.  A shift within a sample is refitted along.
     gap = model.gap
     out = []
     for choice, place in zip(model.chosen, model.places, strict=True):
         if not isinstance(choice.cause, JointDelay):
+            continue
+        if not choice.cause.noteworthy(gap, choice.site, model.strengths[place]):
             continue
         joint, delay = choice.site.joint, float(model.strengths[place][0])
         own = gap.reported(joint, late(gap, gap.known.effort.friction[:, joint], delay)[:, None])
