@@ -12,7 +12,6 @@ from mjfriction.identify.proof import measure_gain
 from mjfriction.identify.tone import steady_tone
 
 BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "friction.presliding", "friction.asymmetry"})
-NEXT_TO_NO_RESTRAINT = 1e-12  # of a column's mean square
 LOUDER = 0.5  # of what causes leave, that a tone leaves
 PROOF_SEED = 0  # of the resampling by which a gain is held against zero
 APART, SURELY_APART = 0.5, 2.0  # of a delay, and deviations, by which friction's part of it differs from the rest's
@@ -93,16 +92,14 @@ def _torn(model: Model) -> list[Chosen]:
     gap = model.gap
     out = []
     for choice, place in zip(model.chosen, model.places, strict=True):
-        if not isinstance(choice.cause, JointDelay):
-            continue
-        if not choice.cause.noteworthy(gap, choice.site, model.strengths[place]):
+        told = isinstance(choice.cause, JointDelay) and choice.cause.noteworthy(
+            gap, choice.site, model.strengths[place]
+        )
+        if not told:
             continue
         joint, delay = choice.site.joint, float(model.strengths[place][0])
         own = gap.reported(joint, late(gap, gap.known.effort.friction[:, joint], delay)[:, None])
-        if not np.any(own):
-            continue
-        precision = NEXT_TO_NO_RESTRAINT * np.mean(np.square(own), axis=0)
-        normal = model.system.extended({joint: own}, precision)
+        normal = model.system.extended({joint: own}, np.zeros(1))
         strengths = normal.strengths(np.ones(gap.blocks.count, dtype=bool))
         deviation = float(np.sqrt(normal.covariance(strengths, np.arange(gap.blocks.count))[-1, -1]))
         if abs(strengths[-1]) > max(APART * abs(delay), SURELY_APART * deviation):

@@ -51,9 +51,13 @@ class Plan:
 
 def room(body: Body) -> tuple[Floats, Floats]:
     """Return the middle of every joint's range and how far a motion may go to either side, (joints,) each."""
-    low = np.where(np.isfinite(body.lower), body.lower, -np.pi)
-    high = np.where(np.isfinite(body.upper), body.upper, np.pi)
+    low, high = _range(body)
     return 0.5 * (low + high), np.minimum(REACH * (high - low), WIDEST)
+
+
+def _range(body: Body) -> tuple[Floats, Floats]:
+    low = np.where(np.isfinite(body.lower), body.lower, -np.pi)
+    return low, np.where(np.isfinite(body.upper), body.upper, np.pi)
 
 
 def plan_passes(
@@ -196,9 +200,9 @@ def candidate_motions(
 
 
 def _room_aside(body: Body, joint: int, reach: float) -> float:
-    half = 0.5 * (body.upper[joint] - body.lower[joint])
+    low, high = _range(body)
     widest = np.inf if body.sliding[joint] else 0.5 * np.pi
-    return float(np.clip(half - reach, 0.0, widest)) if np.isfinite(half) or np.isfinite(widest) else 0.0
+    return float(np.clip(0.5 * (high[joint] - low[joint]) - reach, 0.0, widest))
 
 
 def motion_along(robot: Robot, trajectory: Trajectory) -> Motion:

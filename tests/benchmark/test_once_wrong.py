@@ -10,8 +10,11 @@ import pytest
 
 from mjfriction.benchmark.drawing import draw_case
 from mjfriction.diagnose import untold
+from mjfriction.diagnose.causes.catalog import STRUCTURAL
+from mjfriction.diagnose.compete import make_field
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.diagnose.stated import settle
 from mjfriction.record.readers.table import log_from_table
 
 
@@ -65,6 +68,20 @@ def test_a_hum_is_no_give_of_the_transmission(monkeypatch: pytest.MonkeyPatch) -
     assert ("drive.elasticity", "axis") not in named(diagnosis)
     monkeypatch.setattr("mjfriction.diagnose.verdict.coloured_share", lambda *_: 0.0)
     assert diagnosed(300084).verdict is not Verdict.UNEXPLAINED
+
+
+@pytest.mark.bench
+def test_causes_that_make_a_joint_sing_along_with_a_hum_are_refused_for_good(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = {("friction.presliding", "elbow_joint")}
+    assert named(diagnosed(550087)) == found
+    with monkeypatch.context() as patch:
+        patch.setattr("mjfriction.diagnose.compete.humming", lambda model: frozenset())
+        assert named(diagnosed(550087)) > found
+    # What was refused would come back with the next refit of stated levels, were it asked again there.
+    monkeypatch.setattr(
+        "mjfriction.diagnose.diagnosis.settle", lambda model, _: settle(model, make_field(model.gap, STRUCTURAL))
+    )
+    assert named(diagnosed(550087)) > found
 
 
 @pytest.mark.bench

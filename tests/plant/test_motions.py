@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mjfriction.errors import LogError, RobotError
-from mjfriction.identify.protocol import UNSTATED_SPEED, plan_excitation
+from mjfriction.identify.protocol import UNSTATED_SPEED, candidate_motions, plan_excitation, room
 from mjfriction.identify.usual_motions import (
     plan_loops,
     plan_pick_and_place,
@@ -47,6 +47,25 @@ def test_an_excitation_keeps_its_limits_and_begins_and_ends_at_rest(seed: int, r
     assert np.max(np.abs(velocity)) <= speed * 1.01
     np.testing.assert_allclose(made.position[[0, -1]], [centre, centre], atol=1e-9)
     assert np.max(np.abs(velocity[[0, -1]])) < 1e-9
+
+
+@pytest.mark.parametrize(("name", "joint"), [("ur5", 2), ("machine_table", 0), ("comau_ns12", 1)])
+def test_a_joint_moved_to_its_sides_stays_within_its_limits(name: str, joint: int) -> None:
+    robot = read_robot(name)
+    body = robot.body()
+    middle, reach = room(body)
+    top = np.minimum(body.top_speed, UNSTATED_SPEED)
+    for side in (-1.0, 1.0):
+        (alone,) = candidate_motions(robot.joints, body, top, joint, all_joints=False, side=side)
+        moved = alone.position[:, joint]
+        assert body.lower[joint] - 1e-9 <= np.min(moved) and np.max(moved) <= body.upper[joint] + 1e-9
+        assert np.ptp(moved) == pytest.approx(2.0 * reach[joint])
+        # As far aside as the range allows, or by a quarter of a turn.
+        stop = body.upper[joint] if side > 0.0 else body.lower[joint]
+        nearest = np.max(moved) if side > 0.0 else np.min(moved)
+        aside = abs(0.5 * (np.max(moved) + np.min(moved)) - middle[joint])
+        assert nearest == pytest.approx(stop) or aside == pytest.approx(0.5 * np.pi)
+        np.testing.assert_allclose(np.delete(np.ptp(alone.position, axis=0), joint), 0.0)
 
 
 def test_every_speed_has_its_phase_in_both_directions() -> None:

@@ -26,7 +26,6 @@ COMPLIANCE = Parameter("compliance", "{length}/{force}", "how far the transmissi
 BACKLASH = Parameter("backlash", "{length}", "play of the transmission, from stop to stop", lower=0.0)
 FARTHEST = 0.5  # rad or m that a zero may be off
 PLAYS = tuple(6.4e-2 * 0.8**k for k in range(38))  # rad or m: from 64 mrad to 17 µm
-AT_ONCE = (0.0,)  # beside these, a play that is crossed in no time
 FINER = 1.15  # half of a step of these
 ROUNDS = 2  # in which a link's place in its play and what it needs there are found
 NEAR = (0.6, 1.6)  # times the play that the columns were drawn for
@@ -202,11 +201,13 @@ class Backlash(_MovedLink):
         Where the load never changes its sign play is but an offset of the sensor, and nothing tells of how it would be
         crossed.
         """
-        return [
-            replace(site, around=play)
-            for site in super().sites(gap)
-            for play in (*PLAYS, *AT_ONCE[: _crossings(gap, site.joint)])
-        ]
+        out = []
+        for site in super().sites(gap):
+            out += [replace(site, around=play) for play in PLAYS] + self._at_once(gap, site)
+        return out
+
+    def _at_once(self, gap: Gap, site: Site) -> list[Site]:
+        return [replace(site, around=0.0)] if _crossings(gap, site.joint) else []
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
         """What the joint itself feels, without the position's filter: many plays, each for little."""
@@ -240,8 +241,7 @@ class Backlash(_MovedLink):
 
     def around_sites(self, gap: Gap, site: Site) -> list[Site]:
         """To the neighbours on the grid; and crossed at once."""
-        at_once = AT_ONCE[: _crossings(gap, site.joint)]
-        return [*near_around(site, FINER), *(replace(site, around=play) for play in at_once)] if site.around else []
+        return [*near_around(site, FINER), *self._at_once(gap, site)] if site.around else []
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The play, stated plus change."""
