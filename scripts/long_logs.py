@@ -29,6 +29,7 @@ MINUTES = (70.0 / 60.0, 10.0, 60.0)
 RATE = 500.0
 HOME = np.array([0.0, -1.2, 1.0, 0.0, 0.6, 0.0])
 NOISE = 0.3  # N·m
+LOADED = 0.015  # of the Coulomb level, that a newton metre of load adds
 DIAGNOSE = "from mjfriction.cli.main import run; run()"
 
 TEXT = """# Long logs
@@ -58,7 +59,7 @@ def write_log(robot: Robot, minutes: float, folder: Path) -> Path:
     """Simulate a machine with something hidden in it, and write what its drives report."""
     elbow = robot.joint("elbow_joint")
     (term,) = elbow.friction or ()
-    loaded = term.model_copy(update={"level": term.level.model_copy(update={"per_load": 0.1})})
+    loaded = term.model_copy(update={"level": term.level.model_copy(update={"per_load": LOADED})})
     machine = robot.with_joint(elbow.model_copy(update={"friction": (loaded,)}))
     for joint in machine.table.joint:
         sensor = joint.effort_sensor.model_copy(update={"noise": NOISE})

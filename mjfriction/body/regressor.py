@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 
+from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.body.model import Body, configuration, in_model_order
 from mjfriction.laws.law import Floats
 
@@ -25,17 +28,25 @@ def tip_mass_torques(body: Body, position: Floats, velocity: Floats, acceleratio
     The result has shape (n, joints, 4).  A mass m with its centre at c needs this times (m, m·c) and, of second order
     in c, its moment of inertia about the frame.
     """
-    model = body.model
-    frame = model.frames[model.getFrameId(tip_link(body), pin.FrameType.BODY)]
-    # Seen from the joint, a mass at the frame has its first moment shifted by where the frame lies.
-    shift = np.zeros((4, 4))
-    shift[0, 0] = 1.0
-    shift[1:, 0] = frame.placement.translation
-    shift[1:, 1:] = frame.placement.rotation
-    last = frame.parentJoint - 1
-    weight = np.zeros((model.njoints - 1, 10, 4))
-    weight[last, :4] = shift
-    return weighed_links(body, position, velocity, acceleration, weight)[:, :, last]
+    frame = body.model.frames[body.model.getFrameId(tip_link(body), pin.FrameType.BODY)]
+    # Per kg of a mass at the frame, and of one that has a first moment, without a moment of inertia, besides.
+    torques = []
+    for moment in np.vstack([np.zeros(3), np.eye(3)]):
+        centre = frame.placement.translation + frame.placement.rotation @ moment
+        parameters = np.concatenate([[1.0], centre, np.zeros(6)])
+        alone = _holding_nothing_but(body, frame.parentJoint, pin.Inertia.FromDynamicParameters(parameters))
+        torques.append(inverse_dynamics(alone, position, velocity, acceleration))
+    mass = torques[0]
+    return np.stack([mass, *(own - mass for own in torques[1:])], axis=2)
+
+
+def _holding_nothing_but(body: Body, joint: int, inertia: pin.Inertia) -> Body:
+    model = body.model.copy()
+    for i in range(1, model.njoints):
+        model.inertias[i] = pin.Inertia.Zero()
+    model.inertias[joint] = inertia
+    model.armature = np.zeros(model.nv)
+    return replace(body, model=model)
 
 
 def link_torques(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> Floats:
@@ -97,12 +108,10 @@ def weighed_links(body: Body, position: Floats, velocity: Floats, acceleration: 
 
 def gravity_torques(body: Body, position: Floats, directions: Floats) -> Floats:
     """Return joint torques per m/s² of gravity along each of ``directions`` (k, 3), shape (n, joints, k)."""
-    model = body.model.copy()
-    data = model.createData()
-    q = configuration(body, position)
-    out = np.empty((q.shape[0], model.nv, len(directions)))
-    for k, direction in enumerate(directions):
+    still = np.zeros_like(position)
+    torques = []
+    for direction in directions:
+        model = body.model.copy()
         model.gravity.linear = direction
-        for i in range(q.shape[0]):
-            out[i, :, k] = pin.computeGeneralizedGravity(model, data, q[i])
-    return out[:, list(body.columns), :]
+        torques.append(inverse_dynamics(replace(body, model=model), position, still, still))
+    return np.stack(torques, axis=2)

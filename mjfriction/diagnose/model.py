@@ -185,14 +185,16 @@ def build_model(gap: Gap, nuisance: Nuisance, chosen: tuple[Chosen, ...]) -> Mod
     noise = least_noise(gap)
     for joint in gap.examined:
         noise[joint] = max(noise[joint], gap.rms(gap.residual[:, joint], joint))
-    for _ in range(NOISE_ROUNDS):
-        model = Model(gap, nuisance, chosen, System(_weighted_rows(gap, target, noise), columns, precisions))
-        left, before = model.residual(), noise.copy()
-        for joint in gap.examined:
-            noise[joint] = row_noise(gap, joint, left[:, joint], float(noise[joint]))
-        if np.all(np.abs(noise - before) <= SETTLED * before):
-            break
     system = System(_weighted_rows(gap, target, noise), columns, precisions)
+    for _ in range(NOISE_ROUNDS):
+        left = Model(gap, nuisance, chosen, system).residual()
+        found = {joint: row_noise(gap, joint, left[:, joint], float(noise[joint])) for joint in gap.examined}
+        moved = [joint for joint, now in found.items() if abs(now - noise[joint]) > SETTLED * noise[joint]]
+        if not moved:
+            break
+        for joint in moved:
+            noise[joint] = found[joint]
+        system = system.reweighted(_weighted_rows(gap, target, noise).weight, moved)
     return Model(gap, nuisance, chosen, system.kept_within(nuisance.of_links, nuisance.link_reach))
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from copy import copy
 from dataclasses import dataclass, replace
 
@@ -146,10 +146,32 @@ class System:
             _joint_columns(rows, columns, precisions, joint) * rows.weight[:, [joint]] for joint in range(rows.joints)
         ]
         self.target = rows.target * rows.weight
-        gram = np.stack([rows.products(base, base) for base in self.base])
-        moment = np.stack([rows.products(base, self.target[:, [j]])[:, :, 0] for j, base in enumerate(self.base)])
-        power = np.stack([rows.products(self.target[:, [j]], self.target[:, [j]])[:, 0, 0] for j in range(rows.joints)])
+        parts = [self._products_of(joint) for joint in range(rows.joints)]
+        gram, moment, power = (np.stack(of_joints) for of_joints in zip(*parts, strict=True))
         self.normal = Normal(gram, moment, power, np.concatenate(precisions) if precisions else np.empty(0))
+
+    def _products_of(self, joint: int) -> tuple[Floats, Floats, Floats]:
+        base, target = self.base[joint], self.target[:, [joint]]
+        moment, power = self.rows.products(base, target), self.rows.products(target, target)
+        return self.rows.products(base, base), moment[:, :, 0], power[:, 0, 0]
+
+    def reweighted(self, weight: Floats, joints: Iterable[int]) -> System:
+        """Return the system with the rows of some ``joints`` counted by another ``weight`` (rows, joints)."""
+        out = copy(self)
+        out.__dict__.pop("_kept", None)
+        whole = self.rows.weight.copy()
+        out.base, out.target = list(self.base), self.target.copy()
+        gram, moment, power = self.normal.gram.copy(), self.normal.moment.copy(), self.normal.power.copy()
+        for joint in joints:
+            before = self.rows.weight[:, joint]
+            change = np.divide(weight[:, joint], before, out=np.zeros_like(before), where=before > 0.0)
+            whole[:, joint] = weight[:, joint]
+            out.base[joint] = self.base[joint] * change[:, None]
+            out.target[:, joint] = self.rows.target[:, joint] * weight[:, joint]
+            gram[joint], moment[joint], power[joint] = out._products_of(joint)
+        out.rows = replace(self.rows, weight=whole)
+        out.normal = Normal(gram, moment, power, self.normal.precision)
+        return out
 
     def kept_within(self, place: slice, reach: Floats) -> System:
         """Return the system with what is known beforehand of some strengths drawn tighter, so that they stay within.

@@ -38,7 +38,5 @@ def coasting(motion: Motion, following: Floats, inertia: Floats, backlash: float
     finer = int(np.ceil(FLIGHT_RATE / motion.rate))
     step = 1.0 / (finer * motion.rate)
     for own in motion.pieces:
-        sample = np.arange((np.count_nonzero(own) - 1) * finer + 1) / finer
-        course = np.interp(sample, np.arange(np.count_nonzero(own)), pull[own])
-        out[own] = between_stops(course, step, round(1.0 / (step * motion.cutoff)))[::finer]
+        out[own] = between_stops(pull[own], step, round(1.0 / (step * motion.cutoff)), finer)
     return out

@@ -13,34 +13,38 @@ from numba import types
 from mjfriction.laws.law import Floats
 
 
-def between_stops(pull: Floats, step: float, caught: int) -> Floats:
-    """Return where it is, from −1 to 1, under accelerations ``pull`` (n,), 1/s², every ``step`` s.
+def between_stops(pull: Floats, step: float, caught: int, finer: int = 1) -> Floats:
+    """Return where it is, from −1 to 1, (n,), under accelerations ``pull`` (n,), 1/s², given every ``finer`` steps.
 
-    s̈ = pull between stops at ±1 that throw nothing back, by semi-implicit Euler steps; it begins on the stop that the
-    first pull points to.  The other stop, once it has caught the mass, keeps it for ``caught`` samples: what a filter
-    has smeared the blow over.
+    s̈ = pull between stops at ±1 that throw nothing back, by semi-implicit Euler steps of ``step`` s, the pull being
+    straight between what is given; it begins on the stop that the first pull points to.  The other stop, once it has
+    caught the mass, keeps it for ``caught`` steps: what a filter has smeared the blow over.
     """
-    return _compiled()(np.ascontiguousarray(pull), step, caught)
+    return _compiled()(np.ascontiguousarray(pull), step, caught, finer)
 
 
 @functools.cache
-def _compiled() -> Callable[[Floats, float, int], Floats]:
-    signature = types.float64[::1](types.float64[::1], types.float64, types.int64)
-    return cast(Callable[[Floats, float, int], Floats], numba.njit(signature, cache=True)(_along))
+def _compiled() -> Callable[[Floats, float, int, int], Floats]:
+    signature = types.float64[::1](types.float64[::1], types.float64, types.int64, types.int64)
+    return cast(Callable[[Floats, float, int, int], Floats], numba.njit(signature, cache=True)(_along))
 
 
-def _along(pull: Floats, step: float, caught: int) -> Floats:
+def _along(pull: Floats, step: float, caught: int, finer: int) -> Floats:
     out = np.empty_like(pull)
     place, speed, held = np.sign(pull[0]), 0.0, 0
     stop = place
+    before = pull[0]
     for k in range(pull.size):
-        held -= 1
-        if held <= 0:
-            speed += pull[k] * step
-            place += speed * step
-        if abs(place) >= 1.0:
-            place, speed = np.sign(place), 0.0
-            if place != stop:
-                stop, held = place, caught
+        slope = (pull[k] - before) / finer
+        for part in range(1 if k > 0 else finer, finer + 1):
+            held -= 1
+            if held <= 0:
+                speed += (before + slope * part) * step
+                place += speed * step
+            if abs(place) >= 1.0:
+                place, speed = np.sign(place), 0.0
+                if place != stop:
+                    stop, held = place, caught
+        before = pull[k]
         out[k] = place
     return out

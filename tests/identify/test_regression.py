@@ -51,6 +51,20 @@ def test_strengths_errors_and_held_out_errors_are_those_of_the_rows() -> None:
     assert held[:, fold].sum() == pytest.approx(np.sum((z - b @ elsewhere) ** 2), rel=1e-6)
 
 
+def test_rows_that_count_otherwise_make_the_equations_that_they_would_have_made_at_once() -> None:
+    rows, columns, precisions = problem()
+    weight = rows.weight.copy()
+    weight[:, 1] *= np.linspace(0.5, 2.0, ROWS)
+    anew = System(dataclasses.replace(rows, weight=weight), columns, precisions)
+    found = System(rows, columns, precisions).reweighted(weight, [1])
+    for name in ("gram", "moment", "power"):
+        np.testing.assert_allclose(getattr(found.normal, name), getattr(anew.normal, name), rtol=1e-12, atol=1e-12)
+    strengths = found.normal.strengths(np.ones(BLOCKS, dtype=bool))
+    np.testing.assert_allclose(found.residual(strengths), anew.residual(strengths), rtol=1e-9, atol=1e-12)
+    candidate = {1: np.random.default_rng(9).normal(size=(ROWS, 1, 1))}
+    np.testing.assert_allclose(found.screen(candidate)[1], anew.screen(candidate)[1], rtol=1e-9)
+
+
 def test_screening_and_extending_agree_with_a_fit_of_everything() -> None:
     rows, columns, precisions = problem()
     candidate = {1: np.random.default_rng(9).normal(size=(ROWS, 2))}

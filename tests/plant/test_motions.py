@@ -58,7 +58,8 @@ def test_a_joint_moved_to_its_sides_stays_within_its_limits(name: str, joint: in
     for side in (-1.0, 1.0):
         (alone,) = candidate_motions(robot.joints, body, top, joint, all_joints=False, side=side)
         moved = alone.position[:, joint]
-        assert body.lower[joint] - 1e-9 <= np.min(moved) and np.max(moved) <= body.upper[joint] + 1e-9
+        assert np.min(moved) >= body.lower[joint] - 1e-9
+        assert np.max(moved) <= body.upper[joint] + 1e-9
         assert np.ptp(moved) == pytest.approx(2.0 * reach[joint])
         # As far aside as the range allows, or by a quarter of a turn.
         stop = body.upper[joint] if side > 0.0 else body.lower[joint]

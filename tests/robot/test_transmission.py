@@ -31,6 +31,14 @@ def test_between_its_stops_a_mass_falls_freely() -> None:
     assert np.all(place[time > landing + step] == 1.0)
 
 
+def test_a_pull_given_at_fewer_points_is_followed_in_finer_steps() -> None:
+    step, finer = 1e-3, 4
+    coarse = 30.0 * np.sin(np.arange(300) * step * finer * 9.0)
+    fine = np.interp(np.arange(299 * finer + 1) / finer, np.arange(300), coarse)
+    expected = between_stops(fine, step, 10)[::finer]
+    np.testing.assert_allclose(between_stops(coarse, step, 10, finer), expected, atol=1e-9)
+
+
 def test_a_stop_keeps_what_it_caught_while_the_blow_rings() -> None:
     step = 1e-3
     pull = np.full(1000, 50.0)
