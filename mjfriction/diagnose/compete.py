@@ -18,6 +18,7 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import UNSEEN, Columns
 from mjfriction.progress import Tell, silently
 from mjfriction.record.log import Floats
+from mjfriction.robot.effort import without_offsets
 from mjfriction.robot.robot import Robot
 
 # These two were loosened (from 0.01 and 0.03) with the EMPS log in hand, whose offset stands at their edge; no other
@@ -130,7 +131,7 @@ def _best(field: Field, trials: list[Trial]) -> Trial:
 
 def _as_known(model: Model) -> Model:
     # Where drives are found to report late, all causes are looked for as late as they are reported; where the body is
-    # found to be another, with the loads of that.
+    # found to be another, or elsewhere, with the loads of that.
     for _ in range(HEARINGS):
         gap, nuisance, late, robot = model.gap, model.nuisance, _delays(model), _weighed(model)
         if np.max(np.abs(late - gap.late)) * gap.chain.band >= HEARD:
@@ -145,7 +146,7 @@ def _as_known(model: Model) -> Model:
 
 
 def _weighed(model: Model) -> Robot:
-    # The stated robot with the body that was found.
+    # The stated robot with the body that was found, where it was found to be.
     robot = model.gap.robot
     for choice, place in zip(model.chosen, model.places, strict=True):
         strengths = model.strengths[place]
@@ -156,10 +157,11 @@ def _weighed(model: Model) -> Robot:
 
 def _load_changes(gap: Gap, robot: Robot) -> bool:
     # Whether another body's loads are far from those that are known.
-    motion, known = gap.motion, gap.known
-    some = slice(None, None, max(1, motion.time.size // SCREENED_ROWS))
-    at = (motion.position[some], motion.velocity[some], motion.acceleration[some])
-    loads = [inverse_dynamics(body, *at) for body in (robot.body(), known.body)]
+    some = slice(None, None, max(1, gap.motion.time.size // SCREENED_ROWS))
+    thin, loads = gap.motion.part(some), []
+    for one in (robot, gap.known.robot):
+        at = without_offsets(one, thin)
+        loads.append(inverse_dynamics(one.body(), at.position, at.velocity, at.acceleration))
     moved, size = (np.sqrt(np.mean(np.square(values), axis=0)) for values in (loads[0] - loads[1], loads[1]))
     return bool(np.any(moved > WEIGHED * size))
 

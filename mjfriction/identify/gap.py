@@ -45,8 +45,9 @@ DOUBT_PERIODS = 0.6  # of the position filter's cutoff: how far a sign change is
 
 @dataclass(frozen=True)
 class Known:
-    """The robot as far as it is known: the ``body`` and the ``effort`` that it needs along the motion."""
+    """The ``robot`` as far as it is known: its ``body`` and the ``effort`` that it needs along the motion."""
 
+    robot: Robot
     body: Body
     effort: Effort
 
@@ -63,7 +64,7 @@ class Gap:
     (joints,): effort per unit of what the drive reports, 1 or N·m/A.  ``filtered`` (joints,): the frequency (Hz) from
     which on a drive has taken the rest of its effort, infinite where none did.  ``late`` (joints,) is by how much (s)
     drives are taken to report later than is stated, in what is set beside the residual, and ``known`` what that is
-    drawn with: the stated robot, or the one that what was found so far has made of its body.
+    drawn with: the stated robot, or the one whose links weigh what, and are where, was found so far.
     """
 
     robot: Robot
@@ -183,9 +184,9 @@ class Gap:
         return replace(self, late=np.asarray(late), doubt=heard.doubt, clear=heard.clear)
 
     def beside(self, robot: Robot) -> Gap:
-        """Return the gap with what is set beside residual and prediction drawn with another robot's body."""
+        """Return the gap with what is set beside residual and prediction drawn with another robot's loads."""
         body = robot.body()
-        gap = replace(self, known=Known(body, predict_effort(robot, body, self.motion)))
+        gap = replace(self, known=Known(robot, body, predict_effort(robot, body, self.motion)))
         same = ("_kinematics", "_forward", "link_rows", "linked", "_sparse_motion", "predicted_as_stated")
         gap.__dict__.update({name: self.__dict__[name] for name in same if name in self.__dict__})
         return gap
@@ -303,7 +304,7 @@ def _held_against(
         per_reported=per_reported,
         filtered=filtered,
         late=np.zeros(len(motion.joints)),
-        known=Known(body, effort),
+        known=Known(robot, body, effort),
     )
 
 

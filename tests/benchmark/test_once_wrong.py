@@ -11,6 +11,7 @@ import pytest
 from mjfriction.benchmark.drawing import draw_case
 from mjfriction.diagnose import untold
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
+from mjfriction.diagnose.causes.moved_link import EncoderOffset
 from mjfriction.diagnose.compete import make_field
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
@@ -91,6 +92,15 @@ def test_causes_that_go_under_in_a_swinging_load_are_no_findings(monkeypatch: py
     assert {finding.joint for finding in diagnosis.findings} == {"joint6"}
     monkeypatch.setattr(untold, "DROWNED", 0.0)
     assert "joint5" in {finding.joint for finding in diagnosed(300007).findings}
+
+
+@pytest.mark.bench
+def test_a_torque_constant_is_told_by_the_loads_of_the_pose_that_was_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    # The zero of joint3 is off by eleven degrees, so that joint5 bears another load than was stated.
+    found = {("sensor.encoder_offset", "joint3"), ("drive.torque_constant", "joint5")}
+    assert named(diagnosed(560001)) == found
+    monkeypatch.setattr(EncoderOffset, "of_body", False)
+    assert named(diagnosed(560001)) > found
 
 
 def test_a_load_on_a_lone_axis_may_be_its_link_or_its_rotor() -> None:

@@ -90,6 +90,7 @@ class EncoderOffset(_MovedLink):
     name = "sensor.encoder_offset"
     covariate = "position"
     curved = True
+    of_body = True
 
     def shift(self, gap: Gap, site: Site) -> list[Floats]:
         """One, at rest."""
