@@ -8,6 +8,7 @@ from mjfriction.diagnose.causes.delay import JointDelay, late
 from mjfriction.diagnose.causes.moved_link import Backlash
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
+from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.identify.proof import measure_gain
 from mjfriction.identify.tone import steady_tone
 
@@ -36,13 +37,24 @@ def humming(model: Model) -> frozenset[int]:
     """
     gap, after, out = model.gap, model.heldout_residual(), set()
     for joint in {choice.site.joint for choice in model.chosen if not choice.cause.whole_arm} & set(gap.examined):
-        others = tuple(choice for choice in model.chosen if choice.site.joint != joint or choice.cause.whole_arm)
-        before = build_model(gap, model.nuisance, others).heldout_residual()[:, joint]
-        left = (gap.rms(after[:, joint], joint) / max(gap.rms(before, joint), 1e-300)) ** 2
-        tone = steady_tone(gap, joint, before)
+        without = _without_own(model, joint)
+        before = without.heldout_residual()[:, joint]
+        left = (gap.rms(after[:, joint], joint) / max(without.gap.rms(before, joint), 1e-300)) ** 2
+        tone = steady_tone(without.gap, joint, before)
         if tone is not None and 1.0 - tone.share < LOUDER * left:
             out.add(joint)
     return frozenset(out)
+
+
+def _without_own(model: Model, joint: int) -> Model:
+    # The model without a joint's own causes, the joint heard as it is stated where one of them made it late.
+    own = [choice for choice in model.chosen if choice.site.joint == joint and not choice.cause.whole_arm]
+    others = tuple(choice for choice in model.chosen if choice not in own)
+    gap, nuisance = model.gap, model.nuisance
+    if any(choice.cause.of_sensor for choice in own):
+        gap = gap.heard_later(np.where(np.arange(gap.late.size) == joint, 0.0, gap.late))
+        nuisance = make_nuisance(gap)
+    return build_model(gap, nuisance, others)
 
 
 def _proved(model: Model, choice: Chosen) -> bool:

@@ -86,6 +86,13 @@ def test_causes_that_make_a_joint_sing_along_with_a_hum_are_refused_for_good(mon
 
 
 @pytest.mark.bench
+def test_a_hum_that_is_taken_for_an_early_effort_is_heard_without_it() -> None:
+    diagnosis = diagnosed(560096)
+    assert named(diagnosis) == {("drive.elasticity", "joint2")}
+    assert "a steady tone of 3.83 Hz" in diagnosis.summary
+
+
+@pytest.mark.bench
 def test_causes_that_go_under_in_a_swinging_load_are_no_findings(monkeypatch: pytest.MonkeyPatch) -> None:
     diagnosis = diagnosed(300007)
     assert diagnosis.verdict is Verdict.UNEXPLAINED
