@@ -16,6 +16,7 @@ from mjfriction.diagnose.compete import make_field
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.diagnose.stated import settle
+from mjfriction.identify import blows
 from mjfriction.record.readers.table import log_from_table
 
 
@@ -99,6 +100,15 @@ def test_causes_that_go_under_in_a_swinging_load_are_no_findings(monkeypatch: py
     assert {finding.joint for finding in diagnosis.findings} == {"joint6"}
     monkeypatch.setattr(untold, "DROWNED", 0.0)
     assert "joint5" in {finding.joint for finding in diagnosed(300007).findings}
+
+
+@pytest.mark.bench
+def test_the_blows_of_landings_that_no_play_explains_are_no_delay(monkeypatch: pytest.MonkeyPatch) -> None:
+    # The play, 60 mrad at the shoulder, is beyond what is tried; what it leaves stays open.
+    found = named(diagnosed(550043))
+    assert found == {("drive.cogging", "joint_2"), ("friction.temperature", "joint_4")}
+    monkeypatch.setattr(blows, "BLOW", np.inf)
+    assert ("sensor.delay", "joint_1") in named(diagnosed(550043))
 
 
 @pytest.mark.bench
