@@ -28,6 +28,8 @@ from mjfriction.robot.effort import (
     later,
     link_motion,
     predict_effort,
+    reported_of,
+    unheard,
     without_offsets,
 )
 from mjfriction.robot.robot import Robot
@@ -40,6 +42,7 @@ HOPELESS = 1e6  # times the effort, that a row may be off by which says nothing
 FILTER_PERIODS = 8.0  # of a low-pass's band, after which it has forgotten
 SAMPLES_PER_PERIOD = 8.0  # of the position filter's cutoff, that show the motion
 SAMPLES_OF_PIECE = 15  # at least
+KEPT_LATELY = 4  # robots whose torques are kept
 DOUBT_PERIODS = 0.6  # of the position filter's cutoff: how far a sign change is blurred
 
 
@@ -151,7 +154,7 @@ class Gap:
 
         It is computed on as few samples as show the motion: good for what one robot predicts otherwise than another.
         """
-        reported = predict_effort(robot, robot.body(), self._sparse_motion).reported
+        reported = reported_of(robot, self._sparse_motion, self._needed(robot))
         if self._sparse.step == 1:
             return self.chain.rows(reported)
         out = np.empty((self.motion.time.size, reported.shape[1]))
@@ -159,6 +162,21 @@ class Gap:
             between = make_interp_spline(self._sparse_motion.time[some], reported[some], k=3)
             out[own] = between(self.motion.time[own])
         return self.chain.rows(out)
+
+    def _needed(self, robot: Robot) -> Floats:
+        # The torques that a robot needs on the sparse samples: the same for all that differ in their sensors only.
+        drives = unheard(robot)
+        for known, torques in self._lately:
+            if known == drives:
+                return torques
+        torques = predict_effort(drives, drives.body(), self._sparse_motion).total
+        self._lately.append((drives, torques))
+        del self._lately[:-KEPT_LATELY]
+        return torques
+
+    @functools.cached_property
+    def _lately(self) -> list[tuple[Robot, Floats]]:
+        return []
 
     @functools.cached_property
     def predicted_as_stated(self) -> Floats:
@@ -187,7 +205,7 @@ class Gap:
         """Return the gap with what is set beside residual and prediction drawn with another robot's loads."""
         body = robot.body()
         gap = replace(self, known=Known(robot, body, predict_effort(robot, body, self.motion)))
-        same = ("_kinematics", "_forward", "link_rows", "linked", "_sparse_motion", "predicted_as_stated")
+        same = ("_kinematics", "_forward", "link_rows", "linked", "_sparse_motion", "_lately", "predicted_as_stated")
         gap.__dict__.update({name: self.__dict__[name] for name in same if name in self.__dict__})
         return gap
 

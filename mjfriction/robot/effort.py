@@ -21,7 +21,7 @@ from mjfriction.record.log import CURRENT
 from mjfriction.record.motion import Motion, smooth_derivatives
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import forward_share, friction_along, states_along, waves_along
-from mjfriction.robot.schema import Joint
+from mjfriction.robot.schema import EffortSensor, Joint
 from mjfriction.robot.transmission import lag
 
 GIVING_ROUNDS = 2  # enough for what gives a few percent of the motion
@@ -48,7 +48,7 @@ def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
     """
     motor, linked, rubbing, rigid = _carried(robot, body, motion)
     friction = friction_along(robot, rubbing, rigid)
-    total, reported = np.empty_like(rigid), np.empty_like(rigid)
+    total = np.empty_like(rigid)
     for i, joint in enumerate(robot.table.joint):
         spring = joint.spring.stiffness * linked.position[:, i] + joint.spring.preload
         total[:, i] = rigid[:, i] + friction[:, i] + waves_along(joint.cogging, motor.position[:, i]) + spring
@@ -60,8 +60,26 @@ def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
             total[:, i] += coupling.viscous * rubbing.velocity[:, other]
             if coupling.effort:
                 total[:, i] += coupling.effort * shared_effort(robot, motion, other, alone[:, other])
-        reported[:, i] = as_reported(joint, total[:, i], motion, motor.position[:, i]) + joint.effort_sensor.offset
-    return Effort(rigid, friction, total, reported)
+    return Effort(rigid, friction, total, reported_of(robot, motion, total))
+
+
+def reported_of(robot: Robot, motion: Motion, total: Floats) -> Floats:
+    """Return what the drives' sensors say of torques (n, joints) along a motion, their offsets included."""
+    position = without_offsets(robot, motion).position
+    seen = [as_reported(joint, total[:, i], motion, position[:, i]) for i, joint in enumerate(robot.table.joint)]
+    return np.asarray(np.column_stack(seen) + [joint.effort_sensor.offset for joint in robot.table.joint])
+
+
+def unheard(robot: Robot) -> Robot:
+    """Return the robot with effort sensors that do nothing, but for those whose word other joints' torques depend on:
+    robots that are equal so need the same torques.
+    """
+    shared = {coupling.joint for joint in robot.table.joint for coupling in joint.coupling if coupling.effort}
+    joints = tuple(
+        joint if joint.name in shared else joint.model_copy(update={"effort_sensor": EffortSensor()})
+        for joint in robot.table.joint
+    )
+    return replace(robot, table=robot.table.model_copy(update={"joint": joints}))
 
 
 def shared_effort(robot: Robot, motion: Motion, joint: int, predicted: Floats) -> Floats:

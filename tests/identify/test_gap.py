@@ -17,7 +17,7 @@ from mjfriction.robot.bandwidth import choose_cutoff
 from mjfriction.robot.effort import predict_effort
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Payload
+from mjfriction.robot.schema import Coupling, EffortSensor, Payload
 
 
 @pytest.fixture(scope="module")
@@ -86,3 +86,14 @@ def test_what_another_robot_changes_is_predicted_from_few_samples_as_from_all(de
     assert gap._sparse.step > 1
     if shortest is not None:
         assert shortest / gap._sparse.step > 10.0  # enough of the shortest piece for a course between
+
+
+@pytest.mark.parametrize("shared", [0.0, 0.3])
+def test_robots_that_differ_in_what_they_report_are_predicted_each_as_it_is(demo: Log, shared: float) -> None:
+    gap = measure_gap(demo, read_robot("ur5"))
+    wrist, elbow = gap.robot.joint("wrist_1_joint"), gap.robot.joint("elbow_joint")
+    coupled = wrist.model_copy(update={"coupling": (Coupling(joint="elbow_joint", effort=shared),)})
+    for sensor in (EffortSensor(), EffortSensor(delay=0.01), EffortSensor(scale=1.2, offset=2.0), EffortSensor()):
+        robot = gap.robot.with_joint(coupled).with_joint(elbow.model_copy(update={"effort_sensor": sensor}))
+        expected = gap.chain.rows(predict_effort(robot, robot.body(), gap.motion).reported)
+        np.testing.assert_allclose(gap.predicted(robot), expected, atol=0.005 * np.max(np.abs(expected)))
