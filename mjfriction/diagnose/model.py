@@ -21,6 +21,7 @@ PRIOR_SHARE = 100.0  # a cause's strength may be worth this many times the joint
 BACKWARD_COULOMB = 0.1  # of a joint's friction that its Coulomb level may seem to be negative by
 MOST_TAKEN = 1.25  # of a joint's Coulomb level, that its causes may move into laws of their own
 NOISE_ROUNDS, SETTLED = 8, 0.02  # at most, and the relative change of a noise at which they end
+UNMOVED = 1e-3  # relative change of a joint's noise below which its rows keep their weight
 BACKWARD_VISCOUS = 0.3  # and its damping, which errors of the links' inertias reach too
 
 Key = tuple[str, int, int]  # a cause's name, its joint, and which of its kind it is there
@@ -189,12 +190,13 @@ def build_model(gap: Gap, nuisance: Nuisance, chosen: tuple[Chosen, ...]) -> Mod
     for _ in range(NOISE_ROUNDS):
         left = Model(gap, nuisance, chosen, system).residual()
         found = {joint: row_noise(gap, joint, left[:, joint], float(noise[joint])) for joint in gap.examined}
-        moved = [joint for joint, now in found.items() if abs(now - noise[joint]) > SETTLED * noise[joint]]
-        if not moved:
-            break
+        changes = {joint: abs(now / noise[joint] - 1.0) for joint, now in found.items()}
+        moved = [joint for joint, change in changes.items() if change > UNMOVED]
         for joint in moved:
             noise[joint] = found[joint]
         system = system.reweighted(_weighted_rows(gap, target, noise).weight, moved)
+        if max(changes.values(), default=0.0) <= SETTLED:
+            break
     return Model(gap, nuisance, chosen, system.kept_within(nuisance.of_links, nuisance.link_reach))
 
 
