@@ -29,7 +29,7 @@ MINUTES = (70.0 / 60.0, 10.0, 60.0)
 RATE = 500.0
 HOME = np.array([0.0, -1.2, 1.0, 0.0, 0.6, 0.0])
 NOISE = 0.3  # N·m
-LOADED = 0.015  # of the Coulomb level, that a newton metre of load adds
+LOADED = 0.1  # of the Coulomb level, that a newton metre of load adds
 DIAGNOSE = "from mjfriction.cli.main import run; run()"
 
 TEXT = """# Long logs
@@ -41,7 +41,8 @@ sines on all six axes, 500 Hz, with friction that grows with the load of its elb
 {table}
 
 Beyond what the program itself takes, both grow with the log: {per_minute:.0f} MB and {seconds_per_minute:.1f} s a
-minute. A log of a minute or two tells as much as an hour's, but of what changes in that time: drift, warm-up, an event.
+minute. Only the load's part of the friction was hidden, and it is large. What else is told of a longer log is what
+a model's form leaves of it, a hundredth of the error: so many rows show that too.
 """
 
 
