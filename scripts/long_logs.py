@@ -41,8 +41,7 @@ sines on all six axes, 500 Hz, with friction that grows with the load of its elb
 {table}
 
 Beyond what the program itself takes, both grow with the log: {per_minute:.0f} MB and {seconds_per_minute:.1f} s a
-minute. Only the load's part of the friction was hidden, and it is large. What else is told of a longer log is what
-a model's form leaves of it, a hundredth of the error: so many rows show that too.
+minute. Only the load's part of the friction was hidden: what else is named is a false alarm.
 """
 
 

@@ -159,9 +159,9 @@ def _load_changes(gap: Gap, robot: Robot) -> bool:
     # Whether another body's loads are far from those that are known.
     some = slice(None, None, max(1, gap.motion.time.size // SCREENED_ROWS))
     thin, loads = gap.motion.part(some), []
-    for one in (robot, gap.known.robot):
+    for one, body in ((robot, robot.body()), (gap.known.robot, gap.known.body)):
         at = without_offsets(one, thin)
-        loads.append(inverse_dynamics(one.body(), at.position, at.velocity, at.acceleration))
+        loads.append(inverse_dynamics(body, at.position, at.velocity, at.acceleration))
     moved, size = (np.sqrt(np.mean(np.square(values), axis=0)) for values in (loads[0] - loads[1], loads[1]))
     return bool(np.any(moved > WEIGHED * size))
 

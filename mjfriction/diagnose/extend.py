@@ -34,8 +34,7 @@ def extend_robot(model: Model) -> Robot:
     """Build a fitted model into the robot: levels, link scales, then the causes in the order they were found.
 
     The fit adds everything at the sensor's output.  Where a joint's sensor gets a new scale 1 + ε, what lies before it
-    is divided by that, so that the robot file says the same as the fit.  A cause that came out, beside the others, as
-    no law allows, is left out.
+    is divided by that, so that the robot file says the same as the fit.
     """
     robot, nuisance, strengths = model.gap.robot, model.nuisance, model.strengths
     sensor = np.ones(len(robot.joints))
@@ -51,8 +50,7 @@ def extend_robot(model: Model) -> Robot:
     for choice, place in zip(model.chosen, model.places, strict=True):
         joint = choice.site.joint
         before = sensor[joint] if choice.cause.before_sensor else 1.0
-        if choice.cause.admissible(model.gap, choice.site, strengths[place]):
-            robot = choice.cause.extend(robot, choice.site, strengths[place] / before)
+        robot = choice.cause.extend(robot, choice.site, strengths[place] / before)
     return robot
 
 

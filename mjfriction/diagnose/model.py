@@ -106,6 +106,13 @@ class Model:
         rest = tuple(choice for choice in self.chosen if choice.key != target.key)
         return build_model(self.gap, self.nuisance, rest)
 
+    def admissible(self) -> Model:
+        """Return the model without causes that came out as nature does not allow: they explain nothing."""
+        for choice, place in zip(self.chosen, self.places, strict=True):
+            if not choice.cause.admissible(self.gap, choice.site, self.strengths[place]):
+                return self.without(choice).admissible()
+        return self
+
     def with_candidate(self, choice: Chosen) -> Normal:
         """Return the normal equations with one more cause, its strengths last."""
         columns, precision = cause_block(self.gap, choice)

@@ -41,11 +41,15 @@ def design_experiment(model: Model, target: Chosen, rival: Chosen) -> Experiment
     """Return the motion, of many within the joints' limits, on which a cause and its rival differ most.
 
     Both are fitted to the log with everything else.  Where motions in the middle of the range tell nothing, the cause's
-    own joint is moved alone to its sides.  None where they differ nowhere by more than on the log itself.
+    own joint is moved alone to its sides.  None where they differ nowhere by more than on the log itself,
+    or where the rival, beside what else was found, is not possible.
     """
     gap = model.gap
     rest = tuple(choice for choice in model.chosen if choice.key != target.key)
-    robots = [extend_robot(model), extend_robot(build_model(gap, model.nuisance, (*rest, rival)))]
+    other = build_model(gap, model.nuisance, (*rest, rival)).admissible()
+    if rival.key not in [choice.key for choice in other.chosen]:
+        return None
+    robots = [extend_robot(model), extend_robot(other)]
     on_log, _ = _apart(gap, robots, None)
     best: Experiment | None = None
     top = FASTER * np.max(np.abs(gap.motion.velocity), axis=0)

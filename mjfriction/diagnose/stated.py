@@ -62,7 +62,8 @@ def settle(model: Model, field: Field) -> Settled:
                 model = build_model(held.gap, held.nuisance, (*held.chosen, rival))
     if not _links_help(model):
         model = without_links(model)
-    return Settled(_admissible(model), tuple(findings))
+    # Holding levels moves what is left.
+    return Settled(model.admissible(), tuple(findings))
 
 
 def _bent(model: Model, joint: int) -> bool:
@@ -74,14 +75,6 @@ def _bent(model: Model, joint: int) -> bool:
         and choice.cause.noteworthy(model.gap, choice.site, model.strengths[place])
         for choice, place in zip(model.chosen, model.places, strict=True)
     )
-
-
-def _admissible(model: Model) -> Model:
-    # Holding levels moves what is left; a cause that is not physical any more explains nothing.
-    for choice, place in zip(model.chosen, model.places, strict=True):
-        if not choice.cause.admissible(model.gap, choice.site, model.strengths[place]):
-            return _admissible(model.without(choice))
-    return model
 
 
 def stated_exactly(model: Model) -> bool:

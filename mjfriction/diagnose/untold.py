@@ -41,8 +41,8 @@ def find_untold(
     ``remaining``, can be told in part by many: a hum looks a little like a late effort, a load that swings like a
     spring; and what only spells out one of ``curves`` tells of nothing else.  A course over time that is
     small beside another on its joint is what that other's form leaves.  A link is none where all links a few
-    percent off, in all of their ten parameters, do as well.  What no law allows is none.  The other half of a cause
-    that is told was asked for by name, and is told too.
+    percent off, in all of their ten parameters, do as well.  The other half of a cause that is told
+    was asked for by name, and is told too.
     """
     model, strengths = settled.model, settled.model.strengths
     gap = model.gap
@@ -51,8 +51,7 @@ def find_untold(
     common = {
         choice.key
         for choice, place in zip(model.chosen, model.places, strict=True)
-        if not choice.cause.admissible(gap, choice.site, strengths[place])
-        or not choice.cause.noteworthy(gap, choice.site, strengths[place])
+        if not choice.cause.noteworthy(gap, choice.site, strengths[place])
     }
     small = {
         choice.key

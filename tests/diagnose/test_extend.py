@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from mjfriction.diagnose.causes.cause import Site
-from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.extend import extend_robot
-from mjfriction.diagnose.model import Chosen, build_model, cause_block
-from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.identify.gap import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.effort import predict_effort
 from mjfriction.robot.files import read_robot, write_robot
@@ -48,19 +41,3 @@ def test_diagnosing_the_extended_robot_finds_nothing_more(tmp_path: Path) -> Non
     log = read_log(log_path)
     first = diagnose_log(log, read_robot(robot_path))
     assert diagnose_log(log, first.robot).findings == ()
-
-
-def test_what_no_law_allows_is_left_out_of_the_robot(tmp_path: Path) -> None:
-    log_path, robot_path = write_case(tmp_path, Machine(), seed=3)
-    gap = measure_gap(read_log(log_path), read_robot(robot_path))
-    bristles = Chosen(Presliding(), Site(2, shape=(0.05,)))
-    course = cause_block(gap, bristles)[0][2][:, 0]
-    allowed = {}
-    for level in (-1.0, 1.0):  # friction that is largest after a reversal, and friction that builds up
-        residual = gap.residual.copy()
-        residual[:, 2] += level * course
-        model = build_model(replace(gap, residual=residual), make_nuisance(gap), (bristles,))
-        assert model.strengths[-1] == pytest.approx(level, rel=0.3)
-        allowed[level] = [term.law for term in extend_robot(model).table.joint[2].friction or ()]
-    assert "dahl" in allowed[1.0]
-    assert "dahl" not in allowed[-1.0]

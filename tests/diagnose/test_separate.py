@@ -2,22 +2,34 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
 import pytest
 
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.presliding import Presliding
+from mjfriction.diagnose.causes.spring import Spring
+from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.model import Chosen, build_model, cause_block
+from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.diagnose.separate import design_experiment
+from mjfriction.identify.gap import measure_gap
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder
 from mjfriction.plant.trajectory import Trajectory
+from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Spring, Transmission
+from mjfriction.robot.schema import Spring as SpringTable
+from mjfriction.robot.schema import Transmission
+from tests.hidden.machine import Machine, write_case
 
 HOME = np.array([0.0, -1.2, 1.4, -0.4, 1.2, 0.0])
 HANGING = np.array([0.0, -1.2, 2.2, -0.4, 1.2, 0.0])  # the forearm well below the horizontal
@@ -40,7 +52,7 @@ def diagnosed(machine: Robot, stated: Robot, motion: Trajectory) -> Diagnosis:
 @pytest.fixture(scope="module")
 def robots() -> tuple[Robot, Robot]:
     stated = noisy(read_robot("ur5"))
-    sprung = stated.table.joint[WRIST].model_copy(update={"spring": Spring(stiffness=0.9, preload=0.7)})
+    sprung = stated.table.joint[WRIST].model_copy(update={"spring": SpringTable(stiffness=0.9, preload=0.7)})
     return stated, stated.with_joint(sprung)
 
 
@@ -105,3 +117,24 @@ def test_a_zero_that_is_off_against_the_load_is_no_play() -> None:
         assert finding.cause == "sensor.encoder_offset"
         found[offset] = finding.alternatives
     assert sorted(found.values()) == [(), ("drive.backlash",)]
+
+
+def test_what_is_not_possible_beside_the_rival_is_left_out_of_its_robot(tmp_path: Path) -> None:
+    # A Stribeck curve hides that friction builds up after reversals: without it, it would seem to decay there.
+    log_path, robot_path = write_case(tmp_path, Machine(), seed=3)
+    gap = measure_gap(read_log(log_path), read_robot(robot_path))
+    curve, bristles = (
+        Chosen(Stribeck(), Site(ELBOW, shape=(0.1, 2.0))),
+        Chosen(Presliding(), Site(ELBOW, shape=(0.05,))),
+    )
+    residual = gap.residual.copy()
+    for choice, size in ((curve, 20.0), (bristles, 1.0)):
+        residual[:, ELBOW] += size * cause_block(gap, choice)[0][ELBOW][:, 0]
+    model = build_model(replace(gap, residual=residual), make_nuisance(gap), (curve, bristles))
+    assert model.admissible() is model
+    rival = Chosen(Spring(), Site(ELBOW))
+    beside = build_model(model.gap, model.nuisance, (bristles, rival))
+    assert beside.strengths[beside.places[0]][0] < 0.0
+    assert [choice.key for choice in beside.admissible().chosen] == [rival.key]
+    assert design_experiment(model, curve, rival) is not None
+    assert design_experiment(model, curve, replace(bristles, site=replace(bristles.site, order=1))) is None
