@@ -9,9 +9,10 @@ from scipy.optimize import minimize
 
 from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.diagnose.causes.cause import Cause, Site
+from mjfriction.diagnose.hum import unheard_tones
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
-from mjfriction.diagnose.refusal import humming, refused
+from mjfriction.diagnose.refusal import refused
 from mjfriction.diagnose.tangent import straightened
 from mjfriction.diagnose.trial import Trial, try_out
 from mjfriction.identify.gap import Gap
@@ -84,16 +85,20 @@ def compete(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silently) -
     Forward: of the candidates whose strengths are beyond chance (Wald's test with block-clustered covariance, at a
     level divided by the number of candidates) and that take away a share of the error on motion not fitted, the one
     that takes most is chosen, until none is left.  Backward: causes that the later ones have made needless are dropped.
-    Proof: what :func:`~mjfriction.diagnose.refusal.refused` names is refused, and so is every cause of a joint that
-    hums, and the others compete anew without it.
+    Proof: where a steady tone is heard that none of them makes, all compete anew beside it; what
+    :func:`~mjfriction.diagnose.refusal.refused` names is refused, and the others compete anew without it.
     """
     asked, count = field, size(field)
     while True:
         model = _as_known(_pruned(_forward(gap, nuisance, asked, count, tell), count))
-        no_causes, hums = refused(model), humming(model)
-        if not no_causes and not hums:
+        tones = unheard_tones(model)
+        if tones:
+            nuisance = make_nuisance(gap, (*nuisance.tones, *tones))
+            continue
+        no_causes = refused(model)
+        if not no_causes:
             return straightened(_with_kin(model, field)), asked
-        asked = tuple(one for one in _narrowed(asked, no_causes) if one.joint not in hums or one.cause.whole_arm)
+        asked = _narrowed(asked, no_causes)
 
 
 def _narrowed(field: Field, no_causes: list[Chosen]) -> Field:
@@ -136,7 +141,7 @@ def _as_known(model: Model) -> Model:
         gap, nuisance, late, robot = model.gap, model.nuisance, _delays(model), _weighed(model)
         if np.max(np.abs(late - gap.late)) * gap.chain.band >= HEARD:
             gap = gap.heard_later(late)
-            nuisance = make_nuisance(gap)
+            nuisance = make_nuisance(gap, nuisance.tones)
         if _load_changes(gap, robot):
             gap = gap.beside(robot)
         if gap is model.gap:

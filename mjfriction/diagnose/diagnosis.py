@@ -40,13 +40,13 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     settled = settle(*compete(gap, nuisance, field, tell))
     tell("proving what was found", PROVING)
     model, gap = settled.model, settled.model.gap
-    heldout = model.heldout_residual()
+    clean, left, heldout = model.heldout_residual(), model.residual(tones=True), model.heldout_residual(tones=True)
     after = tuple(find_structure(gap, heldout))
-    curves = stroke_curves(model, heldout)
-    remaining = tuple(unexplained(gap, after, heldout, curves))
-    untold = find_untold(settled, remaining, curves, heldout)
-    findings, experiment = make_findings(settled, untold, field, heldout, seed)
-    joints = tuple(joint_error(gap, joint, model.residual(), heldout, seed) for joint in gap.examined)
+    curves = stroke_curves(model, clean)
+    remaining = tuple(unexplained(model, after, heldout, curves))
+    untold = find_untold(settled, remaining, curves, clean)
+    findings, experiment = make_findings(settled, untold, field, seed)
+    joints = tuple(joint_error(gap, joint, left, heldout, seed) for joint in gap.examined)
     extended = extend_robot(model)
     bandwidths = {} if faults else find_bandwidths(gap, extended)
     verdict = Verdict.BAD_DATA if faults else reach_verdict(findings, remaining)
@@ -65,6 +65,6 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
         robot=with_bandwidths(extended, bandwidths),
         bandwidths=bandwidths,
         next_experiment=experiment,
-        residual_after=model.residual(),
+        residual_after=left,
         heldout=heldout,
     )

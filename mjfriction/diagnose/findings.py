@@ -18,15 +18,13 @@ from mjfriction.identify.proof import gain_at
 from mjfriction.record.log import Floats
 
 
-def make_findings(
-    settled: Settled, untold: Untold, field: Field, heldout: Floats, seed: int
-) -> tuple[list[Finding], Experiment | None]:
+def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> tuple[list[Finding], Experiment | None]:
     """Return the findings, those that gain most first, and the motion that would settle the least certain of them.
 
-    ``untold`` tells which causes of the model are none; ``heldout`` (rows, joints) is what the settled model leaves on
-    motion not fitted; ``seed`` sets the resampling behind the intervals of the gains.
+    ``untold`` tells which causes of the model are none; ``seed`` sets the resampling behind the intervals of the gains.
     """
     model = settled.model
+    heldout = model.heldout_residual(tones=True)
     strengths, widths = model.strengths, half_widths(model)
     found = []
     for choice, place, width in zip(model.chosen, model.places, widths.causes, strict=True):
@@ -54,14 +52,14 @@ def make_findings(
             confidence=stands.confidence,
             alternatives=stands.alternatives,
             parameters=tuple(_fitted(model.gap, choice, own, width)),
-            gain=gain_at(model.gap, without.heldout_residual(), heldout, shown, seed),
+            gain=gain_at(model.gap, without.heldout_residual(tones=True), heldout, shown, seed),
             evidence=choice.cause.evidence(model.gap, choice.site, own),
             covariate=choice.cause.covariate,
             picture=choice.cause.picture,
             shown_at=model.gap.robot.joints[shown],
         )
         findings.append(finding)
-    links = link_finding(model, widths.nuisance, untold, field, heldout, seed)
+    links = link_finding(model, widths.nuisance, untold, field, seed)
     if links is not None:
         findings.append(links)
     experiment = None
@@ -73,7 +71,7 @@ def make_findings(
 
 def _most_gained(model: Model, without: Model, heldout: Floats) -> int:
     # Where a cause that all joints feel takes the largest share of the error away.
-    before = without.heldout_residual()
+    before = without.heldout_residual(tones=True)
     gap = model.gap
     return max(gap.examined, key=lambda j: gap.rms(before[:, j], j) / max(gap.rms(heldout[:, j], j), 1e-300))
 

@@ -10,7 +10,7 @@ from mjfriction.diagnose.causes.links import LEAST_NOTED, LinkScale
 from mjfriction.diagnose.compete import Field
 from mjfriction.diagnose.links_off import links_far_off
 from mjfriction.diagnose.model import Chosen, Model, build_model
-from mjfriction.diagnose.nuisance import PER_LINK, Nuisance
+from mjfriction.diagnose.nuisance import PER_LINK
 from mjfriction.diagnose.outcome import Finding
 from mjfriction.diagnose.stated import without_links
 from mjfriction.diagnose.untold import Untold, shows
@@ -21,13 +21,10 @@ from mjfriction.record.log import Floats
 SURELY = 0.05  # of a link's stated mass and inertia, that the whole interval of its change must be off by
 
 
-def link_finding(
-    model: Model, half: Floats, untold: Untold, field: Field, heldout: Floats, seed: int
-) -> Finding | None:
+def link_finding(model: Model, half: Floats, untold: Untold, field: Field, seed: int) -> Finding | None:
     """Return the links' inertias as a finding when some are off by more than a stated inertia ever is.
 
-    ``half`` are the half-widths of the nuisances' 95 % intervals, ``heldout`` (rows, joints) is what the model leaves
-    on motion not fitted.
+    ``half`` are the half-widths of the nuisances' 95 % intervals.
     """
     gap, nuisance = model.gap, model.nuisance
     changes = model.link_changes[:, 0]
@@ -38,9 +35,10 @@ def link_finding(
     noted = (np.abs(changes) > LEAST_NOTED) & (np.abs(changes) - widths > SURELY)
     if not np.any(noted) or not links_far_off(model):
         return None
-    before = without_links(model).heldout_residual()
-    if not shows(gap, before, heldout, gap.examined, untold.left):
+    without = without_links(model)
+    if not shows(gap, without.heldout_residual(), model.heldout_residual(), gap.examined, untold.left):
         return None
+    before, heldout = without.heldout_residual(tones=True), model.heldout_residual(tones=True)
     gains = {joint: gain_at(gap, before, heldout, joint, seed) for joint in gap.examined}
     joint = max(gains, key=lambda place: gains[place].reduction)
     most = nuisance.links[int(np.argmax(np.abs(changes) * noted))].name
@@ -76,5 +74,5 @@ def _link_standing(model: Model, link: str, field: Field) -> Standing:
     if link not in model.gap.robot.joints:
         return Standing((), MOST_CONFIDENT)
     scaled = Chosen(LinkScale(), Site(model.gap.robot.joints.index(link)))
-    alone = build_model(model.gap, Nuisance(model.nuisance.levels, ()), (*model.chosen, scaled))
+    alone = build_model(model.gap, model.nuisance.without_links(), (*model.chosen, scaled))
     return standing(alone, scaled, field)

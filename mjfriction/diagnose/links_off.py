@@ -28,7 +28,8 @@ def links_far_off(model: Model) -> bool:
     if links is None:
         return False
     others = [choice for choice in model.chosen if not isinstance(choice.cause, LinkScale | LinkCentre)]
-    blocks: list[tuple[Columns, Floats]] = [(level.columns, level.precision) for level in model.nuisance.levels]
+    nuisance = model.nuisance.without_links()
+    blocks: list[tuple[Columns, Floats]] = [(nuisance.columns, nuisance.precision)] if nuisance.count else []
     blocks += [cause_block(gap, choice) for choice in others]
     columns, precisions = zip((links.columns, links.precision), *blocks, strict=True)
     system = System(rows, list(columns), list(precisions))

@@ -89,17 +89,29 @@ class Model:
         """The weighted squared error (joints, blocks), each block predicted by a fit that has not seen it."""
         return self.system.normal.heldout_errors(self.gap.blocks.folds)
 
-    def residual(self) -> Floats:
-        """Return what the model, fitted on everything, leaves: (rows, joints), N·m or N."""
-        return self.system.residual(self.strengths)
+    def residual(self, *, tones: bool = False) -> Floats:
+        """Return what the model, fitted on everything, leaves: (rows, joints), N·m or N.
 
-    def heldout_residual(self) -> Floats:
-        """Return what the model leaves, every row predicted by a fit that has not seen it: (rows, joints)."""
+        With ``tones``, the steady tones that are refitted along are left too, since no robot makes them.
+        """
+        return self._left(self.strengths, tones=tones)
+
+    def heldout_residual(self, *, tones: bool = False) -> Floats:
+        """Return what the model leaves, every row predicted by a fit that has not seen it: (rows, joints).
+
+        ``tones`` as in :meth:`residual`.
+        """
         out = np.zeros_like(self.gap.residual)
         for fold in self.gap.blocks.folds:
             rows = fold[self.gap.blocks.row]
-            out[rows] = self.system.residual(self.system.normal.strengths(~fold))[rows]
+            out[rows] = self._left(self.system.normal.strengths(~fold), tones=tones)[rows]
         return out
+
+    def _left(self, strengths: Floats, *, tones: bool) -> Floats:
+        if tones:
+            strengths = strengths.copy()
+            strengths[self.nuisance.of_hums] = 0.0
+        return self.system.residual(strengths)
 
     def without(self, target: Chosen) -> Model:
         """Return the model with one cause taken out."""

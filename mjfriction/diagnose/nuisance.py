@@ -1,6 +1,7 @@
 """What is refitted with every candidate, because nothing stated is ever exact.
 
-Each joint's Coulomb and viscous level is free.  Each link's mass and inertia may scale by a few percent and its centre
+Each joint's Coulomb and viscous level is free.  So is every steady tone that is heard at a joint, and that no robot
+makes.  Each link's mass and inertia may scale by a few percent and its centre
 of mass lie some millimetres off, stated as a prior, so that a payload or a wrong torque constant is not swallowed by
 links of half the mass.
 """
@@ -8,7 +9,8 @@ links of half the mass.
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,12 +18,14 @@ from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
+from mjfriction.identify.tone import Tone
 from mjfriction.record.log import Floats
 
 LINK_SCALE = 0.03  # one standard deviation of how far a stated link may be off
 LINK_SHIFT = 0.002  # m, and its centre of mass, along each axis
 FARTHEST = 3.0  # of these deviations, that a link goes at most
 PER_LINK = 4  # a scale and three shifts
+PER_HUM = 2  # a cosine and a sine
 LEVEL_SCALE = 10.0  # of the joint's RMS effort: next to no restraint
 
 
@@ -46,24 +50,38 @@ class Link:
 
 
 @dataclass(frozen=True)
+class Hum:
+    """A steady tone heard at one joint: two columns."""
+
+    joint: int
+    tone: Tone
+    columns: Columns
+    precision: Floats
+
+
+Part = Level | Link | Hum
+
+
+@dataclass(frozen=True)
 class Nuisance:
-    """The stated values that are refitted: levels first, then links, in the order of their columns."""
+    """What is refitted: stated levels first, then links, then what hums, in the order of their columns."""
 
     levels: tuple[Level, ...]
     links: tuple[Link, ...]
+    hums: tuple[Hum, ...] = ()
 
     @functools.cached_property
     def columns(self) -> Columns:
         """All columns, in order."""
-        parts: list[Level | Link] = [*self.levels, *self.links]
+        parts: list[Part] = [*self.levels, *self.links, *self.hums]
         joints = dict.fromkeys(joint for part in parts for joint in part.columns)
         return {joint: np.hstack([_of_joint(part, joint) for part in parts]) for joint in joints}
 
     @property
     def precision(self) -> Floats:
         """What is known beforehand of all strengths, in order, (count,)."""
-        parts = [*(level.precision for level in self.levels), *(link.precision for link in self.links)]
-        return np.concatenate(parts) if parts else np.empty(0)
+        parts: list[Part] = [*self.levels, *self.links, *self.hums]
+        return np.concatenate([part.precision for part in parts]) if parts else np.empty(0)
 
     @property
     def link_reach(self) -> Floats:
@@ -73,20 +91,36 @@ class Nuisance:
     @property
     def count(self) -> int:
         """How many columns."""
-        return 2 * len(self.levels) + PER_LINK * len(self.links)
+        return 2 * len(self.levels) + PER_LINK * len(self.links) + PER_HUM * len(self.hums)
 
     @property
     def of_links(self) -> slice:
         """Where the links' strengths stand, four for each."""
-        return slice(2 * len(self.levels), self.count)
+        first = 2 * len(self.levels)
+        return slice(first, first + PER_LINK * len(self.links))
+
+    @property
+    def of_hums(self) -> slice:
+        """Where the strengths of what hums stand, two for each."""
+        first = self.of_links.stop
+        return slice(first, first + PER_HUM * len(self.hums))
+
+    @property
+    def tones(self) -> tuple[tuple[int, Tone], ...]:
+        """The tones that are heard, and at which joints."""
+        return tuple((hum.joint, hum.tone) for hum in self.hums)
 
     def without_level(self, joint: int) -> Nuisance:
         """Return the nuisances with one joint's levels held at what is stated."""
-        return Nuisance(tuple(level for level in self.levels if level.site.joint != joint), self.links)
+        return replace(self, levels=tuple(level for level in self.levels if level.site.joint != joint))
+
+    def without_links(self) -> Nuisance:
+        """Return the nuisances with every link as stated."""
+        return replace(self, links=())
 
 
-def make_nuisance(gap: Gap) -> Nuisance:
-    """Build the nuisance columns of a gap."""
+def make_nuisance(gap: Gap, tones: Sequence[tuple[int, Tone]] = ()) -> Nuisance:
+    """Build the nuisance columns of a gap at whose joints ``tones`` are heard."""
     levels = []
     for site in STATED_LEVELS.sites(gap):
         effort = float(np.sqrt(np.mean(np.square(gap.measured[:, site.joint]))))
@@ -98,9 +132,14 @@ def make_nuisance(gap: Gap) -> Nuisance:
         block = {joint: rows[:, k] for joint, rows in gap.link_rows.items()}
         if any(np.any(values) for values in block.values()):
             links.append(Link(name, block, np.array([LINK_SCALE**-2.0, *[LINK_SHIFT**-2.0] * 3])))
-    return Nuisance(tuple(levels), tuple(links))
+    hums = []
+    for joint, tone in tones:
+        effort = float(np.sqrt(np.mean(np.square(gap.measured[:, joint]))))
+        precision = np.full(PER_HUM, (LEVEL_SCALE * effort) ** -2.0)
+        hums.append(Hum(joint, tone, {joint: tone.columns(gap.chain.time)}, precision))
+    return Nuisance(tuple(levels), tuple(links), tuple(hums))
 
 
-def _of_joint(part: Level | Link, joint: int) -> Floats:
+def _of_joint(part: Part, joint: int) -> Floats:
     rows = next(iter(part.columns.values())).shape[0]
     return part.columns.get(joint, np.zeros((rows, part.precision.size)))

@@ -7,13 +7,10 @@ import numpy as np
 from mjfriction.diagnose.causes.delay import JointDelay, late
 from mjfriction.diagnose.causes.moved_link import Backlash
 from mjfriction.diagnose.intervals import half_widths
-from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
-from mjfriction.diagnose.nuisance import make_nuisance
+from mjfriction.diagnose.model import Chosen, Model, cause_block
 from mjfriction.identify.proof import measure_gain
-from mjfriction.identify.tone import steady_tone
 
 BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "friction.presliding", "friction.asymmetry"})
-LOUDER = 0.5  # of what causes leave, that a tone leaves
 PROOF_SEED = 0  # of the resampling by which a gain is held against zero
 APART, SURELY_APART = 0.5, 2.0  # of a delay, and deviations, by which friction's part of it differs from the rest's
 
@@ -27,34 +24,6 @@ def refused(model: Model) -> list[Chosen]:
     """
     unproved = [choice for choice in model.chosen if not _proved(model, choice)]
     return [*unproved, *_dissolved(model), *_of_landings(model), *_torn(model)]
-
-
-def humming(model: Model) -> frozenset[int]:
-    """Return the joints whose own causes only imitate a steady tone: one that leaves less than half of what they leave.
-
-    Another machine on the same floor, or a loop that sings, is none of the causes; but a late effort, or a link that
-    gives, may be made to look like it.
-    """
-    gap, after, out = model.gap, model.heldout_residual(), set()
-    for joint in {choice.site.joint for choice in model.chosen if not choice.cause.whole_arm} & set(gap.examined):
-        without = _without_own(model, joint)
-        before = without.heldout_residual()[:, joint]
-        left = (gap.rms(after[:, joint], joint) / max(without.gap.rms(before, joint), 1e-300)) ** 2
-        tone = steady_tone(without.gap, joint, before)
-        if tone is not None and 1.0 - tone.share < LOUDER * left:
-            out.add(joint)
-    return frozenset(out)
-
-
-def _without_own(model: Model, joint: int) -> Model:
-    # The model without a joint's own causes, the joint heard as it is stated where one of them made it late.
-    own = [choice for choice in model.chosen if choice.site.joint == joint and not choice.cause.whole_arm]
-    others = tuple(choice for choice in model.chosen if choice not in own)
-    gap, nuisance = model.gap, model.nuisance
-    if any(choice.cause.of_sensor for choice in own):
-        gap = gap.heard_later(np.where(np.arange(gap.late.size) == joint, 0.0, gap.late))
-        nuisance = make_nuisance(gap)
-    return build_model(gap, nuisance, others)
 
 
 def _proved(model: Model, choice: Chosen) -> bool:

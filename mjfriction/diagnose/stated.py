@@ -11,7 +11,6 @@ from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.compete import Field, contenders, reshaped, size
 from mjfriction.diagnose.model import Chosen, Model, build_model
-from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.refusal import BENDING
 from mjfriction.diagnose.trial import FALSE_ALARM, Trial, try_out
 from mjfriction.identify.gap import Gap
@@ -86,7 +85,7 @@ def stated_exactly(model: Model) -> bool:
 
 def without_links(model: Model) -> Model:
     """Return the model with every link as stated."""
-    return build_model(model.gap, Nuisance(model.nuisance.levels, ()), model.chosen)
+    return build_model(model.gap, model.nuisance.without_links(), model.chosen)
 
 
 def _changes(model: Model) -> dict[int, float]:
@@ -108,7 +107,7 @@ def _links_help(model: Model) -> bool:
     nuisance, normal = model.nuisance, model.system.normal
     if not nuisance.links or np.any(np.abs(model.link_changes[:, 0]) > MOST_LINK_CHANGE):
         return False
-    without = normal.without(list(range(nuisance.of_links.start, nuisance.count)))
+    without = normal.without(list(range(nuisance.of_links.start, nuisance.of_links.stop)))
     gain = (without.heldout_errors(model.gap.blocks.folds) - model.heldout_errors).sum(axis=0)
     return bool(np.mean(gain) > LINK_BAR * np.std(gain, ddof=1) / np.sqrt(gain.size))
 

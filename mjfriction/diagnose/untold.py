@@ -40,13 +40,14 @@ def find_untold(
     by joints), may be what the larger causes leave by a percent of misfit.  And a course that no cause is,
     ``remaining``, can be told in part by many: a hum looks a little like a late effort, a load that swings like a
     spring; and what only spells out one of ``curves`` tells of nothing else.  A course over time that is
-    small beside another on its joint is what that other's form leaves.  A link is none where all links a few
+    small beside another on its joint is what that other's form leaves.  (Tones are refitted along, and ``heldout`` is
+    without them.)  A link is none where all links a few
     percent off, in all of their ten parameters, do as well.  The other half of a cause that is told
     was asked for by name, and is told too.
     """
     model, strengths = settled.model, settled.model.strengths
     gap = model.gap
-    spelt = {curve.structure.joint for curve in curves}
+    spelt = {curve.structure.joint for curve in curves} | {gap.robot.joints[one] for one, _ in model.nuisance.tones}
     left = {gap.robot.joints.index(entry.joint): entry.share for entry in remaining if entry.joint not in spelt}
     common = {
         choice.key

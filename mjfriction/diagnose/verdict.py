@@ -6,13 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from mjfriction.diagnose.hum import hums_told
+from mjfriction.diagnose.model import Model
 from mjfriction.diagnose.outcome import Finding, Verdict
 from mjfriction.diagnose.stroke_curve import ALONG_STROKE, StrokeCurve
 from mjfriction.identify.colour import COLOURED, NOTHING, coloured_share
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.joint_error import JointError
 from mjfriction.identify.structure import Structure
-from mjfriction.identify.tone import steady_tone
 from mjfriction.record.faults import Fault
 from mjfriction.record.log import Floats
 
@@ -22,18 +23,19 @@ OUTWEIGHED_COURSE = 0.25  # of what was explained that it must reach besides
 LEAST_EFFORT = 0.01  # of a joint's RMS effort that either must reach
 MUCH_LEFT = 0.1  # of a joint's effort; more than that left, and far above the noise, is never agreement
 FAR_ABOVE_NOISE = 5.0  # times the sensor's noise
-ONE_TONE = 0.5  # of what is left, that a tone must be to be named
 REFITTED = 0.8  # of an error that is left when refitted values are worth a word
 
 
 def unexplained(
-    gap: Gap, after: tuple[Structure, ...], heldout: Floats, curves: Sequence[StrokeCurve]
+    model: Model, after: tuple[Structure, ...], heldout: Floats, curves: Sequence[StrokeCurve]
 ) -> list[Structure]:
     """Return, for each joint where too much is left on motion not fitted, what it follows most.
 
-    ``after`` are the structured shares of ``heldout`` (rows, joints); ``curves`` along strokes are no cause's.
+    ``after`` are the structured shares of ``heldout`` (rows, joints); ``curves`` along strokes are no cause's, nor is
+    what hums.
     """
-    out = [one.structure for one in curves]
+    gap = model.gap
+    out = [*(one.structure for one in curves), *hums_told(model)]
     spelt = {structure.joint for structure in out}
     for joint in gap.examined:
         name = gap.robot.joints[joint]
@@ -52,14 +54,8 @@ def unexplained(
         if left > max(MUCH_LEFT * effort, FAR_ABOVE_NOISE * float(gap.noise_floor[joint])):
             told = told or [curve, course]
         if told:
-            out.append(_heard(gap, joint, heldout, max(told, key=lambda entry: entry.share)))
+            out.append(max(told, key=lambda entry: entry.share))
     return out
-
-
-def _heard(gap: Gap, joint: int, heldout: Floats, left: Structure) -> Structure:
-    # What follows nothing that is known may be one tone.
-    tone = steady_tone(gap, joint, heldout[:, joint]) if left.covariate == NOTHING else None
-    return left if tone is None or tone.share < ONE_TONE else Structure(left.joint, tone.words, tone.share)
 
 
 def reach_verdict(findings: list[Finding], remaining: tuple[Structure, ...]) -> Verdict:

@@ -24,12 +24,13 @@ SAME = 0.01  # two courses of the motion are the same when they differ by less t
 class Blocks:
     """``row`` (rows,) numbers the block each row is in; ``group`` (blocks,) numbers what each block may be exchanged
     with: itself, or, where the motion repeats at least four times, everything in the same repetition; ``fold``
-    (blocks,) numbers the part in which a block is left out.
+    (blocks,) numbers the part in which a block is left out; ``period`` is that of such a motion, s.
     """
 
     row: Integers
     group: Integers
     fold: Integers
+    period: float | None = None
 
     @property
     def count(self) -> int:
@@ -72,7 +73,7 @@ def cut_blocks(chain: Chain, position: Floats, source: str) -> Blocks:
     within = max(FEWEST_FOLDS, round(count * period / total))
     row = (elapsed / period * within).astype(np.int64)
     number = np.arange(int(row[-1]) + 1)
-    return Blocks(row, np.minimum(number // within, round(total / period) - 1), number % within % FOLDS)
+    return Blocks(row, np.minimum(number // within, round(total / period) - 1), number % within % FOLDS, period)
 
 
 def _period(chain: Chain, position: Floats) -> float | None:

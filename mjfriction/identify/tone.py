@@ -13,7 +13,8 @@ from mjfriction.record.log import Floats
 FEWEST_TURNS = 10.0  # of a tone, that the rows must hold
 FINER = 4  # lines that are looked at for one that the length of the log can tell apart
 MOST_GAPS = 20  # times the rows, that a log may last
-MOVING = 0.2  # share of a joint's velocity at the frequency, from which on it may be the motion's own
+MOVING = 0.2  # share of a joint's course at the frequency, from which on it may be the motion's own
+ON_LINE = 0.25  # of what the length of the log can tell apart, within which a tone may be the motion's overtone
 
 
 @dataclass(frozen=True)
@@ -23,18 +24,18 @@ class Tone:
     frequency: float
     share: float
 
-    @property
-    def words(self) -> str:
-        """The tone as a person says it."""
-        return f"a steady tone of {self.frequency:.3g} Hz"
+    def columns(self, time: Floats) -> Floats:
+        """Return its cosine and its sine at times (rows,), s: (rows, 2)."""
+        phase = 2.0 * np.pi * self.frequency * time
+        return np.column_stack([np.cos(phase), np.sin(phase)])
 
 
 def steady_tone(gap: Gap, joint: int, residual: Floats) -> Tone | None:
     """Return the strongest tone of a joint's residual (rows,): of all A·cos 2πft + B·sin 2πft + C, the one that leaves
     least.
 
-    None where some joint moves at its frequency: it may then be anything that the motion brings about.  None, too,
-    where the log is mostly gaps.
+    None where some joint moves at its frequency, or at half of it, or where it is an overtone of motion that repeats:
+    it may then be anything that the motion brings about.  None, too, where the log is mostly gaps.
     """
     time, clear = gap.chain.time, gap.clear[:, joint]
     step = float(np.median(np.diff(time)))
@@ -57,13 +58,22 @@ def steady_tone(gap: Gap, joint: int, residual: Floats) -> Tone | None:
         options={"xatol": 1e-3 * width},
     )
     tone = Tone(float(found.x), -float(found.fun))
-    moved = [_share(tone.frequency, time, velocity) for velocity in gap.at_rows("velocity").T]
-    return None if max(moved) > MOVING else tone
+    return None if _of_motion(gap, tone.frequency) else tone
+
+
+def _of_motion(gap: Gap, frequency: float) -> bool:
+    time, period = gap.chain.time, gap.blocks.period
+    velocity, position = gap.at_rows("velocity"), gap.at_rows("position")
+    # What is the same either way of a swing comes twice as often.
+    courses = [velocity, np.abs(velocity), np.square(position - np.mean(position, axis=0))]
+    if max(_share(frequency, time, course) for own in courses for course in own.T) > MOVING:
+        return True
+    turns = 0.0 if period is None else frequency * period
+    return period is not None and abs(turns - round(turns)) * (time[-1] - time[0]) < ON_LINE * period
 
 
 def _share(frequency: float, time: Floats, course: Floats) -> float:
     # The share of a course's variance that the best tone of a frequency has.
-    phase = 2.0 * np.pi * frequency * time
-    columns = np.column_stack([np.cos(phase), np.sin(phase), np.ones_like(time)])
+    columns = np.column_stack([Tone(frequency, 0.0).columns(time), np.ones_like(time)])
     left = course - columns @ np.linalg.lstsq(columns, course, rcond=None)[0]
     return float(1.0 - np.var(left) / max(float(np.var(course)), 1e-300))

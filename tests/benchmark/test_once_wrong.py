@@ -10,12 +10,9 @@ import pytest
 
 from mjfriction.benchmark.drawing import draw_case
 from mjfriction.diagnose import untold
-from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.moved_link import EncoderOffset
-from mjfriction.diagnose.compete import make_field
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
-from mjfriction.diagnose.stated import settle
 from mjfriction.identify import blows
 from mjfriction.record.readers.table import log_from_table
 
@@ -68,29 +65,35 @@ def test_a_hum_is_no_give_of_the_transmission(monkeypatch: pytest.MonkeyPatch) -
     diagnosis = diagnosed(300084)
     assert diagnosis.verdict is Verdict.UNEXPLAINED
     assert ("drive.elasticity", "axis") not in named(diagnosis)
+    monkeypatch.setattr("mjfriction.diagnose.compete.unheard_tones", lambda model: [])
     monkeypatch.setattr("mjfriction.diagnose.verdict.coloured_share", lambda *_: 0.0)
     assert diagnosed(300084).verdict is not Verdict.UNEXPLAINED
 
 
 @pytest.mark.bench
-def test_causes_that_make_a_joint_sing_along_with_a_hum_are_refused_for_good(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = {("friction.presliding", "elbow_joint")}
-    assert named(diagnosed(550087)) == found
-    with monkeypatch.context() as patch:
-        patch.setattr("mjfriction.diagnose.compete.humming", lambda model: frozenset())
-        assert named(diagnosed(550087)) > found
-    # What was refused would come back with the next refit of stated levels, were it asked again there.
-    monkeypatch.setattr(
-        "mjfriction.diagnose.diagnosis.settle", lambda model, _: settle(model, make_field(model.gap, STRUCTURAL))
-    )
-    assert named(diagnosed(550087)) > found
-
-
-@pytest.mark.bench
-def test_a_hum_that_is_taken_for_an_early_effort_is_heard_without_it() -> None:
-    diagnosis = diagnosed(560096)
-    assert named(diagnosis) == {("drive.elasticity", "joint2")}
-    assert "a steady tone of 3.83 Hz" in diagnosis.summary
+@pytest.mark.parametrize(
+    ("seed", "found", "tone"),
+    [
+        # It makes its joint sing along.
+        (550087, {("friction.presliding", "elbow_joint")}, "4.74"),
+        # It is taken for an early effort.
+        (560096, {("drive.elasticity", "joint2")}, "3.83"),
+        # A light wrist follows it, so that it looks like a rotor's inertia.
+        (400092, {("body.payload", None)}, "3.46"),
+        # It keeps its joint stuck most of the time, and the levels of friction bend to it.
+        (400106, set(), "2.44"),
+        # It is louder than what is hidden on the same axis.
+        (400037, {("drive.cogging", "axis")}, "1.06"),
+    ],
+)
+def test_a_hum_is_heard_beside_causes_and_is_none(
+    seed: int, found: set[tuple[str, str | None]], tone: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    diagnosis = diagnosed(seed)
+    assert named(diagnosis) == found
+    assert f"a steady tone of {tone} Hz" in diagnosis.summary
+    monkeypatch.setattr("mjfriction.diagnose.compete.unheard_tones", lambda model: [])
+    assert named(diagnosed(seed)) != found
 
 
 @pytest.mark.bench

@@ -11,12 +11,9 @@ import pytest
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.delay import JointDelay
 from mjfriction.diagnose.causes.stribeck import Stribeck
-from mjfriction.diagnose.causes.waves import Cogging
-from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.model import Chosen, build_model
 from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.outcome import Verdict
-from mjfriction.diagnose.refusal import humming, refused
+from mjfriction.diagnose.refusal import refused
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
@@ -69,24 +66,3 @@ def test_a_level_that_fades_while_the_joint_moves_is_proved_by_rows_in_some_doub
     # Where nothing fades the same curve is refused.
     plain = gap_of_machine(tmp_path, Machine())
     assert [one.key for one in refused(build_model(plain, make_nuisance(plain), (curve,)))] == [curve.key]
-
-
-def hum(instant: Instant) -> np.ndarray:
-    return 6.0 * np.sin(2.0 * np.pi * 4.74 * instant.time)
-
-
-def test_causes_that_only_imitate_a_tone_are_told_from_those_that_explain(tmp_path: Path) -> None:
-    delay = Chosen(JointDelay(), Site(ELBOW))
-    humming_gap = gap_of_machine(tmp_path, Machine(hidden={ELBOW: hum}))
-    assert humming(build_model(humming_gap, make_nuisance(humming_gap), (delay,))) == {ELBOW}
-    cogging = gap_of_machine(tmp_path, Machine(hidden={ELBOW: lambda i: 3.0 * np.cos(12.0 * i.q)}))
-    waves = Chosen(Cogging(), Site(ELBOW, shape=(12.0,)))
-    assert humming(build_model(cogging, make_nuisance(cogging), (waves,))) == frozenset()
-
-
-def test_a_hum_is_left_open_and_named(tmp_path: Path) -> None:
-    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: hum}), seed=2, seconds=30.0)
-    found = diagnose_log(read_log(log), read_robot(robot))
-    assert found.findings == ()
-    assert found.verdict is Verdict.UNEXPLAINED
-    assert "a steady tone of 4.74 Hz" in found.summary
