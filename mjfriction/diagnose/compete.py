@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import minimize
+from scipy.stats import t as student
 
 from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.diagnose.causes.cause import Cause, Site
@@ -97,7 +98,7 @@ def compete(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silently) -
             continue
         no_causes = refused(model)
         if not no_causes:
-            return straightened(_with_kin(model, field)), asked
+            return straightened(_with_kin(_fulfilled(model), field)), asked
         asked = _narrowed(asked, no_causes)
 
 
@@ -323,6 +324,24 @@ def _pruned(model: Model, count: int) -> Model:
 
 def _stays(trial: Trial | None, count: int) -> bool:
     return trial is not None and trial.passes(count)
+
+
+def _fulfilled(model: Model) -> Model:
+    # What is found may be found with one strength more: one question asked beforehand, as that for its other half.
+    for choice in model.chosen:
+        if choice.cause.fuller is None:
+            continue
+        blocks, without = model.gap.blocks, model.without(choice)
+        whole = Chosen(choice.cause.fuller(), choice.site)
+        plain, full = without.with_candidate(choice), without.with_candidate(whole)
+        strengths = full.strengths(np.ones(blocks.count, dtype=bool))
+        deviation = float(np.sqrt(full.covariance(strengths, blocks.group)[-1, -1]))
+        sure = abs(strengths[-1]) > student.ppf(1.0 - 0.5 * KIN_CHANCE, blocks.groups - 1) * deviation
+        errors = [float(np.sum(normal.heldout_errors(blocks.folds))) for normal in (plain, full)]
+        count = len(whole.cause.quantities(model.gap, whole.site))
+        if sure and errors[1] < errors[0] and whole.cause.admissible(model.gap, whole.site, strengths[-count:]):
+            model = build_model(model.gap, model.nuisance, (*without.chosen, whole))
+    return model
 
 
 def _with_kin(model: Model, field: Field) -> Model:

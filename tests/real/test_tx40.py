@@ -69,9 +69,10 @@ def test_the_coupling_of_the_wrist_is_found_with_its_published_size(tx40: Diagno
     assert coupling.joint == "joint_5"
     assert "drive.coupling" not in [f.cause for f in tx40.findings if f.joint not in ("joint_5", "joint_6")]
     fitted = {parameter.name: parameter for parameter in coupling.parameters}
-    # Published: Coulomb 1.95 N·m, viscous 0.616 N·m·s/rad.
+    # Published: Coulomb 1.95 N·m, viscous 0.616 N·m·s/rad, inertia 0.00964 kg·m².
     assert fitted["coulomb"].low < 1.95 < fitted["coulomb"].high
     assert fitted["viscous"].low < 0.616 < fitted["viscous"].high
+    assert fitted["inertia"].low < 0.00964 < fitted["inertia"].high < 0.0144
     wrist = next(error for error in tx40.joints if error.joint == "joint_5")
     assert wrist.rms_heldout_after < 0.3 * wrist.rms_heldout_before
 

@@ -66,6 +66,7 @@ class Cause(ABC):
     times: ClassVar[int] = 1  # how many of its kind a joint may have
     before_sensor: ClassVar[bool] = True  # whether the change passes the effort sensor's scale, as all torques do
     contains: ClassVar[tuple[str, ...]] = ()  # causes that are this one with a strength at zero: no rivals of theirs
+    fuller: ClassVar[type[Cause] | None] = None  # the same with one strength more, asked for once it is found
     kin: ClassVar[
         tuple[str, ...]
     ] = ()  # causes that are the other half of the same thing, asked for once this is found

@@ -18,6 +18,7 @@ from mjfriction.robot.schema import CommonDrive, Coupling
 
 COULOMB = Parameter("coulomb", "{force}", "dry friction that the other joint's direction of motion brings")
 VISCOUS = Parameter("viscous", "{force}·s/{length}", "damping that the other joint's velocity brings")
+INERTIA = Parameter("inertia", "{force}·s²/{length}", "inertia of the rotor that both joints turn", lower=0.0)
 EFFORT = Parameter("effort", "1", "share of the other joint's effort")
 MOST_SHARED = 0.9  # of another joint's effort
 
@@ -97,28 +98,34 @@ class SharedEffort(_Coupling):
         return f"it carries {100 * strengths[0]:.3g} % of the effort of {self.from_name(gap, site)}"
 
 
-class _CommonFriction(_Coupling):
+class _SharedDrive(_Coupling):
     """C·sgn u + V·u of a drive that turns with u = vₖ + ratio·v, felt by both joints."""
-
-    def _rub(self, gap: Gap, site: Site) -> Floats:
-        motion, other = gap.motion, self.source(gap, site)
-        turn = motion.velocity[:, other] + self.ratio * motion.velocity[:, site.joint]
-        sure = np.hypot(motion.sure_speed[:, other], self.ratio * motion.sure_speed[:, site.joint])
-        return np.column_stack([2.0 * direction(turn, sure)[0] - 1.0, turn])
 
     def sites(self, gap: Gap) -> list[Site]:
         """Neighbouring moving joints whose efforts were both measured."""
         pairs = super().sites(gap)
         return [site for site in pairs if site.other == site.joint + 1 and site.other in gap.examined]
 
+    def at_drive(self, gap: Gap, site: Site, joint: int) -> Floats:
+        """Return the drive's effort for a unit of each strength, as far as it is new to one of the two joints,
+        (n, strengths).
+        """
+        motion, other = gap.motion, self.source(gap, site)
+        turn = motion.velocity[:, other] + self.ratio * motion.velocity[:, site.joint]
+        sure = np.hypot(motion.sure_speed[:, other], self.ratio * motion.sure_speed[:, site.joint])
+        return np.column_stack([2.0 * direction(turn, sure)[0] - 1.0, turn])
+
     def samples(self, gap: Gap, site: Site) -> Floats:
-        """The drive's friction as the site's joint feels it, (n, 2)."""
-        return self.ratio * self._rub(gap, site)
+        """What the drive takes, as the site's joint feels it, (n, strengths)."""
+        return self.ratio * self.at_drive(gap, site, site.joint)
 
     def columns(self, gap: Gap, site: Site) -> Columns:
-        """The drive's friction at both joints."""
-        rub, other = self._rub(gap, site), self.source(gap, site)
-        return {site.joint: gap.reported(site.joint, self.ratio * rub), other: gap.reported(other, rub)}
+        """What the drive takes at both joints."""
+        other = self.source(gap, site)
+        return {
+            site.joint: gap.reported(site.joint, self.samples(gap, site)),
+            other: gap.reported(other, self.at_drive(gap, site, other)),
+        }
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """Level and damping of the drive."""
@@ -126,11 +133,14 @@ class _CommonFriction(_Coupling):
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """State the common drive at the joint whose motor it is."""
+        coulomb, viscous = (float(strength) for strength in strengths)
+        return self.driven(robot, site, coulomb=coulomb, viscous=viscous)
+
+    def driven(self, robot: Robot, site: Site, **strengths: float) -> Robot:
+        """Return the robot with the common drive stated."""
         assert site.other is not None, "sites names another joint"
         table = robot.table.joint[site.other]
-        drive = CommonDrive(
-            joint=robot.joints[site.joint], ratio=self.ratio, coulomb=float(strengths[0]), viscous=float(strengths[1])
-        )
+        drive = CommonDrive(joint=robot.joints[site.joint], ratio=self.ratio, **strengths)
         return robot.with_joint(table.model_copy(update={"common_drive": (*table.common_drive, drive)}))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
@@ -143,18 +153,74 @@ class _CommonFriction(_Coupling):
         )
 
 
+class _SharedRotor(_SharedDrive):
+    """C·sgn u + V·u + I·u̇: the rotor turns with both joints too.
+
+    Of a rotor that the robot file states at one of the joints, the part that turns with both was stated there already:
+    what is new to that joint is what the other's acceleration brings.
+    """
+
+    def at_drive(self, gap: Gap, site: Site, joint: int) -> Floats:
+        """What the friction takes, and the inertia, (n, 3)."""
+        hard, other = gap.motion.acceleration, self.source(gap, site)
+        takes = hard[:, other] + self.ratio * hard[:, site.joint]
+        if gap.robot.table.joint[joint].actuator.rotor_inertia > 0.0:
+            takes = takes - (1.0 if joint == other else self.ratio) * hard[:, joint]
+        return np.column_stack([super().at_drive(gap, site, joint), takes])
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """Level, damping and inertia of the drive."""
+        return (*super().quantities(gap, site), Quantity(INERTIA))
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """A rotor has no negative inertia."""
+        return bool(strengths[2] >= 0.0)
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """State the common drive at the joint whose motor it is, its inertia no longer in the rotors of both joints."""
+        assert site.other is not None, "sites names another joint"
+        coulomb, viscous, inertia = (float(strength) for strength in strengths)
+        for joint in (site.joint, site.other):
+            robot = _without_rotor(robot, joint, inertia)
+        return self.driven(robot, site, coulomb=coulomb, viscous=viscous, inertia=inertia)
+
+
 @final
-class SumDrive(_CommonFriction):
-    """The drive turns with vₖ + v."""
+class SumRotor(_SharedRotor):
+    """The drive turns with vₖ + v, and its rotor with it."""
 
     ratio = 1.0
 
 
 @final
-class DifferenceDrive(_CommonFriction):
+class DifferenceRotor(_SharedRotor):
+    """The drive turns with vₖ − v, and its rotor with it."""
+
+    ratio = -1.0
+
+
+@final
+class SumDrive(_SharedDrive):
+    """The drive turns with vₖ + v."""
+
+    ratio = 1.0
+    fuller = SumRotor
+
+
+@final
+class DifferenceDrive(_SharedDrive):
     """The drive turns with vₖ − v."""
 
     ratio = -1.0
+    fuller = DifferenceRotor
+
+
+def _without_rotor(robot: Robot, joint: int, inertia: float) -> Robot:
+    # The robot with an inertia (at the joint) taken from what a joint states of its rotor, as far as it states any.
+    table = robot.table.joint[joint]
+    rest = max(0.0, table.actuator.rotor_inertia - inertia / table.actuator.gear_ratio**2)
+    actuator = table.actuator.model_copy(update={"rotor_inertia": rest})
+    return robot.with_joint(table.model_copy(update={"actuator": actuator}))
 
 
 def _coupled(robot: Robot, site: Site, **strengths: float) -> Robot:
