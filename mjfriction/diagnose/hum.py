@@ -1,4 +1,4 @@
-"""Steady tones that none of a model's causes makes: heard first, and refitted along while causes compete."""
+"""Steady tones that no cause of a model makes: heard once causes were found, and refitted while all compete anew."""
 
 from __future__ import annotations
 
@@ -30,10 +30,13 @@ def unheard_tones(model: Model) -> list[tuple[int, Tone]]:
         if heard.count(joint) >= MOST_TONES:
             continue
         left = gap.rms(after[:, joint], joint) ** 2
-        found = [beside for one in _readings(model, joint) if (beside := _beside(one, joint)) is not None]
-        for tone, rest in sorted(found, key=lambda entry: entry[1])[:1]:
-            if rest < QUIETER * left and left - rest > _least_power(gap, joint):
-                out.append((joint, tone))
+        quietest, rest = None, left
+        for reading in _readings(model, joint):
+            tone = _loudest(reading, joint)
+            if tone is not None and (own := _left_beside(reading, joint, tone)) < rest:
+                quietest, rest = tone, own
+        if quietest is not None and rest < QUIETER * left and left - rest > _least_power(gap, joint):
+            out.append((joint, quietest))
     return out
 
 
@@ -56,20 +59,20 @@ def _least_power(gap: Gap, joint: int) -> float:
 
 def _readings(model: Model, joint: int) -> list[Model]:
     # The model, and, where a cause made the joint late, the one that hears the joint as it is stated.
-    rest = tuple(one for one in model.chosen if one.site.joint != joint or not one.cause.of_sensor)
+    rest = tuple(
+        one for one in model.chosen if one.site.joint != joint or one.cause.whole_arm or not one.cause.of_sensor
+    )
     if len(rest) == len(model.chosen):
         return [model]
     gap = model.gap.heard_later(np.where(np.arange(model.gap.late.size) == joint, 0.0, model.gap.late))
     return [model, build_model(gap, make_nuisance(gap, model.nuisance.tones), rest)]
 
 
-def _beside(model: Model, joint: int) -> tuple[Tone, float] | None:
-    # The loudest tone, and the mean square that is left beside it at a joint on motion not fitted.
-    gap, tone = model.gap, _loudest(model, joint)
-    if tone is None:
-        return None
+def _left_beside(model: Model, joint: int, tone: Tone) -> float:
+    # The mean square that is left at a joint beside a tone there, on motion not fitted.
+    gap = model.gap
     beside = build_model(gap, make_nuisance(gap, (*model.nuisance.tones, (joint, tone))), model.chosen)
-    return tone, gap.rms(beside.heldout_residual()[:, joint], joint) ** 2
+    return float(gap.rms(beside.heldout_residual()[:, joint], joint) ** 2)
 
 
 def _loudest(model: Model, joint: int) -> Tone | None:
