@@ -15,9 +15,10 @@ from mjfriction.diagnose.causes.presliding import LEAST_PART
 from mjfriction.diagnose.causes.stribeck import GONE_BY
 from mjfriction.diagnose.causes.varying import EDGE
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
-from mjfriction.diagnose.compete import LEAST_KIN_EFFECT, NEAR_BEST
+from mjfriction.diagnose.kin import LEAST_KIN_EFFECT
 from mjfriction.diagnose.link_finding import SURELY
 from mjfriction.diagnose.nuisance import FARTHEST, LINK_SCALE, LINK_SHIFT
+from mjfriction.diagnose.short_list import NEAR_BEST
 from mjfriction.diagnose.stated import OUTLYING
 from mjfriction.diagnose.trial import LEAST_EFFECT
 from mjfriction.diagnose.untold import DROWNED, LEAST_SEEN

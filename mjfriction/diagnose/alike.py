@@ -9,9 +9,10 @@ import numpy as np
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
-from mjfriction.diagnose.compete import Entrant, Field, contenders, fairly, size
+from mjfriction.diagnose.field import Entrant, Field, size
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, partners
+from mjfriction.diagnose.short_list import contenders, fairly
 from mjfriction.diagnose.trial import Trial, try_out
 from mjfriction.record.log import Floats
 

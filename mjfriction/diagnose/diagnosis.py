@@ -6,8 +6,9 @@ import numpy as np
 
 from mjfriction.diagnose.audit import find_faults
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
-from mjfriction.diagnose.compete import compete, make_field
+from mjfriction.diagnose.compete import compete
 from mjfriction.diagnose.extend import adjustments, extend_robot
+from mjfriction.diagnose.field import make_field
 from mjfriction.diagnose.findings import make_findings
 from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
 from mjfriction.diagnose.outcome import Diagnosis, Verdict

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mjfriction.diagnose.alike import standing
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
-from mjfriction.diagnose.compete import Field
+from mjfriction.diagnose.field import Field
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.link_finding import link_finding
 from mjfriction.diagnose.model import Chosen, Model

@@ -7,7 +7,7 @@ import numpy as np
 from mjfriction.diagnose.alike import MOST_CONFIDENT, Standing, standing
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LEAST_NOTED, LinkScale
-from mjfriction.diagnose.compete import Field
+from mjfriction.diagnose.field import Field
 from mjfriction.diagnose.links_off import links_far_off
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import PER_LINK

@@ -9,9 +9,11 @@ import numpy as np
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.waves import PositionFriction
-from mjfriction.diagnose.compete import Field, contenders, reshaped, size
+from mjfriction.diagnose.field import Field, size
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.refusal import BENDING
+from mjfriction.diagnose.shapes import reshaped
+from mjfriction.diagnose.short_list import contenders
 from mjfriction.diagnose.trial import FALSE_ALARM, Trial, try_out
 from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats

@@ -9,7 +9,7 @@ from scipy.stats import chi2
 
 from mjfriction.diagnose.alike import redundancy
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
-from mjfriction.diagnose.compete import make_field, size
+from mjfriction.diagnose.field import make_field, size
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
 from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.trial import FALSE_ALARM, LEAST_EFFECT, LEAST_SHARE

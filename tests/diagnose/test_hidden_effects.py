@@ -417,7 +417,7 @@ def test_what_a_late_drive_reports_of_another_cause_is_late_too(
     assert fitted["wavenumber"] == pytest.approx(12.0, rel=0.01)
     assert fitted["cosine"] == pytest.approx(3.0, rel=0.05)
     # Heard as if the drive were prompt, the wave is another wave.
-    monkeypatch.setattr("mjfriction.diagnose.compete.HEARD", np.inf)
+    monkeypatch.setattr("mjfriction.diagnose.as_known.HEARD", np.inf)
     monkeypatch.setattr("mjfriction.diagnose.causes.delay._Delay.of_sensor", False)
     prompt = run(tmp_path / "prompt", machine, seed=5)
     assert set(names(prompt)) != both

@@ -1,0 +1,50 @@
+"""The best shapes of causes: the speed over which a level fades, the period of a wave."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import minimize
+
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.record.log import Floats
+
+
+def best_shape(model: Model, choice: Chosen) -> Chosen:
+    """Return a cause that is not in a model with the shape in which it takes most off what the model leaves."""
+
+    def lost(site: Site) -> float:
+        columns = choice.cause.columns(model.gap, site)
+        strengths, gains = model.system.screen({joint: values[:, None, :] for joint, values in columns.items()})
+        return -float(gains[0]) if choice.cause.admissible(model.gap, site, strengths[0]) else 0.0
+
+    around = choice.cause.around_sites(model.gap, choice.site)
+    if around:
+        return Chosen(choice.cause, min([choice.site, *around], key=lost))
+    bounds = choice.cause.shape_bounds(model.gap, choice.site)
+    if not bounds:
+        return choice
+
+    def loss(logarithm: Floats) -> float:
+        return lost(choice.site.shaped(tuple(float(value) for value in np.exp(logarithm))))
+
+    start = np.log(np.clip(choice.site.shape, *np.array(bounds).T))
+    limits = [(float(np.log(low)), float(np.log(high))) for low, high in bounds]
+    steps = np.log1p(np.divide(choice.cause.shape_steps(model.gap, choice.site), choice.site.shape))
+    simplex = np.vstack([start, start + np.diag(steps)])
+    options = {"maxfev": 60, "xatol": 1e-2 * float(np.min(steps)), "initial_simplex": simplex}
+    found = minimize(loss, start, method="Nelder-Mead", bounds=limits, options=options)
+    shape = tuple(float(value) for value in np.exp(found.x))
+    return Chosen(choice.cause, choice.site.shaped(shape)) if found.fun < loss(start) else choice
+
+
+def reshaped(model: Model, joint: int | None = None) -> Model:
+    """Return the model with the shapes of its causes (of one joint's, if given) searched anew, each in turn.
+
+    A new cause, or a level held, moves the best shapes of the others.
+    """
+    for i, choice in enumerate(model.chosen):
+        if (choice.site.shape or choice.site.around) and not choice.tangent and joint in (None, choice.site.joint):
+            better = best_shape(model.without(choice), choice)
+            model = build_model(model.gap, model.nuisance, (*model.chosen[:i], better, *model.chosen[i + 1 :]))
+    return model
