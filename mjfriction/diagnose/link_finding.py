@@ -7,12 +7,12 @@ import numpy as np
 from mjfriction.diagnose.alike import MOST_CONFIDENT, Standing, standing
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LEAST_NOTED, LinkScale
+from mjfriction.diagnose.exact import without_links
 from mjfriction.diagnose.field import Field
 from mjfriction.diagnose.links_off import links_far_off
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import PER_LINK
 from mjfriction.diagnose.outcome import Finding
-from mjfriction.diagnose.stated import without_links
 from mjfriction.diagnose.untold import Untold, shows
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.proof import gain_at

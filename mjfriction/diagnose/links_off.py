@@ -6,8 +6,8 @@ import numpy as np
 
 from mjfriction.body.inertia import PER_LINK, symmetric
 from mjfriction.diagnose.causes.links import LEAST_MOVED, LEAST_NOTED, LinkCentre, LinkScale
+from mjfriction.diagnose.exact import stated_exactly
 from mjfriction.diagnose.model import Model, cause_block
-from mjfriction.diagnose.stated import stated_exactly
 from mjfriction.identify.link_inertias import link_inertias
 from mjfriction.identify.regression import Columns, System
 from mjfriction.record.log import Floats

@@ -7,20 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
-from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.waves import PositionFriction
+from mjfriction.diagnose.exact import EXACT, MOST_JOINTS, held_links, level_changes, without_links
 from mjfriction.diagnose.field import Field, size
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.refusal import BENDING
 from mjfriction.diagnose.shapes import reshaped
 from mjfriction.diagnose.short_list import contenders
 from mjfriction.diagnose.trial import FALSE_ALARM, Trial, try_out
-from mjfriction.identify.gap import Gap
-from mjfriction.record.log import Floats
 
 MOST_LINK_CHANGE = 0.8  # past which a scaled link is no link any more, and the fit a sign of something else
-MOST_JOINTS = 0.75  # share of joints whose changes are typical
-EXACT = 0.01  # of the stated friction: typical change of the other joints up to which a robot is stated exactly
 LEAST_CHANGE = 0.04  # that counts on a robot stated exactly
 LEAST_CHANGE_ROUGH = 0.10  # that counts on a robot whose joints are all a little off, or that has too few to compare
 OUTLYING = 3.0  # times the typical change that it must be there besides
@@ -43,10 +39,10 @@ def settle(model: Model, field: Field) -> Settled:
     4 % of the stated friction on a robot stated exactly, more than 10 % and than three times what is typical where the
     other joints are a little off too, or a quarter in any case.  Where another cause does
     as much with fewer freedoms (a torque constant scales both levels alike), that cause takes its place and the level
-    stays as stated.
+    stays as stated.  Refitted links are held where one cause does as well and all else is stated exactly.
     """
     field_size = len(model.nuisance.levels)
-    change = _changes(model)
+    change = level_changes(model)
     findings: list[Chosen] = []
     for level in model.nuisance.levels:
         joint = level.site.joint
@@ -61,8 +57,7 @@ def settle(model: Model, field: Field) -> Settled:
                     findings.append(trial.chosen)
             else:
                 model = build_model(held.gap, held.nuisance, (*held.chosen, rival))
-    if not _links_help(model):
-        model = without_links(model)
+    model = held_links(model, field) if _links_help(model) else without_links(model)
     # Holding levels moves what is left.
     return Settled(model.admissible(), tuple(findings))
 
@@ -76,26 +71,6 @@ def _bent(model: Model, joint: int) -> bool:
         and choice.cause.noteworthy(model.gap, choice.site, model.strengths[place])
         for choice, place in zip(model.chosen, model.places, strict=True)
     )
-
-
-def stated_exactly(model: Model) -> bool:
-    """Return whether friction is as stated at nearly all joints, so that the rest may be believed to be so too."""
-    changes = _changes(model)
-    joints = model.gap.examined
-    return float(np.quantile([changes.get(joint, 0.0) for joint in joints], MOST_JOINTS)) < EXACT
-
-
-def without_links(model: Model) -> Model:
-    """Return the model with every link as stated."""
-    return build_model(model.gap, model.nuisance.without_links(), model.chosen)
-
-
-def _changes(model: Model) -> dict[int, float]:
-    full = model.strengths
-    return {
-        level.site.joint: _relative(model.gap, level.site, full[2 * i : 2 * i + 2])
-        for i, level in enumerate(model.nuisance.levels)
-    }
 
 
 def _simpler(held: Model, own: Trial, field: Field) -> Chosen | None:
@@ -112,12 +87,6 @@ def _links_help(model: Model) -> bool:
     without = normal.without(list(range(nuisance.of_links.start, nuisance.of_links.stop)))
     gain = (without.heldout_errors(model.gap.blocks.folds) - model.heldout_errors).sum(axis=0)
     return bool(np.mean(gain) > LINK_BAR * np.std(gain, ddof=1) / np.sqrt(gain.size))
-
-
-def _relative(gap: Gap, site: Site, strengths: Floats) -> float:
-    change = STATED_LEVELS.samples(gap, site) @ strengths
-    stated = float(np.sqrt(np.mean(np.square(gap.effort.friction[:, site.joint]))))
-    return float(np.sqrt(np.mean(np.square(change)))) / max(stated, 1e-12)
 
 
 def _bar(change: dict[int, float], joint: int) -> float:

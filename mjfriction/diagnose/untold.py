@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
 from mjfriction.diagnose.causes.varying import Step, WarmUpDrift
+from mjfriction.diagnose.exact import without_links
 from mjfriction.diagnose.links_off import links_far_off
 from mjfriction.diagnose.model import Chosen, Key, Model, build_model, cause_block, partners
-from mjfriction.diagnose.stated import Settled, without_links
+from mjfriction.diagnose.stated import Settled
 from mjfriction.diagnose.stroke_curve import StrokeCurve
 from mjfriction.diagnose.trial import LEAST_EFFECT, effect
 from mjfriction.identify.gap import Gap

@@ -15,6 +15,7 @@ from mjfriction.robot.links import link_scale, link_shift, scaled_link, shifted_
 from mjfriction.robot.robot import Robot
 
 LEAST_NOTED = 0.08  # of a link's mass, from which on it is a finding: no stated mass is better than that
+LEAST_ALONE = 0.03  # the same where all else is stated exactly
 LEAST_MOVED = 0.01  # m that its centre of mass must lie off: cables and covers are left out of most models
 FARTHEST = 0.3  # m by which a centre of mass may be off
 FELT = 1e-6  # of the effort, below which a link is not felt
@@ -41,11 +42,11 @@ class _Link(Cause):
         return {joint: rows[:, link, self.part] for joint, rows in gap.link_rows.items()}
 
 
-@final
-class LinkScale(_Link):
+class _ScaledLink(_Link):
     """Mass and inertia of one link are a factor off."""
 
     part = slice(0, 1)
+    least: ClassVar[float]  # of the link's mass, from which on it is a finding
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The factor, stated times change."""
@@ -60,7 +61,7 @@ class LinkScale(_Link):
 
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """A few percent are what stated masses are off by."""
-        return bool(abs(strengths[0]) > LEAST_NOTED)
+        return bool(abs(strengths[0]) > self.least)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Scale the link."""
@@ -70,6 +71,20 @@ class LinkScale(_Link):
         """Give the factor."""
         factor, name = 1.0 + strengths[0], gap.robot.joints[site.joint]
         return f"all joints that carry the link of {name} need what {factor:.3g} times its stated mass and inertia need"
+
+
+@final
+class LinkScale(_ScaledLink):
+    """One link, where others may be a few percent off too."""
+
+    least = LEAST_NOTED
+
+
+@final
+class LoneLink(_ScaledLink):
+    """One link, where all else is stated exactly."""
+
+    least = LEAST_ALONE
 
 
 @final

@@ -1,0 +1,72 @@
+"""Robots that are stated exactly: what their links seem to be off by is then a cause."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from mjfriction.diagnose.causes.catalog import STATED_LEVELS
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.links import LinkScale, LoneLink
+from mjfriction.diagnose.field import Field, size
+from mjfriction.diagnose.model import Model, build_model
+from mjfriction.diagnose.short_list import contenders, fairly
+from mjfriction.diagnose.tangent import straightened
+from mjfriction.identify.gap import Gap
+from mjfriction.record.log import Floats
+
+MOST_JOINTS = 0.75  # share of joints whose changes are typical
+EXACT = 0.01  # of the stated friction: typical change of the other joints up to which a robot is stated exactly
+AS_GOOD = 1.02  # of what refitted links leave at any joint, that one cause may leave in their place
+
+
+def stated_exactly(model: Model) -> bool:
+    """Return whether friction is as stated at nearly all joints, so that the rest may be believed to be so too."""
+    changes = level_changes(model)
+    joints = model.gap.examined
+    return float(np.quantile([changes.get(joint, 0.0) for joint in joints], MOST_JOINTS)) < EXACT
+
+
+def held_links(model: Model, field: Field) -> Model:
+    """Return the model with all links as stated and one cause more, where the rest is stated exactly and that leaves as
+    little at every joint.
+
+    Links may be a few percent off beside friction levels that are; beside levels that are right to a percent, what one
+    link or payload does alone was not done by two dozen small errors.
+    """
+    if not model.nuisance.links or not stated_exactly(model):
+        return model
+    held = without_links(model)
+    asked = tuple(replace(one, cause=LoneLink()) if isinstance(one.cause, LinkScale) else one for one in field)
+    passing = [trial for trial in contenders(held, asked) if trial.passes(size(asked))]
+    if not passing:
+        return model
+    best = max(fairly(held, passing), key=lambda trial: trial.merit)
+    alone = straightened(build_model(held.gap, held.nuisance, (*held.chosen, best.chosen)))
+    return alone if _as_good(alone, model) else model
+
+
+def _as_good(alone: Model, model: Model) -> bool:
+    gap, left, least = model.gap, alone.heldout_residual(), model.heldout_residual()
+    return all(gap.rms(left[:, j], j) < AS_GOOD * gap.rms(least[:, j], j) for j in gap.examined)
+
+
+def without_links(model: Model) -> Model:
+    """Return the model with every link as stated."""
+    return build_model(model.gap, model.nuisance.without_links(), model.chosen)
+
+
+def level_changes(model: Model) -> dict[int, float]:
+    """Return by how much each joint's friction is refitted, relative to what is stated, by joint."""
+    full = model.strengths
+    return {
+        level.site.joint: _relative(model.gap, level.site, full[2 * i : 2 * i + 2])
+        for i, level in enumerate(model.nuisance.levels)
+    }
+
+
+def _relative(gap: Gap, site: Site, strengths: Floats) -> float:
+    change = STATED_LEVELS.samples(gap, site) @ strengths
+    stated = float(np.sqrt(np.mean(np.square(gap.effort.friction[:, site.joint]))))
+    return float(np.sqrt(np.mean(np.square(change)))) / max(stated, 1e-12)
