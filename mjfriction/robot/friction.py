@@ -206,6 +206,11 @@ def with_asymmetric_damping(robot: Robot, joint: str, asymmetry: float) -> Robot
         "viscous_positive": max(viscous + asymmetry, 0.0),
         "viscous_negative": max(viscous - asymmetry, 0.0),
     }
+    if table.friction_waves:
+        # They need a plain law to vary: it keeps of the Coulomb level what both directions have.
+        level = min(coulomb.values())
+        coulomb = {way: own - level for way, own in coulomb.items()}
+        kept.insert(0, FrictionTerm(law=COULOMB_VISCOUS.name, parameters={"coulomb": level, "viscous": 0.0}))
     joined = FrictionTerm(law=ASYMMETRIC.name, parameters={**coulomb, **damping})
     return robot.with_joint(table.model_copy(update={"friction": (joined, *kept)}))
 

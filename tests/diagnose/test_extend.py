@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import functools
+import itertools
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.identify.gap import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.effort import predict_effort
 from mjfriction.robot.files import read_robot, write_robot
+from mjfriction.robot.simulation import robot_laws
 from tests.hidden.machine import Instant, Machine, write_case
+
+JOINT = "elbow_joint"
 
 
 def everything(i: Instant) -> np.ndarray:
@@ -41,3 +48,22 @@ def test_diagnosing_the_extended_robot_finds_nothing_more(tmp_path: Path) -> Non
     log = read_log(log_path)
     first = diagnose_log(log, read_robot(robot_path))
     assert diagnose_log(log, first.robot).findings == ()
+
+
+def test_any_two_causes_on_one_joint_make_a_robot_that_can_be_simulated(tmp_path: Path) -> None:
+    log, robot = write_case(tmp_path, Machine(), seed=3, seconds=10.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    extensions = []
+    for cause in STRUCTURAL:
+        sites = cause.sites(gap)
+        at = next((site for site in sites if gap.robot.joints[site.joint] == JOINT), next(iter(sites), None))
+        if at is None:
+            continue  # its column is not in the log
+        size = len(cause.quantities(gap, at))
+        # A payload's moments go with its mass, and a play is drawn around its size.
+        tried = [np.full(size, one) for one in (0.3, 5.0, 1e-3, at.around)] + [np.append(0.3, np.full(size - 1, 0.01))]
+        strengths = next(own for own in tried if cause.admissible(gap, at, own))
+        extensions.append(functools.partial(cause.extend, site=at, strengths=strengths))
+    assert len(extensions) == len(STRUCTURAL) - 2
+    for first, then in itertools.permutations(extensions, 2):
+        robot_laws(then(first(gap.robot)))
