@@ -13,7 +13,7 @@ from mjfriction.benchmark.cases import SEVERITY, Case, Setting, draw_of, make_ca
 from mjfriction.benchmark.drawing import draw_case
 from mjfriction.benchmark.effects.catalog import EFFECTS
 from mjfriction.benchmark.score import Finding, Outcome, score
-from mjfriction.diagnose import compete, refusal
+from mjfriction.diagnose import as_known, refusal
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.record.readers import read_log
@@ -146,7 +146,7 @@ def test_play_behind_a_payload_is_drawn_with_it(monkeypatch: pytest.MonkeyPatch)
     case = draw_case(540002).case()  # a payload that weighs most of what the wrist's play lets go
     loose = ("drive.backlash", "wrist_2_joint")
     assert loose in named(diagnosed(case))
-    monkeypatch.setattr(compete, "WEIGHED", np.inf)
+    monkeypatch.setattr(as_known, "WEIGHED", np.inf)
     assert loose not in named(diagnosed(case))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from mjfriction.diagnose import compete
+from mjfriction.diagnose import short_list
 from mjfriction.diagnose.causes.saturating_viscous import SaturatingViscous
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.diagnosis import diagnose_log
@@ -54,13 +54,13 @@ def test_the_best_of_curved_rivals_is_taken_on_the_real_balance(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[int] = []
-    bent = compete._bent
+    bent = short_list._bent
 
     def counted(model, trial):
         asked.append(trial.chosen.site.joint)
         return bent(model, trial)
 
-    monkeypatch.setattr(compete, "_bent", counted)
+    monkeypatch.setattr(short_list, "_bent", counted)
     stated = Machine()
     (tmp_path / "robot.toml").write_text(robot_toml(stated), encoding="utf-8")
 
