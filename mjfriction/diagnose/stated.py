@@ -57,7 +57,7 @@ def settle(model: Model, field: Field) -> Settled:
                     findings.append(trial.chosen)
             else:
                 model = build_model(held.gap, held.nuisance, (*held.chosen, rival))
-    model = held_links(model, field) if _links_help(model) else without_links(model)
+    model = held_links(model, field, change) if _links_help(model) else without_links(model)
     # Holding levels moves what is left.
     return Settled(model.admissible(), tuple(findings))
 

@@ -38,7 +38,7 @@ def test_a_link_six_percent_heavier_is_named_beside_friction_that_is_right(
     assert scale.low < SCALE < scale.high < SCALE + 0.01
     assert not [change for change in found.adjustments if change.what.startswith("link")]
     # As one of many that may be off it is refitted along.
-    monkeypatch.setattr(stated, "held_links", lambda model, field: model)
+    monkeypatch.setattr(stated, "held_links", lambda model, *_: model)
     assert diagnosed(tmp_path / "refitted", 0.0).findings == ()
 
 
