@@ -10,11 +10,13 @@ from pathlib import Path
 from mjfriction.control.observe import OBSERVERS
 from mjfriction.diagnose.alike import ROOM
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
-from mjfriction.diagnose.causes.links import LEAST_MOVED, LEAST_NOTED
+from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOVED, LEAST_NOTED
 from mjfriction.diagnose.causes.presliding import LEAST_PART
 from mjfriction.diagnose.causes.stribeck import GONE_BY
 from mjfriction.diagnose.causes.varying import EDGE
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
+from mjfriction.diagnose.exact import RIGHT
+from mjfriction.diagnose.hum import QUIETER
 from mjfriction.diagnose.kin import LEAST_KIN_EFFECT
 from mjfriction.diagnose.link_finding import SURELY
 from mjfriction.diagnose.nuisance import FARTHEST, LINK_SCALE, LINK_SHIFT
@@ -84,6 +86,8 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert (DROWNED, ROOM, COLOURED) == (1.0, 0.5, 0.5), "the page says as much, half of the effect, half of it"
     assert f"more than {100 * LEAST_NOTED:g} %, and by more than {100 * SURELY:g} %" in told
     assert f"lies more than {100 * LEAST_MOVED:g} cm off" in told
+    assert f"one cause, a link {100 * LEAST_ALONE:g} % off or a payload" in told
+    assert (RIGHT, QUIETER) == (0.005, 0.5), "the page says half a percent, and less than half of what they leave"
     most = f"({100 * LINK_SCALE:g} % as a rule, {100 * FARTHEST * LINK_SCALE:g} % at most)"
     assert most in told
     assert f"({1e3 * LINK_SHIFT:g} mm along each axis as a rule, {1e3 * FARTHEST * LINK_SHIFT:g} mm at most)" in told

@@ -32,8 +32,11 @@ def compete(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silently) -
     level divided by the number of candidates) and that take away a share of the error on motion not fitted, the one
     that takes most is chosen, until none is left.  Backward: causes that the later ones have made needless are dropped.
     Proof: where a steady tone is heard that none of them makes, all compete anew beside it; what
-    :func:`~mjfriction.diagnose.refusal.refused` names is refused, and the others compete anew without it.
+    :func:`~mjfriction.diagnose.refusal.refused` names is refused, and the others compete anew without it.  Where
+    nothing competes, nothing is listened for.
     """
+    if not field:
+        return build_model(gap, nuisance, ()), field
     asked, count = field, size(field)
     while True:
         model = as_known(_pruned(_forward(gap, nuisance, asked, count, tell), count))

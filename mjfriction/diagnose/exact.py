@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -24,11 +24,15 @@ FEWEST_JOINTS = 3  # that can say so
 AS_GOOD = 1.02  # of what refitted links leave at any joint, that one cause may leave in their place
 
 
+def typical(changes: Sequence[float]) -> float:
+    """Return the change that most joints stay below."""
+    return float(np.quantile(changes, MOST_JOINTS))
+
+
 def stated_exactly(model: Model) -> bool:
     """Return whether friction is as stated at nearly all joints, so that the rest may be believed to be so too."""
     changes = level_changes(model)
-    joints = model.gap.examined
-    return float(np.quantile([changes.get(joint, 0.0) for joint in joints], MOST_JOINTS)) < EXACT
+    return typical([changes.get(joint, 0.0) for joint in model.gap.examined]) < EXACT
 
 
 def held_links(model: Model, field: Field, changes: Mapping[int, float]) -> Model:
@@ -41,9 +45,9 @@ def held_links(model: Model, field: Field, changes: Mapping[int, float]) -> Mode
     """
     if not model.nuisance.links or len(changes) < FEWEST_JOINTS:
         return model
-    if np.quantile(list(changes.values()), MOST_JOINTS) > RIGHT:
+    if typical(list(changes.values())) > RIGHT:
         return model
-    held = without_links(model)
+    held = model.without_links()
     asked = tuple(replace(one, cause=LoneLink()) if isinstance(one.cause, LinkScale) else one for one in field)
     passing = [trial for trial in contenders(held, asked) if trial.passes(size(asked))]
     if not passing:
@@ -56,11 +60,6 @@ def held_links(model: Model, field: Field, changes: Mapping[int, float]) -> Mode
 def _as_good(alone: Model, model: Model) -> bool:
     gap, left, least = model.gap, alone.heldout_residual(), model.heldout_residual()
     return all(gap.rms(left[:, j], j) < AS_GOOD * gap.rms(least[:, j], j) for j in gap.examined)
-
-
-def without_links(model: Model) -> Model:
-    """Return the model with every link as stated."""
-    return build_model(model.gap, model.nuisance.without_links(), model.chosen)
 
 
 def level_changes(model: Model) -> dict[int, float]:

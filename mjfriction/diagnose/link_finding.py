@@ -7,7 +7,6 @@ import numpy as np
 from mjfriction.diagnose.alike import MOST_CONFIDENT, Standing, standing
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LEAST_NOTED, LinkScale
-from mjfriction.diagnose.exact import without_links
 from mjfriction.diagnose.field import Field
 from mjfriction.diagnose.links_off import links_far_off
 from mjfriction.diagnose.model import Chosen, Model, build_model
@@ -35,7 +34,7 @@ def link_finding(model: Model, half: Floats, untold: Untold, field: Field, seed:
     noted = (np.abs(changes) > LEAST_NOTED) & (np.abs(changes) - widths > SURELY)
     if not np.any(noted) or not links_far_off(model):
         return None
-    without = without_links(model)
+    without = model.without_links()
     if not shows(gap, without.heldout_residual(), model.heldout_residual(), gap.examined, untold.left):
         return None
     before, heldout = without.heldout_residual(tones=True), model.heldout_residual(tones=True)

@@ -118,6 +118,10 @@ class Model:
         rest = tuple(choice for choice in self.chosen if choice.key != target.key)
         return build_model(self.gap, self.nuisance, rest)
 
+    def without_links(self) -> Model:
+        """Return the model with every link as stated."""
+        return build_model(self.gap, self.nuisance.without_links(), self.chosen)
+
     def admissible(self) -> Model:
         """Return the model without causes that came out as nature does not allow: they explain nothing."""
         for choice, place in zip(self.chosen, self.places, strict=True):

@@ -1,9 +1,8 @@
 """What is refitted with every candidate, because nothing stated is ever exact.
 
-Each joint's Coulomb and viscous level is free.  So is every steady tone that is heard at a joint, and that no robot
-makes.  Each link's mass and inertia may scale by a few percent and its centre
+Each joint's Coulomb and viscous level is free.  Each link's mass and inertia may scale by a few percent and its centre
 of mass lie some millimetres off, stated as a prior, so that a payload or a wrong torque constant is not swallowed by
-links of half the mass.
+links of half the mass.  A steady tone that is heard at a joint is free too: no robot makes it.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ import numpy as np
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.waves import PositionFriction
-from mjfriction.diagnose.exact import EXACT, MOST_JOINTS, held_links, level_changes, without_links
+from mjfriction.diagnose.exact import EXACT, held_links, level_changes, typical
 from mjfriction.diagnose.field import Field, size
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.refusal import BENDING
@@ -57,7 +57,7 @@ def settle(model: Model, field: Field) -> Settled:
                     findings.append(trial.chosen)
             else:
                 model = build_model(held.gap, held.nuisance, (*held.chosen, rival))
-    model = held_links(model, field, change) if _links_help(model) else without_links(model)
+    model = held_links(model, field, change) if _links_help(model) else model.without_links()
     # Holding levels moves what is left.
     return Settled(model.admissible(), tuple(findings))
 
@@ -93,5 +93,5 @@ def _bar(change: dict[int, float], joint: int) -> float:
     others = [value for other, value in change.items() if other != joint]
     if len(others) < 2:
         return LEAST_CHANGE_ROUGH
-    typical = float(np.quantile(others, MOST_JOINTS))
-    return LEAST_CHANGE if typical < EXACT else min(ALWAYS, max(LEAST_CHANGE_ROUGH, OUTLYING * typical))
+    usual = typical(others)
+    return LEAST_CHANGE if usual < EXACT else min(ALWAYS, max(LEAST_CHANGE_ROUGH, OUTLYING * usual))

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
 from mjfriction.diagnose.causes.varying import Step, WarmUpDrift
-from mjfriction.diagnose.exact import without_links
 from mjfriction.diagnose.links_off import links_far_off
 from mjfriction.diagnose.model import Chosen, Key, Model, build_model, cause_block, partners
 from mjfriction.diagnose.stated import Settled
@@ -41,10 +40,9 @@ def find_untold(
     by joints), may be what the larger causes leave by a percent of misfit.  And a course that no cause is,
     ``remaining``, can be told in part by many: a hum looks a little like a late effort, a load that swings like a
     spring; and what only spells out one of ``curves`` tells of nothing else.  A course over time that is
-    small beside another on its joint is what that other's form leaves.  (Tones are refitted along, and ``heldout`` is
-    without them.)  A link is none where all links a few
-    percent off, in all of their ten parameters, do as well.  The other half of a cause that is told
-    was asked for by name, and is told too.
+    small beside another on its joint is what that other's form leaves.  A link is none where all links a few
+    percent off, in all of their ten parameters, do as well.  The other half of a cause that is told was asked for by
+    name, and is told too.  Tones are refitted along: ``heldout`` is without them, and they hide nothing.
     """
     model, strengths = settled.model, settled.model.strengths
     gap = model.gap
@@ -88,7 +86,7 @@ def _beside_larger_courses(model: Model) -> set[Key]:
 def without_cause(model: Model, choice: Chosen) -> Model:
     """Return the model as it would be without a cause, with what could stand in for it held as stated."""
     if isinstance(choice.cause, LinkScale):
-        return without_links(model.without(choice))  # the links that are refitted along would scale instead
+        return model.without(choice).without_links()  # the links that are refitted along would scale instead
     if choice.cause is STATED_LEVELS:
         return build_model(model.gap, model.nuisance.without_level(choice.site.joint), model.chosen)
     return model.without(choice)

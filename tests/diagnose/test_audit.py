@@ -54,6 +54,19 @@ def test_effort_of_wrong_sign_unit_or_joint(
     assert diagnosis.robot.table == diagnosis.gap.robot.table
 
 
+def test_a_log_at_fault_is_not_fitted_however_it_hums(case: tuple[Path, Path]) -> None:
+    time = read_log(case[0]).time
+    hum = 6.0 * np.sin(2.0 * np.pi * 4.74 * time)
+    sound = run(case, lambda c: {ELBOW: c[ELBOW] + hum})
+    assert sound.verdict is Verdict.UNEXPLAINED
+    faulty = run(case, lambda c: {ELBOW: c[ELBOW] + hum, WRIST: -c[WRIST]})
+    assert faulty.verdict is Verdict.BAD_DATA
+    assert faulty.robot.table == faulty.gap.robot.table
+    assert faulty.adjustments == ()
+    residual = np.nan_to_num(faulty.gap.residual)
+    np.testing.assert_allclose(faulty.residual_after[:, faulty.gap.examined], residual[:, faulty.gap.examined])
+
+
 def test_a_sound_log_has_no_fault(case: tuple[Path, Path]) -> None:
     assert run(case, lambda _: {}).faults == ()
 

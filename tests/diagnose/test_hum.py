@@ -78,6 +78,14 @@ def test_a_hum_is_left_open_and_named(tmp_path: Path) -> None:
     assert elbow.rms_heldout_after == pytest.approx(6.0 / np.sqrt(2.0), rel=0.05)
 
 
+def test_two_tones_at_one_joint_are_both_named(tmp_path: Path) -> None:
+    second = 2.31
+    machine = Machine(hidden={ELBOW: lambda i: hum(i) + 3.0 * np.cos(2.0 * np.pi * second * i.time)})
+    found = diagnosed(tmp_path, machine)
+    assert found.findings == ()
+    assert [entry.covariate for entry in found.remaining] == ["steady tones of 4.74 and 2.31 Hz"]
+
+
 def test_a_cause_under_a_louder_hum_is_found_and_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     machine = Machine(hidden={ELBOW: lambda i: hum(i) + 0.13 * cogging(i)})
     found = diagnosed(tmp_path, machine)

@@ -193,6 +193,23 @@ def test_taking_over_the_damping_changes_no_torque_by_itself(ratio: float, side:
     np.testing.assert_allclose(torque(more) - torque(robot), 0.05 * np.abs(velocity), atol=1e-9)
 
 
+def test_waves_keep_a_level_to_ride_on_and_no_torque_changes_by_it(tmp_path: Path) -> None:
+    values = "coulomb_positive = 1.0, coulomb_negative = 2.0, viscous_positive = 0.3, viscous_negative = 0.1"
+    text = TEXT.replace("coulomb_viscous", "asymmetric").replace("coulomb = 10.0, viscous = 3.0", values)
+    plain = read_text(tmp_path, text)
+    waved = with_friction_wave(plain, "elbow_joint", Wave(wavenumber=20.0, cosine=0.3, sine=0.1))
+    velocity = np.array([-1.0, -0.2, 0.2, 1.0])
+
+    def torque(of: Robot) -> np.ndarray:
+        own = of.joint("elbow_joint").friction or ()
+        return np.sum([term.friction(101.0).steady(velocity, ambient(4)) for term in own], axis=0)
+
+    before, after = (with_asymmetric_damping(robot, "elbow_joint", 0.05) for robot in (plain, waved))
+    np.testing.assert_allclose(torque(after), torque(before), rtol=1e-9)
+    assert stated_levels(after.joint("elbow_joint")) == pytest.approx(stated_levels(before.joint("elbow_joint")))
+    robot_laws(after)
+
+
 def test_levels_that_fall_need_no_law_of_their_own() -> None:
     robot = read_robot("comau_ns12")
     before = robot.joint("joint_2")
