@@ -16,16 +16,17 @@ from mjfriction.diagnose.causes.stribeck import GONE_BY
 from mjfriction.diagnose.causes.varying import EDGE
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.exact import RIGHT
-from mjfriction.diagnose.hum import QUIETER
 from mjfriction.diagnose.kin import LEAST_KIN_EFFECT
 from mjfriction.diagnose.link_finding import SURELY
 from mjfriction.diagnose.nuisance import FARTHEST, LINK_SCALE, LINK_SHIFT
+from mjfriction.diagnose.oscillations import QUIETER, RESONANT
 from mjfriction.diagnose.short_list import NEAR_BEST
 from mjfriction.diagnose.stated import OUTLYING
 from mjfriction.diagnose.trial import LEAST_EFFECT
 from mjfriction.diagnose.untold import DROWNED, LEAST_SEEN
 from mjfriction.identify import choose, conclude
 from mjfriction.identify.colour import COLOURED
+from mjfriction.identify.swing import FASTEST, SLOWEST
 from mjfriction.laws.catalog import LAWS
 from mjfriction.record.motion import HELD, RINGING, USUALLY
 from mjfriction.reproduce.catalog import DOCUMENTS
@@ -88,6 +89,8 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert f"lies more than {100 * LEAST_MOVED:g} cm off" in told
     assert f"one cause, a link {100 * LEAST_ALONE:g} % off or a payload" in told
     assert (RIGHT, QUIETER) == (0.005, 0.5), "the page says half a percent, and less than half of what they leave"
+    assert RESONANT == 0.75, "the page says a quarter less"
+    assert f"one lightly damped resonance ({SLOWEST:g} to {FASTEST:g} Hz)" in told
     most = f"({100 * LINK_SCALE:g} % as a rule, {100 * FARTHEST * LINK_SCALE:g} % at most)"
     assert most in told
     assert f"({1e3 * LINK_SHIFT:g} mm along each axis as a rule, {1e3 * FARTHEST * LINK_SHIFT:g} mm at most)" in told

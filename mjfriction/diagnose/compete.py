@@ -8,10 +8,10 @@ import numpy as np
 
 from mjfriction.diagnose.as_known import as_known
 from mjfriction.diagnose.field import Field, size
-from mjfriction.diagnose.hum import unheard_tones
 from mjfriction.diagnose.kin import fulfilled, with_kin
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
+from mjfriction.diagnose.oscillations import unheard
 from mjfriction.diagnose.refusal import refused
 from mjfriction.diagnose.shapes import reshaped
 from mjfriction.diagnose.short_list import SHORT_LIST, all_tried, fairly, ranked
@@ -31,7 +31,7 @@ def compete(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silently) -
     Forward: of the candidates whose strengths are beyond chance (Wald's test with block-clustered covariance, at a
     level divided by the number of candidates) and that take away a share of the error on motion not fitted, the one
     that takes most is chosen, until none is left.  Backward: causes that the later ones have made needless are dropped.
-    Proof: where a steady tone is heard that none of them makes, all compete anew beside it; what
+    Proof: where a steady tone or a load that swings is heard, all compete anew beside it; what
     :func:`~mjfriction.diagnose.refusal.refused` names is refused, and the others compete anew without it.  Where
     nothing competes, nothing is listened for.
     """
@@ -40,9 +40,9 @@ def compete(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silently) -
     asked, count = field, size(field)
     while True:
         model = as_known(_pruned(_forward(gap, nuisance, asked, count, tell), count))
-        tones = unheard_tones(model)
-        if tones:
-            nuisance = make_nuisance(gap, (*nuisance.tones, *tones))
+        oscillations = unheard(model)
+        if oscillations:
+            nuisance = make_nuisance(gap, (*nuisance.oscillations, *oscillations))
             continue
         no_causes = refused(model)
         if not no_causes:

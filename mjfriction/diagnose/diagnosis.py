@@ -41,7 +41,8 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     settled = settle(*compete(gap, nuisance, field, tell))
     tell("proving what was found", PROVING)
     model, gap = settled.model, settled.model.gap
-    clean, left, heldout = model.heldout_residual(), model.residual(tones=True), model.heldout_residual(tones=True)
+    left, heldout = model.residual(oscillations=True), model.heldout_residual(oscillations=True)
+    clean = model.heldout_residual()
     after = tuple(find_structure(gap, heldout))
     curves = stroke_curves(model, clean)
     remaining = tuple(unexplained(model, after, heldout, curves))

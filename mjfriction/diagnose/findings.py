@@ -24,7 +24,7 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
     ``untold`` tells which causes of the model are none; ``seed`` sets the resampling behind the intervals of the gains.
     """
     model = settled.model
-    heldout = model.heldout_residual(tones=True)
+    heldout = model.heldout_residual(oscillations=True)
     strengths, widths = model.strengths, half_widths(model)
     found = []
     for choice, place, width in zip(model.chosen, model.places, widths.causes, strict=True):
@@ -52,7 +52,7 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
             confidence=stands.confidence,
             alternatives=stands.alternatives,
             parameters=tuple(_fitted(model.gap, choice, own, width)),
-            gain=gain_at(model.gap, without.heldout_residual(tones=True), heldout, shown, seed),
+            gain=gain_at(model.gap, without.heldout_residual(oscillations=True), heldout, shown, seed),
             evidence=choice.cause.evidence(model.gap, choice.site, own),
             covariate=choice.cause.covariate,
             picture=choice.cause.picture,
@@ -71,7 +71,7 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
 
 def _most_gained(model: Model, without: Model, heldout: Floats) -> int:
     # Where a cause that all joints feel takes the largest share of the error away.
-    before = without.heldout_residual(tones=True)
+    before = without.heldout_residual(oscillations=True)
     gap = model.gap
     return max(gap.examined, key=lambda j: gap.rms(before[:, j], j) / max(gap.rms(heldout[:, j], j), 1e-300))
 

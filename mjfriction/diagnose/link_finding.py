@@ -37,7 +37,7 @@ def link_finding(model: Model, half: Floats, untold: Untold, field: Field, seed:
     without = model.without_links()
     if not shows(gap, without.heldout_residual(), model.heldout_residual(), gap.examined, untold.left):
         return None
-    before, heldout = without.heldout_residual(tones=True), model.heldout_residual(tones=True)
+    before, heldout = without.heldout_residual(oscillations=True), model.heldout_residual(oscillations=True)
     gains = {joint: gain_at(gap, before, heldout, joint, seed) for joint in gap.examined}
     joint = max(gains, key=lambda place: gains[place].reduction)
     most = nuisance.links[int(np.argmax(np.abs(changes) * noted))].name

@@ -89,28 +89,28 @@ class Model:
         """The weighted squared error (joints, blocks), each block predicted by a fit that has not seen it."""
         return self.system.normal.heldout_errors(self.gap.blocks.folds)
 
-    def residual(self, *, tones: bool = False) -> Floats:
+    def residual(self, *, oscillations: bool = False) -> Floats:
         """Return what the model, fitted on everything, leaves: (rows, joints), N·m or N.
 
-        With ``tones``, the steady tones that are refitted along are left too, since no robot makes them.
+        With ``oscillations``, those that are refitted along are left too, since no robot file holds them.
         """
-        return self._left(self.strengths, tones=tones)
+        return self._left(self.strengths, oscillations=oscillations)
 
-    def heldout_residual(self, *, tones: bool = False) -> Floats:
+    def heldout_residual(self, *, oscillations: bool = False) -> Floats:
         """Return what the model leaves, every row predicted by a fit that has not seen it: (rows, joints).
 
-        ``tones`` as in :meth:`residual`.
+        ``oscillations`` as in :meth:`residual`.
         """
         out = np.zeros_like(self.gap.residual)
         for fold in self.gap.blocks.folds:
             rows = fold[self.gap.blocks.row]
-            out[rows] = self._left(self.system.normal.strengths(~fold), tones=tones)[rows]
+            out[rows] = self._left(self.system.normal.strengths(~fold), oscillations=oscillations)[rows]
         return out
 
-    def _left(self, strengths: Floats, *, tones: bool) -> Floats:
-        if tones:
+    def _left(self, strengths: Floats, *, oscillations: bool) -> Floats:
+        if oscillations:
             strengths = strengths.copy()
-            strengths[self.nuisance.of_hums] = 0.0
+            strengths[self.nuisance.of_oscillations] = 0.0
         return self.system.residual(strengths)
 
     def without(self, target: Chosen) -> Model:

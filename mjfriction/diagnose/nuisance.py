@@ -2,7 +2,8 @@
 
 Each joint's Coulomb and viscous level is free.  Each link's mass and inertia may scale by a few percent and its centre
 of mass lie some millimetres off, stated as a prior, so that a payload or a wrong torque constant is not swallowed by
-links of half the mass.  A steady tone that is heard at a joint is free too: no robot makes it.
+links of half the mass.  A steady tone that is heard at a joint, or a load that swings there, is free too: no
+robot file holds it.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
+from mjfriction.identify.swing import Swing
 from mjfriction.identify.tone import Tone
 from mjfriction.record.log import Floats
 
@@ -24,7 +26,6 @@ LINK_SCALE = 0.03  # one standard deviation of how far a stated link may be off
 LINK_SHIFT = 0.002  # m, and its centre of mass, along each axis
 FARTHEST = 3.0  # of these deviations, that a link goes at most
 PER_LINK = 4  # a scale and three shifts
-PER_HUM = 2  # a cosine and a sine
 LEVEL_SCALE = 10.0  # of the joint's RMS effort: next to no restraint
 
 
@@ -49,37 +50,37 @@ class Link:
 
 
 @dataclass(frozen=True)
-class Hum:
-    """A steady tone heard at one joint: two columns."""
+class Heard:
+    """An oscillation that is heard: two columns for a tone, one for a swing."""
 
-    joint: int
-    tone: Tone
+    oscillation: Oscillation
     columns: Columns
     precision: Floats
 
 
-Part = Level | Link | Hum
+Oscillation = Tone | Swing
+Part = Level | Link | Heard
 
 
 @dataclass(frozen=True)
 class Nuisance:
-    """What is refitted: stated levels first, then links, then what hums, in the order of their columns."""
+    """What is refitted: stated levels first, then links, then oscillations, in the order of their columns."""
 
     levels: tuple[Level, ...]
     links: tuple[Link, ...]
-    hums: tuple[Hum, ...] = ()
+    heard: tuple[Heard, ...] = ()
 
     @functools.cached_property
     def columns(self) -> Columns:
         """All columns, in order."""
-        parts: list[Part] = [*self.levels, *self.links, *self.hums]
+        parts: list[Part] = [*self.levels, *self.links, *self.heard]
         joints = dict.fromkeys(joint for part in parts for joint in part.columns)
         return {joint: np.hstack([_of_joint(part, joint) for part in parts]) for joint in joints}
 
     @property
     def precision(self) -> Floats:
         """What is known beforehand of all strengths, in order, (count,)."""
-        parts: list[Part] = [*self.levels, *self.links, *self.hums]
+        parts: list[Part] = [*self.levels, *self.links, *self.heard]
         return np.concatenate([part.precision for part in parts]) if parts else np.empty(0)
 
     @property
@@ -90,7 +91,7 @@ class Nuisance:
     @property
     def count(self) -> int:
         """How many columns."""
-        return 2 * len(self.levels) + PER_LINK * len(self.links) + PER_HUM * len(self.hums)
+        return self.precision.size
 
     @property
     def of_links(self) -> slice:
@@ -99,15 +100,14 @@ class Nuisance:
         return slice(first, first + PER_LINK * len(self.links))
 
     @property
-    def of_hums(self) -> slice:
-        """Where the strengths of what hums stand, two for each."""
-        first = self.of_links.stop
-        return slice(first, first + PER_HUM * len(self.hums))
+    def of_oscillations(self) -> slice:
+        """Where the strengths of oscillations stand: last."""
+        return slice(self.of_links.stop, self.count)
 
     @property
-    def tones(self) -> tuple[tuple[int, Tone], ...]:
-        """The tones that are heard, and at which joints."""
-        return tuple((hum.joint, hum.tone) for hum in self.hums)
+    def oscillations(self) -> tuple[Oscillation, ...]:
+        """The oscillations that are heard."""
+        return tuple(one.oscillation for one in self.heard)
 
     def without_level(self, joint: int) -> Nuisance:
         """Return the nuisances with one joint's levels held at what is stated."""
@@ -118,8 +118,8 @@ class Nuisance:
         return replace(self, links=())
 
 
-def make_nuisance(gap: Gap, tones: Sequence[tuple[int, Tone]] = ()) -> Nuisance:
-    """Build the nuisance columns of a gap at whose joints ``tones`` are heard."""
+def make_nuisance(gap: Gap, oscillations: Sequence[Oscillation] = ()) -> Nuisance:
+    """Build the nuisance columns of a gap in which ``oscillations`` are heard."""
     levels = []
     for site in STATED_LEVELS.sites(gap):
         effort = float(np.sqrt(np.mean(np.square(gap.measured[:, site.joint]))))
@@ -131,12 +131,13 @@ def make_nuisance(gap: Gap, tones: Sequence[tuple[int, Tone]] = ()) -> Nuisance:
         block = {joint: rows[:, k] for joint, rows in gap.link_rows.items()}
         if any(np.any(values) for values in block.values()):
             links.append(Link(name, block, np.array([LINK_SCALE**-2.0, *[LINK_SHIFT**-2.0] * 3])))
-    hums = []
-    for joint, tone in tones:
-        effort = float(np.sqrt(np.mean(np.square(gap.measured[:, joint]))))
-        precision = np.full(PER_HUM, (LEVEL_SCALE * effort) ** -2.0)
-        hums.append(Hum(joint, tone, {joint: tone.columns(gap.chain.time)}, precision))
-    return Nuisance(tuple(levels), tuple(links), tuple(hums))
+    heard = []
+    for oscillation in oscillations:
+        effort = float(np.sqrt(np.mean(np.square(gap.measured[:, oscillation.joint]))))
+        columns = oscillation.columns(gap)
+        precision = np.full(columns.shape[1], (LEVEL_SCALE * effort) ** -2.0)
+        heard.append(Heard(oscillation, {oscillation.joint: columns}, precision))
+    return Nuisance(tuple(levels), tuple(links), tuple(heard))
 
 
 def _of_joint(part: Part, joint: int) -> Floats:

@@ -42,11 +42,13 @@ def find_untold(
     spring; and what only spells out one of ``curves`` tells of nothing else.  A course over time that is
     small beside another on its joint is what that other's form leaves.  A link is none where all links a few
     percent off, in all of their ten parameters, do as well.  The other half of a cause that is told was asked for by
-    name, and is told too.  Tones are refitted along: ``heldout`` is without them, and they hide nothing.
+    name, and is told too.  Oscillations are refitted along: ``heldout`` is without them, and they hide
+    nothing.
     """
     model, strengths = settled.model, settled.model.strengths
     gap = model.gap
-    spelt = {curve.structure.joint for curve in curves} | {gap.robot.joints[one] for one, _ in model.nuisance.tones}
+    spelt = {curve.structure.joint for curve in curves}
+    spelt |= {gap.robot.joints[one.joint] for one in model.nuisance.oscillations}
     left = {gap.robot.joints.index(entry.joint): entry.share for entry in remaining if entry.joint not in spelt}
     common = {
         choice.key

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from mjfriction.diagnose.hum import hums_told
 from mjfriction.diagnose.model import Model
+from mjfriction.diagnose.oscillations import told_oscillations
 from mjfriction.diagnose.outcome import Finding, Verdict
 from mjfriction.diagnose.stroke_curve import ALONG_STROKE, StrokeCurve
 from mjfriction.identify.colour import COLOURED, NOTHING, coloured_share
@@ -31,11 +31,11 @@ def unexplained(
 ) -> list[Structure]:
     """Return, for each joint where too much is left on motion not fitted, what it follows most.
 
-    ``after`` are the structured shares of ``heldout`` (rows, joints); ``curves`` along strokes are no cause's, nor is
-    what hums.
+    ``after`` are the structured shares of ``heldout`` (rows, joints); ``curves`` along strokes are no cause's, nor are
+    oscillations.
     """
     gap = model.gap
-    out = [*(one.structure for one in curves), *hums_told(model)]
+    out = [*(one.structure for one in curves), *told_oscillations(model)]
     spelt = {structure.joint for structure in out}
     for joint in gap.examined:
         name = gap.robot.joints[joint]

@@ -19,20 +19,30 @@ ON_LINE = 0.25  # of what the length of the log can tell apart, within which a t
 
 @dataclass(frozen=True)
 class Tone:
-    """A tone of ``frequency`` (Hz) that makes up a ``share`` of what is left where friction is clear, 0 to 1."""
+    """A tone of ``frequency`` (Hz) at a ``joint``."""
 
+    joint: int
     frequency: float
-    share: float
 
-    def columns(self, time: Floats) -> Floats:
-        """Return its cosine and its sine at times (rows,), s: (rows, 2)."""
-        phase = 2.0 * np.pi * self.frequency * time
-        return np.column_stack([np.cos(phase), np.sin(phase)])
+    @property
+    def words(self) -> str:
+        """What it is, in words."""
+        return f"a steady tone of {self.frequency:.3g} Hz"
+
+    def columns(self, gap: Gap) -> Floats:
+        """Return its cosine and its sine at the rows, (rows, 2)."""
+        return waves(self.frequency, gap.chain.time)
 
 
-def steady_tone(gap: Gap, joint: int, residual: Floats) -> Tone | None:
+def waves(frequency: float, time: Floats) -> Floats:
+    """Return the cosine and the sine of a frequency (Hz) at times (rows,), s: (rows, 2)."""
+    phase = 2.0 * np.pi * frequency * time
+    return np.column_stack([np.cos(phase), np.sin(phase)])
+
+
+def steady_tone(gap: Gap, joint: int, residual: Floats) -> tuple[Tone, float] | None:
     """Return the strongest tone of a joint's residual (rows,): of all A·cos 2πft + B·sin 2πft + C, the one that leaves
-    least.
+    least; with it, its share of what is left there where friction is clear, 0 to 1.
 
     None where some joint moves at its frequency, or at half of it, or where it is an overtone of motion that repeats:
     it may then be anything that the motion brings about.  None, too, where the log is mostly gaps.
@@ -57,8 +67,8 @@ def steady_tone(gap: Gap, joint: int, residual: Floats) -> Tone | None:
         method="bounded",
         options={"xatol": 1e-3 * width},
     )
-    tone = Tone(float(found.x), -float(found.fun))
-    return None if _of_motion(gap, tone.frequency) else tone
+    tone = Tone(joint, float(found.x))
+    return None if _of_motion(gap, tone.frequency) else (tone, -float(found.fun))
 
 
 def _of_motion(gap: Gap, frequency: float) -> bool:
@@ -74,6 +84,6 @@ def _of_motion(gap: Gap, frequency: float) -> bool:
 
 def _share(frequency: float, time: Floats, course: Floats) -> float:
     # The share of a course's variance that the best tone of a frequency has.
-    columns = np.column_stack([Tone(frequency, 0.0).columns(time), np.ones_like(time)])
+    columns = np.column_stack([waves(frequency, time), np.ones_like(time)])
     left = course - columns @ np.linalg.lstsq(columns, course, rcond=None)[0]
     return float(1.0 - np.var(left) / max(float(np.var(course)), 1e-300))

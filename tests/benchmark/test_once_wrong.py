@@ -9,7 +9,8 @@ import pyarrow as pa
 import pytest
 
 from mjfriction.benchmark.drawing import draw_case
-from mjfriction.diagnose import untold
+from mjfriction.diagnose import exact, untold
+from mjfriction.diagnose.causes.links import LoneLink
 from mjfriction.diagnose.causes.moved_link import EncoderOffset
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
@@ -65,7 +66,7 @@ def test_a_hum_is_no_give_of_the_transmission(monkeypatch: pytest.MonkeyPatch) -
     diagnosis = diagnosed(300084)
     assert diagnosis.verdict is Verdict.UNEXPLAINED
     assert ("drive.elasticity", "axis") not in named(diagnosis)
-    monkeypatch.setattr("mjfriction.diagnose.compete.unheard_tones", lambda model: [])
+    monkeypatch.setattr("mjfriction.diagnose.compete.unheard", lambda model: [])
     monkeypatch.setattr("mjfriction.diagnose.verdict.coloured_share", lambda *_: 0.0)
     assert diagnosed(300084).verdict is not Verdict.UNEXPLAINED
 
@@ -92,8 +93,39 @@ def test_a_hum_is_heard_beside_causes_and_is_none(
     diagnosis = diagnosed(seed)
     assert named(diagnosis) == found
     assert f"a steady tone of {tone} Hz" in diagnosis.summary
-    monkeypatch.setattr("mjfriction.diagnose.compete.unheard_tones", lambda model: [])
+    monkeypatch.setattr("mjfriction.diagnose.compete.unheard", lambda model: [])
     assert named(diagnosed(seed)) != found
+
+
+@pytest.mark.bench
+@pytest.mark.parametrize(
+    ("seed", "found"),
+    [
+        # It pulls the shoulder below resonance, as a rotor's inertia would.
+        (580241, {("friction.asymmetry", "joint_6")}),
+        # It is left by a bristle.
+        (581229, {("body.spring", "wrist_1_joint")}),
+        # It is louder than what is hidden on the same axis.
+        (580523, {("hydraulic.pressure", "piston")}),
+    ],
+)
+def test_a_load_that_swings_is_heard_beside_causes_and_is_none(
+    seed: int, found: set[tuple[str, str | None]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    diagnosis = diagnosed(seed)
+    assert named(diagnosis) == found
+    assert "a load that swings at " in diagnosis.summary
+    monkeypatch.setattr("mjfriction.diagnose.oscillations._loudest_swing", lambda *_: None)
+    assert named(diagnosed(seed)) != found
+
+
+@pytest.mark.bench
+def test_a_robot_that_is_off_has_no_link_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Its friction looks right to a percent.
+    assert ("body.link_inertia", None) not in named(diagnosed(560036))
+    monkeypatch.setattr(exact, "RIGHT", exact.EXACT)
+    monkeypatch.setattr(LoneLink, "least", 0.03)
+    assert ("body.link_inertia", None) in named(diagnosed(560036))
 
 
 @pytest.mark.bench

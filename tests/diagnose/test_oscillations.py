@@ -1,4 +1,4 @@
-"""Steady tones are heard beside causes, and keep neither a cause from being found nor one from being told wrongly."""
+"""Oscillations are heard beside causes, and keep neither a cause from being found nor one from being told wrongly."""
 
 from __future__ import annotations
 
@@ -6,19 +6,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.delay import JointDelay
 from mjfriction.diagnose.causes.waves import Cogging
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.hum import unheard_tones
 from mjfriction.diagnose.model import Chosen, build_model
 from mjfriction.diagnose.nuisance import make_nuisance
+from mjfriction.diagnose.oscillations import unheard
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
-from tests.hidden.machine import Instant, Machine, write_case
+from tests.hidden.machine import Effect, Instant, Machine, write_case
 
 ELBOW = 2
 FREQUENCY = 4.74
@@ -30,6 +31,19 @@ def hum(instant: Instant) -> np.ndarray:
 
 def cogging(instant: Instant) -> np.ndarray:
     return 3.0 * np.cos(12.0 * instant.q)
+
+
+def sloshing(instant: Instant) -> np.ndarray:
+    """A load that swings at 0.42 Hz, driven by the joint's acceleration."""
+    omega = 2.0 * np.pi * 0.42
+
+    def slope(t: float, state: np.ndarray) -> tuple[float, float]:
+        pull = np.interp(t, instant.time, instant.a)
+        return state[1], -pull - 0.05 * omega * state[1] - omega**2 * state[0]
+
+    span = (instant.time[0], instant.time[-1])
+    solved = solve_ivp(slope, span, (0.0, 0.0), t_eval=instant.time, max_step=0.02, rtol=1e-6)
+    return 5.0 * solved.y[0] / np.std(solved.y[0])
 
 
 def cogging_and_hum(instant: Instant) -> np.ndarray:
@@ -51,12 +65,12 @@ def test_a_tone_is_heard_once_beside_a_cause_that_is_real_and_one_that_is_none(t
     delay = Chosen(JointDelay(), Site(ELBOW))
     waves = Chosen(Cogging(), Site(ELBOW, shape=(12.0,)))
     for cause in (delay, waves):
-        [(joint, tone)] = unheard_tones(build_model(gap, make_nuisance(gap), (cause,)))
-        assert joint == ELBOW
+        [tone] = unheard(build_model(gap, make_nuisance(gap), (cause,)))
+        assert tone.joint == ELBOW
         assert tone.frequency == pytest.approx(FREQUENCY, abs=2e-3)
-    heard = build_model(gap, make_nuisance(gap, [(ELBOW, tone)]), (waves,))
-    assert unheard_tones(heard) == []
-    left = [gap.rms(heard.heldout_residual(tones=tones)[:, ELBOW], ELBOW) for tones in (False, True)]
+    heard = build_model(gap, make_nuisance(gap, [tone]), (waves,))
+    assert unheard(heard) == []
+    left = [gap.rms(heard.heldout_residual(oscillations=heard_too)[:, ELBOW], ELBOW) for heard_too in (False, True)]
     assert left[0] < 1.2 * gap.noise_floor[ELBOW]
     assert left[1] == pytest.approx(6.0 / np.sqrt(2.0), rel=0.05)
 
@@ -64,8 +78,8 @@ def test_a_tone_is_heard_once_beside_a_cause_that_is_real_and_one_that_is_none(t
 def test_waves_along_the_stroke_are_no_tone(tmp_path: Path) -> None:
     gap = gap_of_machine(tmp_path, Machine(hidden={ELBOW: cogging}))
     waves = Chosen(Cogging(), Site(ELBOW, shape=(12.0,)))
-    assert unheard_tones(build_model(gap, make_nuisance(gap), (waves,))) == []
-    assert unheard_tones(build_model(gap, make_nuisance(gap), ())) == []
+    assert unheard(build_model(gap, make_nuisance(gap), (waves,))) == []
+    assert unheard(build_model(gap, make_nuisance(gap), ())) == []
 
 
 def test_a_hum_is_left_open_and_named(tmp_path: Path) -> None:
@@ -83,7 +97,7 @@ def test_two_tones_at_one_joint_are_both_named(tmp_path: Path) -> None:
     machine = Machine(hidden={ELBOW: lambda i: hum(i) + 3.0 * np.cos(2.0 * np.pi * second * i.time)})
     found = diagnosed(tmp_path, machine)
     assert found.findings == ()
-    assert [entry.covariate for entry in found.remaining] == ["steady tones of 4.74 and 2.31 Hz"]
+    assert [entry.covariate for entry in found.remaining] == ["a steady tone of 4.74 Hz and a steady tone of 2.31 Hz"]
 
 
 def test_a_cause_under_a_louder_hum_is_found_and_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -92,6 +106,43 @@ def test_a_cause_under_a_louder_hum_is_found_and_alone(tmp_path: Path, monkeypat
     assert [(one.cause, one.joint) for one in found.findings] == [("drive.cogging", "elbow_joint")]
     assert found.verdict is Verdict.UNEXPLAINED
     assert [entry.covariate for entry in found.remaining] == ["a steady tone of 4.74 Hz"]
-    monkeypatch.setattr("mjfriction.diagnose.compete.unheard_tones", lambda model: [])
+    monkeypatch.setattr("mjfriction.diagnose.compete.unheard", lambda model: [])
     deaf = diagnosed(tmp_path, machine)
     assert [(one.cause, one.joint) for one in deaf.findings] != [("drive.cogging", "elbow_joint")]
+
+
+def test_a_load_that_swings_is_left_open_and_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    machine = Machine(hidden={ELBOW: sloshing})
+    found = diagnosed(tmp_path, machine)
+    assert found.findings == ()
+    assert found.verdict is Verdict.UNEXPLAINED
+    [left] = found.remaining
+    assert left.covariate.startswith("a load that swings at ")
+    assert float(left.covariate.split()[-2]) == pytest.approx(0.42, rel=0.01)
+    elbow = next(error for error in found.joints if error.joint == "elbow_joint")
+    assert elbow.rms_heldout_after == pytest.approx(5.0, rel=0.1)
+    monkeypatch.setattr("mjfriction.diagnose.oscillations._loudest_swing", lambda *_: None)
+    assert "swings" not in diagnosed(tmp_path, machine).summary
+
+
+def test_a_cause_under_a_load_that_swings_is_found_and_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    machine = Machine(hidden={ELBOW: lambda i: sloshing(i) + 0.2 * cogging(i)})
+    found = diagnosed(tmp_path, machine)
+    assert [(one.cause, one.joint) for one in found.findings] == [("drive.cogging", "elbow_joint")]
+    monkeypatch.setattr("mjfriction.diagnose.oscillations._loudest_swing", lambda *_: None)
+    deaf = diagnosed(tmp_path, machine)
+    assert [(one.cause, one.joint) for one in deaf.findings] != [("drive.cogging", "elbow_joint")]
+
+
+@pytest.mark.parametrize(
+    "hidden",
+    [
+        lambda i: 0.4 * i.a,  # a rotor's inertia
+        lambda i: 20.0 * i.q,  # a spring
+        lambda i: 6.0 * i.v * np.abs(i.v),
+        lambda i: np.interp(i.time - 0.02, i.time, i.rigid) - i.rigid,  # a delay
+    ],
+)
+def test_what_a_cause_makes_is_no_load_that_swings(hidden: Effect, tmp_path: Path) -> None:
+    gap = gap_of_machine(tmp_path, Machine(hidden={ELBOW: hidden}))
+    assert unheard(build_model(gap, make_nuisance(gap), ())) == []
