@@ -16,6 +16,7 @@ from mjfriction.identify.tone import Tone, steady_tone, waves
 from mjfriction.record.log import Floats
 
 QUIETER = 0.5  # of the mean square that is left, that is left beside an oscillation
+INSTEAD = 0.75  # of it, that is left beside one in the place of causes
 RESONANT = 0.75  # of what a spring and a rotor leave, that is left beside a load that swings
 LOUD = 0.3  # of what is left with or without causes, that a tone must be to be tried
 FINER = 10  # frequencies that are tried for one that the length of the log can tell apart
@@ -27,23 +28,24 @@ def unheard(model: Model) -> list[Oscillation]:
     """Return the oscillations that are heard and not refitted yet, at most one for each joint.
 
     One is heard where, of what a model leaves there on motion not fitted, a steady tone or a load that swings takes
-    half, with the joint's causes or in their place: beside it, they may be none.  A late effort, a link that gives, a
-    rotor or the levels of friction may be made to look like it; but another machine on the same floor, a loop that
-    sings, or a liquid that sloshes is none of the causes.  Far from resonance a load that swings pulls as a mass or a
-    spring does: it is heard where it leaves a quarter less than these.
+    half, or, in the place of causes of the joint, a quarter: beside it, they may be none.  A late effort, a link that
+    gives, a rotor or the levels of friction may be made to look like it; but another machine on the same floor, a loop
+    that sings, or a liquid that sloshes is none of the causes.  Far from resonance a load that swings pulls as a mass
+    or a spring does: it is heard where it leaves a quarter less than these.
     """
     gap, after, out = model.gap, model.heldout_residual(), []
     heard = [one.joint for one in model.nuisance.oscillations]
     for joint in gap.examined:
         weight = model.system.rows.weight[:, joint]
         left = _power(after[:, joint], weight)
-        if heard.count(joint) >= MOST_HEARD or float(gap.noise_floor[joint]) ** 2 > QUIETER * left:
+        if heard.count(joint) >= MOST_HEARD or float(gap.noise_floor[joint]) ** 2 > INSTEAD * left:
             continue
-        loudest, least = None, QUIETER * left
+        loudest, least = None, left
         for reading in _readings(model, joint):
             still = _carried(reading, joint)
-            bar = RESONANT * _power(still.heldout_residual()[:, joint], weight)
-            for oscillation, most in ((_loudest_tone(reading, joint), np.inf), (_loudest_swing(still, joint), bar)):
+            bar = (QUIETER if reading is model else INSTEAD) * left
+            swinging = min(bar, RESONANT * _power(still.heldout_residual()[:, joint], weight))
+            for oscillation, most in ((_loudest_tone(reading, joint), bar), (_loudest_swing(still, joint), swinging)):
                 if oscillation is None:
                     continue
                 beside = _beside(reading, oscillation)
