@@ -23,7 +23,7 @@ from mjfriction.diagnose.oscillations import INSTEAD, QUIETER, RESONANT
 from mjfriction.diagnose.short_list import NEAR_BEST
 from mjfriction.diagnose.stated import OUTLYING
 from mjfriction.diagnose.trial import LEAST_EFFECT
-from mjfriction.diagnose.untold import DROWNED, LEAST_SEEN
+from mjfriction.diagnose.untold import DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
 from mjfriction.identify import choose, conclude
 from mjfriction.identify.colour import COLOURED
 from mjfriction.identify.swing import FASTEST, SLOWEST
@@ -84,6 +84,8 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"makes less than {100 * LEAST_EFFECT:g} % of the effort (one of the whole arm: at the joint where" in told
     assert f"or takes less than {100 * LEAST_SEEN:g} % of the mean square" in told
+    assert f"as much as {100 * MISFIT:g} % of what they take" in told
+    assert f"{100 * SURELY_SEEN:g} % of what is left is enough" in told
     assert (DROWNED, ROOM, COLOURED) == (1.0, 0.5, 0.5), "the page says as much, half of the effect, half of it"
     assert f"more than {100 * LEAST_NOTED:g} %, and by more than {100 * SURELY:g} %" in told
     assert f"lies more than {100 * LEAST_MOVED:g} cm off" in told

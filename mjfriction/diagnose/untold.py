@@ -17,7 +17,9 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
 from mjfriction.record.log import Floats
 
-LEAST_SEEN = 0.2  # of the mean square that is left at a joint, that a cause must take away there: half of the noise
+LEAST_SEEN = 0.05  # of the mean square that is left at a joint, that a cause must take away there
+MISFIT = 0.01  # of what other causes take there, that may be left for it by theirs being told to a percent
+SURELY_SEEN = 0.2  # of what is left, that is enough whatever others take: half as large as the noise
 DROWNED = 1.0  # of the mean square that is left unexplained at a joint, if any, that it must take away
 COURSES = frozenset({WarmUpDrift.name, Step.name})  # of friction over time
 LEAST_OF_COURSES = 0.2  # of the largest on a joint, that another must reach: no warm-up is quite the one fitted
@@ -25,10 +27,13 @@ LEAST_OF_COURSES = 0.2  # of the largest on a joint, that another must reach: no
 
 @dataclass(frozen=True)
 class Untold:
-    """The causes of a model that are no findings (``keys``), and the share of what is left unexplained, by joint."""
+    """The causes of a model that are no findings (``keys``), the share of what is left unexplained, by joint, and what
+    is left without any cause, on motion not fitted (``bare``, rows by joints).
+    """
 
     keys: frozenset[Key]
     left: dict[int, float]
+    bare: Floats
 
 
 def find_untold(
@@ -61,10 +66,11 @@ def find_untold(
         if effect(gap, choice, strengths[place]) < LEAST_EFFECT
     }
     small |= _beside_larger_courses(model)
+    bare = build_model(gap, model.nuisance, ()).heldout_residual()
     for choice in (*model.chosen, *settled.levels):
         if choice.key not in common | small:
             before = without_cause(model, choice).heldout_residual()
-            if not shows(gap, before, heldout, cause_block(gap, choice)[0], left):
+            if not shows(gap, before, heldout, cause_block(gap, choice)[0], left, bare):
                 small.add(choice.key)
     of_links = [choice for choice in model.chosen if isinstance(choice.cause, LinkScale | LinkCentre)]
     if any(choice.key not in common | small for choice in of_links) and not links_far_off(model):
@@ -72,7 +78,7 @@ def find_untold(
     told = [choice for choice in model.chosen if choice.key not in common | small]
     asked = {choice.key for choice in model.chosen if partners(choice, told)}
     spelling = frozenset(key for curve in curves for key in curve.keys)
-    return Untold(frozenset(common | (small - asked)) | spelling, left)
+    return Untold(frozenset(common | (small - asked)) | spelling, left, bare)
 
 
 def _beside_larger_courses(model: Model) -> set[Key]:
@@ -94,15 +100,15 @@ def without_cause(model: Model, choice: Chosen) -> Model:
     return model.without(choice)
 
 
-def shows(gap: Gap, before: Floats, after: Floats, joints: Iterable[int], left: dict[int, float]) -> bool:
+def shows(gap: Gap, before: Floats, after: Floats, joints: Iterable[int], left: dict[int, float], bare: Floats) -> bool:
     """Return whether a change takes enough off the mean square on motion not fitted, at one of the ``joints``.
 
-    ``before`` and ``after`` (rows, joints) are left without it and with it; ``left`` is the share of ``after`` that is
-    unexplained, by joint.
+    ``before`` and ``after`` (rows, joints) are left without it and with it, ``bare`` without any cause; ``left`` is the
+    share of ``after`` that is unexplained, by joint.
     """
     for joint in joints:
-        own = gap.rms(after[:, joint], joint) ** 2
-        taken = gap.rms(before[:, joint], joint) ** 2 - own
-        if taken > max(LEAST_SEEN, DROWNED * left.get(joint, 0.0)) * own:
+        own, without, none = (gap.rms(course[:, joint], joint) ** 2 for course in (after, before, bare))
+        misfit = min(MISFIT * (none - without), SURELY_SEEN * own)
+        if without - own > max(LEAST_SEEN * own, misfit, DROWNED * left.get(joint, 0.0) * own):
             return True
     return False

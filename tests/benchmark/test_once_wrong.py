@@ -47,8 +47,27 @@ def test_what_a_large_cause_leaves_by_its_misfit_is_no_finding(monkeypatch: pyte
     found = named(diagnosed(300065))
     assert {("friction.presliding", "axis"), ("drive.cogging", "axis")} <= found
     assert ("friction.load", "axis") not in found
+    monkeypatch.setattr(untold, "MISFIT", 0.0)
     monkeypatch.setattr(untold, "LEAST_SEEN", 0.0)
     assert ("friction.load", "axis") in named(diagnosed(300065))
+
+
+@pytest.mark.bench
+@pytest.mark.parametrize(
+    ("seed", "found"),
+    [
+        (560062, ("sensor.encoder_offset", "joint_3")),
+        (560119, ("friction.viscous_nonlinear", "joint_5")),
+        (580666, ("friction.viscous_nonlinear", "joint2")),
+        (610050, ("body.spring", "shoulder_lift_joint")),
+    ],
+)
+def test_a_cause_that_hardly_shows_in_the_noise_is_told_where_nothing_larger_is_beside_it(
+    seed: int, found: tuple[str, str | None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert found in named(diagnosed(seed))
+    monkeypatch.setattr(untold, "LEAST_SEEN", untold.SURELY_SEEN)
+    assert found not in named(diagnosed(seed))
 
 
 @pytest.mark.bench
