@@ -19,7 +19,7 @@ from mjfriction.diagnose.exact import RIGHT
 from mjfriction.diagnose.kin import LEAST_KIN_EFFECT
 from mjfriction.diagnose.link_finding import SURELY
 from mjfriction.diagnose.nuisance import FARTHEST, LINK_SCALE, LINK_SHIFT
-from mjfriction.diagnose.oscillations import INSTEAD, QUIETER, RESONANT
+from mjfriction.diagnose.oscillations import INSTEAD, LEAST_TOLD, QUIETER, RESONANT
 from mjfriction.diagnose.short_list import NEAR_BEST
 from mjfriction.diagnose.stated import OUTLYING
 from mjfriction.diagnose.trial import LEAST_EFFECT
@@ -84,7 +84,7 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"makes less than {100 * LEAST_EFFECT:g} % of the effort (one of the whole arm: at the joint where" in told
     assert f"or takes less than {100 * LEAST_SEEN:g} % of the mean square" in told
-    assert f"as much as {100 * MISFIT:g} % of what they take" in told
+    assert f"as much as {100 * MISFIT:g} % of the mean square that they take" in told
     assert f"{100 * SURELY_SEEN:g} % of what is left is enough" in told
     assert (DROWNED, ROOM, COLOURED) == (1.0, 0.5, 0.5), "the page says as much, half of the effect, half of it"
     assert f"more than {100 * LEAST_NOTED:g} %, and by more than {100 * SURELY:g} %" in told
@@ -92,7 +92,8 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert f"one cause, a link {100 * LEAST_ALONE:g} % off or a payload" in told
     assert (RIGHT, QUIETER) == (0.005, 0.5), "the page says half a percent, and less than half of what they leave"
     assert (INSTEAD, RESONANT) == (0.75, 0.75), "the page says a quarter less"
-    assert f"one lightly damped resonance ({SLOWEST:g} to {FASTEST:g} Hz)" in told
+    assert f"a lightly damped resonance ({SLOWEST:g} to {FASTEST:g} Hz)" in told
+    assert f"more than {100 * LEAST_TOLD:g} % of the joint's effort" in told
     most = f"({100 * LINK_SCALE:g} % as a rule, {100 * FARTHEST * LINK_SCALE:g} % at most)"
     assert most in told
     assert f"({1e3 * LINK_SHIFT:g} mm along each axis as a rule, {1e3 * FARTHEST * LINK_SHIFT:g} mm at most)" in told

@@ -30,7 +30,7 @@ def as_known(model: Model) -> Model:
         gap, nuisance, late, robot = model.gap, model.nuisance, _delays(model), _weighed(model)
         if np.max(np.abs(late - gap.late)) * gap.chain.band >= HEARD:
             gap = gap.heard_later(late)
-            nuisance = make_nuisance(gap, nuisance.oscillations)
+            nuisance = make_nuisance(gap, nuisance.sources)
         if _load_changes(gap, robot):
             gap = gap.beside(robot)
         if gap is model.gap:

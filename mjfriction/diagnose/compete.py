@@ -11,7 +11,7 @@ from mjfriction.diagnose.field import Field, size
 from mjfriction.diagnose.kin import fulfilled, with_kin
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
-from mjfriction.diagnose.oscillations import unheard
+from mjfriction.diagnose.oscillations import new_oscillations
 from mjfriction.diagnose.refusal import refused
 from mjfriction.diagnose.shapes import reshaped
 from mjfriction.diagnose.short_list import SHORT_LIST, all_tried, fairly, ranked
@@ -40,9 +40,9 @@ def compete(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silently) -
     asked, count = field, size(field)
     while True:
         model = as_known(_pruned(_forward(gap, nuisance, asked, count, tell), count))
-        oscillations = unheard(model)
-        if oscillations:
-            nuisance = make_nuisance(gap, (*nuisance.oscillations, *oscillations))
+        sources = new_oscillations(model)
+        if sources:
+            nuisance = make_nuisance(gap, (*nuisance.sources, *sources))
             continue
         no_causes = refused(model)
         if not no_causes:

@@ -2,8 +2,7 @@
 
 Each joint's Coulomb and viscous level is free.  Each link's mass and inertia may scale by a few percent and its centre
 of mass lie some millimetres off, stated as a prior, so that a payload or a wrong torque constant is not swallowed by
-links of half the mass.  A steady tone that is heard at a joint, or a load that swings there, is free too: no
-robot file holds it.
+links of half the mass.  A steady tone at a joint, or a load that swings there, is free too: no robot file holds it.
 """
 
 from __future__ import annotations
@@ -49,17 +48,19 @@ class Link:
     precision: Floats
 
 
-@dataclass(frozen=True)
-class Heard:
-    """An oscillation that is heard: two columns for a tone, one for a swing."""
+Source = Tone | Swing
 
-    oscillation: Oscillation
+
+@dataclass(frozen=True)
+class Oscillation:
+    """What a steady tone or a load that swings does to its joint: some columns."""
+
+    source: Source
     columns: Columns
     precision: Floats
 
 
-Oscillation = Tone | Swing
-Part = Level | Link | Heard
+Part = Level | Link | Oscillation
 
 
 @dataclass(frozen=True)
@@ -68,19 +69,19 @@ class Nuisance:
 
     levels: tuple[Level, ...]
     links: tuple[Link, ...]
-    heard: tuple[Heard, ...] = ()
+    oscillations: tuple[Oscillation, ...] = ()
 
     @functools.cached_property
     def columns(self) -> Columns:
         """All columns, in order."""
-        parts: list[Part] = [*self.levels, *self.links, *self.heard]
+        parts: list[Part] = [*self.levels, *self.links, *self.oscillations]
         joints = dict.fromkeys(joint for part in parts for joint in part.columns)
         return {joint: np.hstack([_of_joint(part, joint) for part in parts]) for joint in joints}
 
     @property
     def precision(self) -> Floats:
         """What is known beforehand of all strengths, in order, (count,)."""
-        parts: list[Part] = [*self.levels, *self.links, *self.heard]
+        parts: list[Part] = [*self.levels, *self.links, *self.oscillations]
         return np.concatenate([part.precision for part in parts]) if parts else np.empty(0)
 
     @property
@@ -105,9 +106,9 @@ class Nuisance:
         return slice(self.of_links.stop, self.count)
 
     @property
-    def oscillations(self) -> tuple[Oscillation, ...]:
-        """The oscillations that are heard."""
-        return tuple(one.oscillation for one in self.heard)
+    def sources(self) -> tuple[Source, ...]:
+        """What oscillates."""
+        return tuple(one.source for one in self.oscillations)
 
     def without_level(self, joint: int) -> Nuisance:
         """Return the nuisances with one joint's levels held at what is stated."""
@@ -118,8 +119,8 @@ class Nuisance:
         return replace(self, links=())
 
 
-def make_nuisance(gap: Gap, oscillations: Sequence[Oscillation] = ()) -> Nuisance:
-    """Build the nuisance columns of a gap in which ``oscillations`` are heard."""
+def make_nuisance(gap: Gap, sources: Sequence[Source] = ()) -> Nuisance:
+    """Build the nuisance columns of a gap in which each of ``sources`` oscillates."""
     levels = []
     for site in STATED_LEVELS.sites(gap):
         effort = float(np.sqrt(np.mean(np.square(gap.measured[:, site.joint]))))
@@ -131,13 +132,13 @@ def make_nuisance(gap: Gap, oscillations: Sequence[Oscillation] = ()) -> Nuisanc
         block = {joint: rows[:, k] for joint, rows in gap.link_rows.items()}
         if any(np.any(values) for values in block.values()):
             links.append(Link(name, block, np.array([LINK_SCALE**-2.0, *[LINK_SHIFT**-2.0] * 3])))
-    heard = []
-    for oscillation in oscillations:
-        effort = float(np.sqrt(np.mean(np.square(gap.measured[:, oscillation.joint]))))
-        columns = oscillation.columns(gap)
+    oscillations = []
+    for source in sources:
+        effort = float(np.sqrt(np.mean(np.square(gap.measured[:, source.joint]))))
+        columns = source.columns(gap)
         precision = np.full(columns.shape[1], (LEVEL_SCALE * effort) ** -2.0)
-        heard.append(Heard(oscillation, {oscillation.joint: columns}, precision))
-    return Nuisance(tuple(levels), tuple(links), tuple(heard))
+        oscillations.append(Oscillation(source, {source.joint: columns}, precision))
+    return Nuisance(tuple(levels), tuple(links), tuple(oscillations))
 
 
 def _of_joint(part: Part, joint: int) -> Floats:

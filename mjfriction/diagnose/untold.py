@@ -13,12 +13,13 @@ from mjfriction.diagnose.model import Chosen, Key, Model, build_model, cause_blo
 from mjfriction.diagnose.stated import Settled
 from mjfriction.diagnose.stroke_curve import StrokeCurve
 from mjfriction.diagnose.trial import LEAST_EFFECT, effect
+from mjfriction.diagnose.verdict import beside_oscillations
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
 from mjfriction.record.log import Floats
 
 LEAST_SEEN = 0.05  # of the mean square that is left at a joint, that a cause must take away there
-MISFIT = 0.01  # of what other causes take there, that may be left for it by theirs being told to a percent
+MISFIT = 0.01  # of what other causes take off it, that may be left for it by theirs being told a tenth off
 SURELY_SEEN = 0.2  # of what is left, that is enough whatever others take: half as large as the noise
 DROWNED = 1.0  # of the mean square that is left unexplained at a joint, if any, that it must take away
 COURSES = frozenset({WarmUpDrift.name, Step.name})  # of friction over time
@@ -42,19 +43,19 @@ def find_untold(
     """Return which causes of a settled model are no findings.
 
     What is next to nothing of the effort, or hardly shows beside what is left on motion not fitted (``heldout``, rows
-    by joints), may be what the larger causes leave by a percent of misfit.  And a course that no cause is,
-    ``remaining``, can be told in part by many: a hum looks a little like a late effort, a load that swings like a
-    spring; and what only spells out one of ``curves`` tells of nothing else.  A course over time that is
-    small beside another on its joint is what that other's form leaves.  A link is none where all links a few
-    percent off, in all of their ten parameters, do as well.  The other half of a cause that is told was asked for by
-    name, and is told too.  Oscillations are refitted along: ``heldout`` is without them, and they hide
-    nothing.
+    by joints, without oscillations), may be what larger causes leave that are told a little off.  And a course that no
+    cause is, ``remaining``, can be told in part by many, a brake that drags as a warm-up; and what only spells out one
+    of ``curves`` tells of nothing else.  A course over time that is small beside another on its joint is what that
+    other's form leaves.  A link is none where all links a few percent off, in all of their ten parameters, do as well.
+    The other half of a cause that is told was asked for by name, and is told too.
     """
     model, strengths = settled.model, settled.model.strengths
     gap = model.gap
-    spelt = {curve.structure.joint for curve in curves}
-    spelt |= {gap.robot.joints[one.joint] for one in model.nuisance.oscillations}
-    left = {gap.robot.joints.index(entry.joint): entry.share for entry in remaining if entry.joint not in spelt}
+    spelt = {gap.robot.joints.index(curve.structure.joint) for curve in curves}
+    oscillating = {source.joint for source in model.nuisance.sources}
+    left = {gap.robot.joints.index(entry.joint): entry.share for entry in remaining}
+    left = {joint: share for joint, share in left.items() if joint not in spelt | oscillating}
+    left |= beside_oscillations(model, heldout)
     common = {
         choice.key
         for choice, place in zip(model.chosen, model.places, strict=True)

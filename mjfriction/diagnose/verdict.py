@@ -13,7 +13,7 @@ from mjfriction.diagnose.stroke_curve import ALONG_STROKE, StrokeCurve
 from mjfriction.identify.colour import COLOURED, NOTHING, coloured_share
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.joint_error import JointError
-from mjfriction.identify.structure import Structure
+from mjfriction.identify.structure import Structure, find_structure
 from mjfriction.record.faults import Fault
 from mjfriction.record.log import Floats
 
@@ -34,28 +34,38 @@ def unexplained(
     ``after`` are the structured shares of ``heldout`` (rows, joints); ``curves`` along strokes are no cause's, nor are
     oscillations.
     """
-    gap = model.gap
-    out = [*(one.structure for one in curves), *told_oscillations(model)]
+    oscillating = [one for one in told_oscillations(model) if one.share > STRUCTURED]
+    out = [*(one.structure for one in curves), *oscillating]
     spelt = {structure.joint for structure in out}
-    for joint in gap.examined:
-        name = gap.robot.joints[joint]
-        if name in spelt:
-            continue
-        curve = max((entry for entry in after if entry.joint == name), key=lambda entry: entry.share)
-        course = Structure(name, NOTHING, coloured_share(gap, joint, heldout[:, joint]))
-        left = gap.rms(heldout[:, joint], joint)
-        effort = gap.rms(gap.measured[:, joint], joint)
-        explained = np.sqrt(max(0.0, gap.rms(gap.residual[:, joint], joint) ** 2 - left**2))
-        told = [
-            entry
-            for entry, least, outweighed in ((curve, STRUCTURED, OUTWEIGHED), (course, COLOURED, OUTWEIGHED_COURSE))
-            if entry.share >= least and np.sqrt(entry.share) * left > max(LEAST_EFFORT * effort, outweighed * explained)
-        ]
-        if left > max(MUCH_LEFT * effort, FAR_ABOVE_NOISE * float(gap.noise_floor[joint])):
-            told = told or [curve, course]
-        if told:
-            out.append(max(told, key=lambda entry: entry.share))
+    for joint in model.gap.examined:
+        if model.gap.robot.joints[joint] not in spelt:
+            out += _followed(model.gap, joint, after, heldout)
     return out
+
+
+def beside_oscillations(model: Model, clean: Floats) -> dict[int, float]:
+    """Return the share that is unexplained of what is left beside oscillations, ``clean`` (rows, joints), by joint."""
+    joints = {source.joint for source in model.nuisance.sources}
+    after = find_structure(model.gap, clean) if joints else []
+    return {joint: entry.share for joint in joints for entry in _followed(model.gap, joint, after, clean)}
+
+
+def _followed(gap: Gap, joint: int, after: Sequence[Structure], heldout: Floats) -> list[Structure]:
+    # What is left at a joint follows most, where too much is left.
+    name = gap.robot.joints[joint]
+    curve = max((entry for entry in after if entry.joint == name), key=lambda entry: entry.share)
+    course = Structure(name, NOTHING, coloured_share(gap, joint, heldout[:, joint]))
+    left = gap.rms(heldout[:, joint], joint)
+    effort = gap.rms(gap.measured[:, joint], joint)
+    explained = np.sqrt(max(0.0, gap.rms(gap.residual[:, joint], joint) ** 2 - left**2))
+    told = [
+        entry
+        for entry, least, outweighed in ((curve, STRUCTURED, OUTWEIGHED), (course, COLOURED, OUTWEIGHED_COURSE))
+        if entry.share >= least and np.sqrt(entry.share) * left > max(LEAST_EFFORT * effort, outweighed * explained)
+    ]
+    if left > max(MUCH_LEFT * effort, FAR_ABOVE_NOISE * float(gap.noise_floor[joint])):
+        told = told or [curve, course]
+    return [max(told, key=lambda entry: entry.share)] if told else []
 
 
 def reach_verdict(findings: list[Finding], remaining: tuple[Structure, ...]) -> Verdict:

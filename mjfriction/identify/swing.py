@@ -9,16 +9,18 @@ import numpy as np
 from scipy.signal import lfilter
 
 from mjfriction.identify.gap import Gap
-from mjfriction.identify.structure import covariate_rows
-from mjfriction.record.log import Floats
+from mjfriction.record.log import Floats, Integers
 
 SLOWEST, FASTEST = 0.3, 5.0  # Hz, of those that are tried
 IN_BAND = 0.8  # of the rows' band, that its frequency may reach
-FEWEST_TURNS = 10.0  # of it, that the rows must hold
+FEWEST_TURNS = 10.0  # of it, that the longest stretch of rows must hold
 DAMPING_RATIOS = (0.01, 0.03, 0.09)
 APART = 1.5  # damping ratios between the frequencies that are tried
-FINER, SHARPER = np.linspace(-0.5, 0.5, 5), 3.0 ** np.linspace(-0.5, 0.5, 5)
+BROADER = 2.0  # than those, and sharper, that one is which is tuned
+SLACK = 1e-9  # of a frequency at an end of the range
 FEWEST_LINES = 2.0  # of a motion that repeats, that a resonance must span
+MOST_STRETCHES = 4  # in which a load may be swinging already, the longest ones
+GAP = 1.5  # steps between rows that belong together
 
 
 @dataclass(frozen=True)
@@ -39,53 +41,74 @@ class Swing:
         return f"a load that swings at {self.frequency:.3g} Hz"
 
     def columns(self, gap: Gap) -> Floats:
-        """Return its course at the rows, in units of its RMS, (rows, 1)."""
-        return courses(gap, [self])
+        """Return its course from rest at the rows, and how it would go on swinging that it does already, (rows, k).
 
-    def finer(self) -> list[Swing]:
-        """Return the swings around this one, half of what :func:`swings` keeps between them."""
-        return [
-            Swing(self.joint, self.frequency * float(1.0 + APART * self.damping_ratio * shift), float(ratio))
-            for shift in FINER
-            for ratio in self.damping_ratio * SHARPER
-        ]
+        The first column is driven; two more are free, for each of the longest stretches of rows without a gap.
+        """
+        return courses(gap, [self])[:, 0]
+
+    def shown_by(self, gap: Gap) -> bool:
+        """Return whether a log can show it: it turns often enough, within the rows' band, and its resonance spans two
+        overtones of a motion that repeats, or it may be anything that moves as one of them.
+        """
+        slowest, fastest = _range(gap)
+        period, width = gap.blocks.period, 2.0 * self.damping_ratio * self.frequency
+        inside = slowest * (1.0 - SLACK) <= self.frequency <= fastest * (1.0 + SLACK)
+        sharp = DAMPING_RATIOS[0] / BROADER <= self.damping_ratio <= DAMPING_RATIOS[-1] * BROADER
+        return inside and sharp and (period is None or width * period > FEWEST_LINES)
 
 
 def swings(gap: Gap, joint: int) -> list[Swing]:
-    """Return the swings at a joint that a log can show, as close as their resonances are sharp.
-
-    Where a motion repeats, each has to span two of its overtones, or it may be anything that moves as one of them.
-    """
-    time, period = gap.chain.time, gap.blocks.period
-    slowest = max(SLOWEST, FEWEST_TURNS / float(time[-1] - time[0]))
-    fastest = min(FASTEST, IN_BAND * gap.chain.band)
+    """Return the swings at a joint that a log can show, as close as their resonances are sharp."""
+    slowest, fastest = _range(gap)
     tried = []
     for ratio in DAMPING_RATIOS if fastest > slowest else ():
-        count = int(np.ceil(np.log(fastest / slowest) / (APART * ratio)))
-        for frequency in np.geomspace(slowest, fastest, count):
-            if period is None or 2.0 * ratio * frequency * period > FEWEST_LINES:
-                tried.append(Swing(joint, float(frequency), ratio))
-    return tried
+        count = 1 + int(np.ceil(np.log(fastest / slowest) / (APART * ratio)))
+        tried += [Swing(joint, float(frequency), ratio) for frequency in np.geomspace(slowest, fastest, count)]
+    return [one for one in tried if one.shown_by(gap)]
 
 
-def courses(gap: Gap, tried: list[Swing]) -> Floats:
-    """Return the courses of swings of one joint at the rows, in units of their RMS, (rows, swings).
+def courses(gap: Gap, tried: list[Swing], every: int = 1) -> Floats:
+    """Return the columns of swings of one joint at each ``every``-th row, (rows/every, swings, k), each of RMS 1.
 
-    Each is at rest wherever a stretch of rows begins.  That the rows are filtered matters not: the acceleration is too,
-    and what follows it linearly takes the same filter.
+    That rows and sensors filter matters not: the acceleration takes the same, and what follows it linearly does too.
     """
-    time, acceleration = gap.chain.time, covariate_rows(gap, tried[0].joint, "acceleration")
-    step = float(np.median(np.diff(time)))
-    starts = [0, *(np.flatnonzero(np.diff(time) > 1.5 * step) + 1).tolist(), time.size]
-    out = np.empty((time.size, len(tried)))
+    time = gap.chain.time
+    acceleration = gap.motion.acceleration[:, [tried[0].joint]]
+    pull = gap.reported(tried[0].joint, acceleration)[:, 0].astype(complex)
+    starts, step = _starts(gap), _step(gap)
+    longest = np.sort(np.argsort(np.diff(starts))[::-1][:MOST_STRETCHES])
+    out = np.zeros((-(-time.size // every), len(tried), 1 + 2 * longest.size))
     for k, swing in enumerate(tried):
         pole = 2.0 * np.pi * swing.frequency * complex(-swing.damping_ratio, 1.0)
         turn = np.exp(pole * step)
         # Exact where the acceleration goes straight from row to row.
         now = (turn - 1.0 - pole * step) / (pole**2 * step)
         before = (1.0 - turn + turn * pole * step) / (pole**2 * step)
-        for first, past in itertools.pairwise(starts):
-            own = acceleration[first:past].astype(complex)
-            out[first:past, k] = -lfilter([now, before], [1.0, -turn], own, zi=[-now * own[0]])[0].imag
+        driven, free = np.empty(time.size), np.zeros((time.size, 2 * longest.size))
+        for i, (first, past) in enumerate(itertools.pairwise(starts)):
+            own = pull[first:past]
+            driven[first:past] = -lfilter([now, before], [1.0, -turn], own, zi=[-now * own[0]])[0].imag
+            if i in longest:
+                place = 2 * int(np.searchsorted(longest, i))
+                going = np.exp(pole * (time[first:past] - time[first]))
+                free[first:past, place : place + 2] = np.column_stack([going.real, going.imag])
+        out[:, k] = np.column_stack([driven, free])[::every]
     out /= np.maximum(np.sqrt(np.mean(np.square(out), axis=0)), 1e-300)
     return out
+
+
+def _range(gap: Gap) -> tuple[float, float]:
+    turns = float(np.max(np.diff(_starts(gap)))) * _step(gap)
+    return max(SLOWEST, FEWEST_TURNS / turns), min(FASTEST, IN_BAND * gap.chain.band)
+
+
+def _step(gap: Gap) -> float:
+    return float(np.median(np.diff(gap.chain.time)))
+
+
+def _starts(gap: Gap) -> Integers:
+    # Where stretches of rows without a gap begin, and past the last.
+    time = gap.chain.time
+    breaks = np.flatnonzero(np.diff(time) > GAP * _step(gap)) + 1
+    return np.concatenate([[0], breaks, [time.size]])

@@ -56,7 +56,7 @@ def steady_tone(gap: Gap, joint: int, residual: Floats) -> tuple[Tone, float] | 
     course[place[clear]] = residual[clear] - np.mean(residual[clear])
     power = np.abs(np.fft.rfft(course * np.hanning(course.size), FINER * course.size))
     frequency = np.fft.rfftfreq(FINER * course.size, step)
-    slowest = FEWEST_TURNS / (course.size * step)
+    slowest = FEWEST_TURNS / (time.size * step)
     if frequency[-1] <= slowest:
         return None
     strongest = float(frequency[np.argmax(np.where(frequency >= slowest, power, 0.0))])

@@ -85,7 +85,7 @@ def test_a_hum_is_no_give_of_the_transmission(monkeypatch: pytest.MonkeyPatch) -
     diagnosis = diagnosed(300084)
     assert diagnosis.verdict is Verdict.UNEXPLAINED
     assert ("drive.elasticity", "axis") not in named(diagnosis)
-    monkeypatch.setattr("mjfriction.diagnose.compete.unheard", lambda model: [])
+    monkeypatch.setattr("mjfriction.diagnose.compete.new_oscillations", lambda model: [])
     monkeypatch.setattr("mjfriction.diagnose.verdict.coloured_share", lambda *_: 0.0)
     assert diagnosed(300084).verdict is not Verdict.UNEXPLAINED
 
@@ -112,7 +112,7 @@ def test_a_hum_is_heard_beside_causes_and_is_none(
     diagnosis = diagnosed(seed)
     assert named(diagnosis) == found
     assert f"a steady tone of {tone} Hz" in diagnosis.summary
-    monkeypatch.setattr("mjfriction.diagnose.compete.unheard", lambda model: [])
+    monkeypatch.setattr("mjfriction.diagnose.compete.new_oscillations", lambda model: [])
     assert named(diagnosed(seed)) != found
 
 

@@ -14,9 +14,11 @@ from mjfriction.diagnose.causes.waves import Cogging
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.model import Chosen, build_model
 from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.oscillations import unheard
+from mjfriction.diagnose.oscillations import new_oscillations
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.identify.colour import NOTHING
 from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.swing import Swing
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Effect, Instant, Machine, write_case
@@ -33,8 +35,8 @@ def cogging(instant: Instant) -> np.ndarray:
     return 3.0 * np.cos(12.0 * instant.q)
 
 
-def sloshing(instant: Instant) -> np.ndarray:
-    """A load that swings at 0.42 Hz, driven by the joint's acceleration."""
+def sloshing(instant: Instant, moved: float = 0.0) -> np.ndarray:
+    """A load that swings at 0.42 Hz, driven by the joint's acceleration; ``moved`` is by how much it does already."""
     omega = 2.0 * np.pi * 0.42
 
     def slope(t: float, state: np.ndarray) -> tuple[float, float]:
@@ -42,7 +44,7 @@ def sloshing(instant: Instant) -> np.ndarray:
         return state[1], -pull - 0.05 * omega * state[1] - omega**2 * state[0]
 
     span = (instant.time[0], instant.time[-1])
-    solved = solve_ivp(slope, span, (0.0, 0.0), t_eval=instant.time, max_step=0.02, rtol=1e-6)
+    solved = solve_ivp(slope, span, (moved, 0.0), t_eval=instant.time, max_step=0.02, rtol=1e-6)
     return 5.0 * solved.y[0] / np.std(solved.y[0])
 
 
@@ -65,11 +67,11 @@ def test_a_tone_is_heard_once_beside_a_cause_that_is_real_and_one_that_is_none(t
     delay = Chosen(JointDelay(), Site(ELBOW))
     waves = Chosen(Cogging(), Site(ELBOW, shape=(12.0,)))
     for cause in (delay, waves):
-        [tone] = unheard(build_model(gap, make_nuisance(gap), (cause,)))
+        [tone] = new_oscillations(build_model(gap, make_nuisance(gap), (cause,)))
         assert tone.joint == ELBOW
         assert tone.frequency == pytest.approx(FREQUENCY, abs=2e-3)
     heard = build_model(gap, make_nuisance(gap, [tone]), (waves,))
-    assert unheard(heard) == []
+    assert new_oscillations(heard) == []
     left = [gap.rms(heard.heldout_residual(oscillations=heard_too)[:, ELBOW], ELBOW) for heard_too in (False, True)]
     assert left[0] < 1.2 * gap.noise_floor[ELBOW]
     assert left[1] == pytest.approx(6.0 / np.sqrt(2.0), rel=0.05)
@@ -78,8 +80,8 @@ def test_a_tone_is_heard_once_beside_a_cause_that_is_real_and_one_that_is_none(t
 def test_waves_along_the_stroke_are_no_tone(tmp_path: Path) -> None:
     gap = gap_of_machine(tmp_path, Machine(hidden={ELBOW: cogging}))
     waves = Chosen(Cogging(), Site(ELBOW, shape=(12.0,)))
-    assert unheard(build_model(gap, make_nuisance(gap), (waves,))) == []
-    assert unheard(build_model(gap, make_nuisance(gap), ())) == []
+    assert new_oscillations(build_model(gap, make_nuisance(gap), (waves,))) == []
+    assert new_oscillations(build_model(gap, make_nuisance(gap), ())) == []
 
 
 def test_a_hum_is_left_open_and_named(tmp_path: Path) -> None:
@@ -106,7 +108,7 @@ def test_a_cause_under_a_louder_hum_is_found_and_alone(tmp_path: Path, monkeypat
     assert [(one.cause, one.joint) for one in found.findings] == [("drive.cogging", "elbow_joint")]
     assert found.verdict is Verdict.UNEXPLAINED
     assert [entry.covariate for entry in found.remaining] == ["a steady tone of 4.74 Hz"]
-    monkeypatch.setattr("mjfriction.diagnose.compete.unheard", lambda model: [])
+    monkeypatch.setattr("mjfriction.diagnose.compete.new_oscillations", lambda model: [])
     deaf = diagnosed(tmp_path, machine)
     assert [(one.cause, one.joint) for one in deaf.findings] != [("drive.cogging", "elbow_joint")]
 
@@ -122,7 +124,18 @@ def test_a_load_that_swings_is_left_open_and_named(tmp_path: Path, monkeypatch: 
     elbow = next(error for error in found.joints if error.joint == "elbow_joint")
     assert elbow.rms_heldout_after == pytest.approx(5.0, rel=0.1)
     monkeypatch.setattr("mjfriction.diagnose.oscillations._loudest_swing", lambda *_: None)
-    assert "swings" not in diagnosed(tmp_path, machine).summary
+    assert [entry.covariate for entry in diagnosed(tmp_path, machine).remaining] == [NOTHING]
+
+
+def test_a_load_that_swings_when_the_log_begins_is_one_load(tmp_path: Path) -> None:
+    gap = gap_of_machine(tmp_path, Machine(hidden={ELBOW: lambda i: sloshing(i, moved=2.0)}))
+    model = build_model(gap, make_nuisance(gap), ())
+    [swing] = new_oscillations(model)
+    assert isinstance(swing, Swing)
+    assert swing.frequency == pytest.approx(0.42, rel=0.01)
+    beside = build_model(gap, make_nuisance(gap, [swing]), ())
+    assert new_oscillations(beside) == []
+    assert gap.rms(beside.heldout_residual()[:, ELBOW], ELBOW) < 1.2 * gap.noise_floor[ELBOW]
 
 
 def test_a_cause_under_a_load_that_swings_is_found_and_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -135,14 +148,21 @@ def test_a_cause_under_a_load_that_swings_is_found_and_alone(tmp_path: Path, mon
 
 
 @pytest.mark.parametrize(
-    "hidden",
+    ("hidden", "mistaken"),
     [
-        lambda i: 0.4 * i.a,  # a rotor's inertia
-        lambda i: 20.0 * i.q,  # a spring
-        lambda i: 6.0 * i.v * np.abs(i.v),
-        lambda i: np.interp(i.time - 0.02, i.time, i.rigid) - i.rigid,  # a delay
+        (lambda i: 1.5 * i.a, True),  # a rotor's inertia
+        (lambda i: 20.0 * i.q, False),  # a spring
+        (lambda i: 60.0 * i.v * np.abs(i.v), False),
+        (lambda i: np.interp(i.time - 0.2, i.time, i.rigid) - i.rigid, False),  # a delay
     ],
 )
-def test_what_a_cause_makes_is_no_load_that_swings(hidden: Effect, tmp_path: Path) -> None:
+def test_what_a_cause_makes_is_no_load_that_swings(
+    hidden: Effect, mistaken: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     gap = gap_of_machine(tmp_path, Machine(hidden={ELBOW: hidden}))
-    assert unheard(build_model(gap, make_nuisance(gap), ())) == []
+    model = build_model(gap, make_nuisance(gap), ())
+    assert gap.rms(model.heldout_residual()[:, ELBOW], ELBOW) > 2.0 * gap.noise_floor[ELBOW]
+    assert new_oscillations(model) == []
+    if mistaken:
+        monkeypatch.setattr("mjfriction.diagnose.oscillations.RESONANT", np.inf)
+        assert new_oscillations(model) != []
