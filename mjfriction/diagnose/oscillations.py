@@ -49,10 +49,8 @@ def new_oscillations(model: Model) -> list[Source]:
             still = _with_spring_and_rotor(reading, joint)
             bar = (QUIETER if reading is model else INSTEAD) * left
             swinging = min(bar, RESONANT * _power(still.heldout_residual()[:, joint], weight))
-            for source, most in (
-                (_loudest_tone(reading, joint), bar),
-                (_loudest_swing(reading, still, joint), swinging),
-            ):
+            tone, swing = _loudest_tone(reading, joint), _loudest_swing(reading, still, joint)
+            for source, most in ((tone, bar), (swing, swinging)):
                 if source is None:
                     continue
                 beside = _beside(reading, source)
