@@ -27,27 +27,16 @@ from mjfriction.robot.robot import Robot
 PAGE = Path(__file__).resolve().parent.parent / "docs/long_logs.md"
 MINUTES = (70.0 / 60.0, 10.0, 60.0)
 RATE = 500.0
-ONE_CORE = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 HOME = np.array([0.0, -1.2, 1.0, 0.0, 0.6, 0.0])
 NOISE = 0.3  # N·m
 LOADED = 0.1  # of the Coulomb level, that a newton metre of load adds
 DIAGNOSE = "from mjfriction.cli.main import run; run()"
-ALONE = """
-import sys, time
-from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.record.readers import read_log
-from mjfriction.robot.files import read_robot
-begun = time.perf_counter()
-diagnose_log(read_log(sys.argv[1]), read_robot("ur5"))
-print(time.perf_counter() - begun)
-"""
 
 TEXT = """# Long logs
 
 Written by `python -m scripts.long_logs` on one machine of {cores} cores, of which a diagnosis uses one. A UR5, sums of
 sines on all six axes, 500 Hz, with friction that grows with the load of its elbow. Time and memory are those of
-`mjfriction diagnose`, its start, the report page and the recording included; of the shortest log's time, reading and
-diagnosing it take {alone:.1f} s.
+`mjfriction diagnose`, its start, the report page and the recording included.
 
 {table}
 
@@ -88,7 +77,7 @@ def diagnosed(minutes: float) -> Cost:
         log, out = write_log(read_robot("ur5"), minutes, Path(folder)), Path(folder) / "out"
         command = [sys.executable, "-c", DIAGNOSE, "diagnose", str(log), "--robot", "ur5", "--out", str(out)]
         begun = time.perf_counter()
-        child = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=ONE_CORE)
+        child = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env={**os.environ, "OMP_NUM_THREADS": "1"})
         assert child.stdout is not None
         said = child.stdout.read()
         _, status, usage = os.wait4(child.pid, 0)
@@ -99,15 +88,7 @@ def diagnosed(minutes: float) -> Cost:
         return Cost(minutes, time.perf_counter() - begun, usage.ru_maxrss * 1024 / 1e6, found)
 
 
-def seconds_alone(minutes: float) -> float:
-    """Return what reading and diagnosing a log take, without the program's start and what it writes."""
-    with tempfile.TemporaryDirectory() as folder:
-        log = write_log(read_robot("ur5"), minutes, Path(folder))
-        command = [sys.executable, "-c", ALONE, str(log)]
-        return float(subprocess.run(command, check=True, capture_output=True, text=True, env=ONE_CORE).stdout)
-
-
-def page(costs: list[Cost], alone: float) -> str:
+def page(costs: list[Cost]) -> str:
     """Return the page."""
     lines = ["| log | samples | time, s | memory, MB | found |", "|---|---:|---:|---:|---|"]
     for cost in costs:
@@ -118,7 +99,6 @@ def page(costs: list[Cost], alone: float) -> str:
     span = last.minutes - first.minutes
     return TEXT.format(
         cores=os.cpu_count(),
-        alone=alone,
         table="\n".join(lines),
         per_minute=(last.megabytes - first.megabytes) / span,
         seconds_per_minute=(last.seconds - first.seconds) / span,
@@ -126,6 +106,6 @@ def page(costs: list[Cost], alone: float) -> str:
 
 
 if __name__ == "__main__":
-    text = page([diagnosed(minutes) for minutes in MINUTES], seconds_alone(MINUTES[0]))
+    text = page([diagnosed(minutes) for minutes in MINUTES])
     PAGE.write_text(text, encoding="utf-8")
     print(text)
