@@ -19,7 +19,7 @@ from mjfriction.record.log import Floats
 
 MOST_JOINTS = 0.75  # share of joints whose changes are typical
 EXACT = 0.01  # of the stated friction: typical change of the other joints up to which a robot is stated exactly
-RIGHT = 0.005  # the same, so that links are right too; drawn robots that are off reached 0.6 %
+RIGHT = 0.005  # the same, up to which links are right too
 FEWEST_JOINTS = 3  # that can say so
 AS_GOOD = 1.02  # of what refitted links leave at any joint, that one cause may leave in their place
 

@@ -12,7 +12,7 @@ from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Source, make_nuisance
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
-from mjfriction.identify.swing import Swing, courses, swings
+from mjfriction.identify.swing import Swing, courses, shown_swings
 from mjfriction.identify.tone import Tone, steady_tone, waves
 from mjfriction.record.log import Floats
 
@@ -65,12 +65,11 @@ def new_oscillations(model: Model) -> list[Source]:
 def told_oscillations(model: Model) -> list[Structure]:
     """Return what oscillates at each joint, and its share of what is left there: structure that no cause explains."""
     gap, out = model.gap, []
+    courses_left = model.heldout_residual(), model.heldout_residual(oscillations=True)
     for joint in dict.fromkeys(source.joint for source in model.nuisance.sources):
         if _size(model, joint) > LEAST_TOLD * _effort(gap, joint):
             weight = model.system.rows.weight[:, joint]
-            clean, whole = (
-                _power(model.heldout_residual(oscillations=left)[:, joint], weight) for left in (False, True)
-            )
+            clean, whole = (_power(course[:, joint], weight) for course in courses_left)
             words = " and ".join(source.words for source in model.nuisance.sources if source.joint == joint)
             out.append(Structure(gap.robot.joints[joint], words, 1.0 - clean / whole))
     return out
@@ -141,7 +140,8 @@ def _loudest_swing(model: Model, still: Model, joint: int) -> Swing | None:
     # The swing that takes most off what is left at a joint that may be sprung and heavier too, tuned in their place.
     gap = model.gap
     every = max(1, gap.chain.time.size // SCREENED_ROWS)
-    tried = swings(gap, joint)
+    shown = shown_swings(gap)
+    tried = shown.swings(joint)
     if not tried:
         return None
     _, gains = still.system.screen({joint: courses(gap, tried, every)}, every)
@@ -149,7 +149,7 @@ def _loudest_swing(model: Model, still: Model, joint: int) -> Swing | None:
 
     def lost(place: Floats) -> float:
         swing = Swing(joint, *map(float, np.exp(place)))
-        return -float(model.system.screen({joint: courses(gap, [swing])})[1][0]) if swing.shown_by(gap) else np.inf
+        return -float(model.system.screen({joint: courses(gap, [swing])})[1][0]) if shown.holds(swing) else np.inf
 
     start = np.log([best.frequency, best.damping_ratio])
     around = start + np.array([[0.0, 0.0], [best.damping_ratio, 0.0], [0.0, 0.5]])

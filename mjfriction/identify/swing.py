@@ -47,25 +47,38 @@ class Swing:
         """
         return courses(gap, [self])[:, 0]
 
-    def shown_by(self, gap: Gap) -> bool:
-        """Return whether a log can show it: it turns often enough, within the rows' band, and its resonance spans two
-        overtones of a motion that repeats, or it may be anything that moves as one of them.
-        """
-        slowest, fastest = _range(gap)
-        period, width = gap.blocks.period, 2.0 * self.damping_ratio * self.frequency
-        inside = slowest * (1.0 - SLACK) <= self.frequency <= fastest * (1.0 + SLACK)
-        sharp = DAMPING_RATIOS[0] / BROADER <= self.damping_ratio <= DAMPING_RATIOS[-1] * BROADER
-        return inside and sharp and (period is None or width * period > FEWEST_LINES)
+
+@dataclass(frozen=True)
+class Shown:
+    """What a log can show of loads that swing: those between two frequencies (Hz), and, where its motion repeats after
+    ``period`` (s), of a resonance that spans two of its overtones: else it may be anything that moves as one of them.
+    """
+
+    slowest: float
+    fastest: float
+    period: float | None
+
+    def holds(self, swing: Swing) -> bool:
+        """Return whether a swing is among them."""
+        inside = self.slowest * (1.0 - SLACK) <= swing.frequency <= self.fastest * (1.0 + SLACK)
+        sharp = DAMPING_RATIOS[0] / BROADER <= swing.damping_ratio <= DAMPING_RATIOS[-1] * BROADER
+        width = 2.0 * swing.damping_ratio * swing.frequency
+        return inside and sharp and (self.period is None or width * self.period > FEWEST_LINES)
+
+    def swings(self, joint: int) -> list[Swing]:
+        """Return those of a joint, as close as their resonances are sharp."""
+        out = []
+        for ratio in DAMPING_RATIOS if self.fastest > self.slowest else ():
+            count = 1 + int(np.ceil(np.log(self.fastest / self.slowest) / (APART * ratio)))
+            tried = np.geomspace(self.slowest, self.fastest, count)
+            out += [Swing(joint, float(frequency), ratio) for frequency in tried]
+        return [one for one in out if self.holds(one)]
 
 
-def swings(gap: Gap, joint: int) -> list[Swing]:
-    """Return the swings at a joint that a log can show, as close as their resonances are sharp."""
-    slowest, fastest = _range(gap)
-    tried = []
-    for ratio in DAMPING_RATIOS if fastest > slowest else ():
-        count = 1 + int(np.ceil(np.log(fastest / slowest) / (APART * ratio)))
-        tried += [Swing(joint, float(frequency), ratio) for frequency in np.geomspace(slowest, fastest, count)]
-    return [one for one in tried if one.shown_by(gap)]
+def shown_swings(gap: Gap) -> Shown:
+    """Return which loads that swing a log can show: they turn often enough in it, within the rows' band."""
+    longest = float(np.max(np.diff(_starts(gap)))) * _step(gap)
+    return Shown(max(SLOWEST, FEWEST_TURNS / longest), min(FASTEST, IN_BAND * gap.chain.band), gap.blocks.period)
 
 
 def courses(gap: Gap, tried: list[Swing], every: int = 1) -> Floats:
@@ -96,11 +109,6 @@ def courses(gap: Gap, tried: list[Swing], every: int = 1) -> Floats:
         out[:, k] = np.column_stack([driven, free])[::every]
     out /= np.maximum(np.sqrt(np.mean(np.square(out), axis=0)), 1e-300)
     return out
-
-
-def _range(gap: Gap) -> tuple[float, float]:
-    turns = float(np.max(np.diff(_starts(gap)))) * _step(gap)
-    return max(SLOWEST, FEWEST_TURNS / turns), min(FASTEST, IN_BAND * gap.chain.band)
 
 
 def _step(gap: Gap) -> float:

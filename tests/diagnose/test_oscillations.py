@@ -16,9 +16,11 @@ from mjfriction.diagnose.model import Chosen, build_model
 from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.oscillations import new_oscillations
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.diagnose.verdict import beside_oscillations
 from mjfriction.identify.colour import NOTHING
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.identify.swing import Swing
+from mjfriction.identify.tone import Tone
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Effect, Instant, Machine, write_case
@@ -111,6 +113,16 @@ def test_a_cause_under_a_louder_hum_is_found_and_alone(tmp_path: Path, monkeypat
     monkeypatch.setattr("mjfriction.diagnose.compete.new_oscillations", lambda model: [])
     deaf = diagnosed(tmp_path, machine)
     assert [(one.cause, one.joint) for one in deaf.findings] != [("drive.cogging", "elbow_joint")]
+
+
+def test_what_is_left_beside_a_hum_is_known_as_unexplained(tmp_path: Path) -> None:
+    def brake(instant: Instant) -> np.ndarray:
+        return 4.0 * np.sin(2.0 * np.pi * 0.05 * instant.time**1.3) * np.tanh(instant.v / 0.01)
+
+    for hidden, left in ((hum, False), (lambda i: hum(i) + brake(i), True)):
+        gap = gap_of_machine(tmp_path, Machine(hidden={ELBOW: hidden}))
+        model = build_model(gap, make_nuisance(gap, [Tone(ELBOW, FREQUENCY)]), ())
+        assert (ELBOW in beside_oscillations(model, model.heldout_residual())) == left
 
 
 def test_a_load_that_swings_is_left_open_and_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from mjfriction.identify.gap import Gap, measure_gap
-from mjfriction.identify.swing import Swing, courses, swings
+from mjfriction.identify.swing import Swing, courses, shown_swings
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Machine, write_case
@@ -67,7 +67,7 @@ def test_what_a_drive_reports_late_swings_late(gap: Gap) -> None:
 
 
 def test_those_that_are_tried_leave_no_resonance_between_them(gap: Gap) -> None:
-    columns = courses(gap, swings(gap, ELBOW))[:, :, 0]
+    columns = courses(gap, shown_swings(gap).swings(ELBOW))[:, :, 0]
     for frequency, ratio in ((0.411, 0.02), (0.487, 0.05)):
         course = Swing(ELBOW, frequency, ratio).columns(gap)[:, 0]
         alike = np.square(columns.T @ course) / np.sum(np.square(columns), axis=0) / np.sum(np.square(course))
@@ -77,19 +77,22 @@ def test_those_that_are_tried_leave_no_resonance_between_them(gap: Gap) -> None:
 def test_where_a_motion_repeats_each_spans_two_overtones(gap: Gap) -> None:
     def narrowest(period: float | None) -> float:
         repeated = replace(gap, blocks=replace(gap.blocks, period=period))
-        return min((2.0 * swing.damping_ratio * swing.frequency for swing in swings(repeated, ELBOW)), default=np.inf)
+        return min(
+            (2.0 * swing.damping_ratio * swing.frequency for swing in shown_swings(repeated).swings(ELBOW)),
+            default=np.inf,
+        )
 
     assert narrowest(None) < 0.01
     assert narrowest(40.0) > 2.0 / 40.0
     assert narrowest(10.0) > 2.0 / 10.0
     assert narrowest(0.5) == np.inf
     repeated = replace(gap, blocks=replace(gap.blocks, period=10.0))
-    assert Swing(ELBOW, 1.2, 0.09).shown_by(repeated)
-    assert not Swing(ELBOW, 1.2, 0.05).shown_by(repeated)
+    assert shown_swings(repeated).holds(Swing(ELBOW, 1.2, 0.09))
+    assert not shown_swings(repeated).holds(Swing(ELBOW, 1.2, 0.05))
 
 
 def test_a_log_of_many_short_pieces_shows_no_swing(gap: Gap) -> None:
     piece = np.arange(gap.chain.time.size) // 200
     pieces = replace(gap, chain=replace(gap.chain, time=gap.chain.time + 30.0 * piece))
-    assert swings(gap, ELBOW)[0].frequency < 0.5
-    assert all(swing.frequency > 10.0 / 5.0 for swing in swings(pieces, ELBOW))
+    assert shown_swings(gap).swings(ELBOW)[0].frequency < 0.5
+    assert all(swing.frequency > 10.0 / 5.0 for swing in shown_swings(pieces).swings(ELBOW))
