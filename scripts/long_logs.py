@@ -29,7 +29,7 @@ MINUTES = (70.0 / 60.0, 10.0, 60.0)
 RATE = 500.0
 HOME = np.array([0.0, -1.2, 1.0, 0.0, 0.6, 0.0])
 NOISE = 0.3  # N·m
-LOADED = 0.1  # of the Coulomb level, that a newton metre of load adds
+LOADED = 0.015  # of the Coulomb level, that a newton metre of load adds
 DIAGNOSE = "from mjfriction.cli.main import run; run()"
 
 TEXT = """# Long logs

@@ -23,7 +23,9 @@ STANDARD_GRAVITY = (0.0, 0.0, -9.81)
 
 @dataclass(frozen=True)
 class Load:
-    """A rigid mass held by the robot: kg, centre of mass in the parent link's frame (m), and that link's name."""
+    """A rigid mass held by the robot: kg, centre of mass in the parent link's frame (m), and the name of that
+    link or of the joint that moves it.
+    """
 
     mass: float
     com: tuple[float, float, float]
@@ -56,9 +58,11 @@ class Body:
         """The rotors' inertia at the joints, (joints,): kg·m², or kg on sliding joints."""
         return np.array(self.model.armature)[list(self.columns)]
 
-    def link_holding(self, frame: str) -> str:
-        """Return the link, by the name of its joint, that a body frame of the model is fixed to."""
-        found = self.model.frames[self.model.getFrameId(frame, pin.FrameType.BODY)]
+    def link_holding(self, parent: str) -> str:
+        """Return the link, by the name of its joint, that a payload's ``parent`` is or is fixed to."""
+        found = _link_frame(self.model, parent)
+        if found is None:
+            raise RobotError(f"the model has neither a link nor a joint '{parent}'")
         return str(self.model.names[found.parentJoint])
 
 
@@ -228,14 +232,23 @@ def _native_messages_dropped() -> Iterator[None]:
 
 
 def _append(model: pin.Model, payload: Load, path: Path) -> None:
-    names = [frame.name for frame in model.frames]
-    if payload.parent not in names:
+    frame = _link_frame(model, payload.parent)
+    if frame is None:
+        names = [frame.name for frame in model.frames]
         raise RobotError(
-            f"{path}: payload parent '{payload.parent}' is no link of the model{suggestion(payload.parent, names)}"
+            f"{path}: payload parent '{payload.parent}' is no link of the model, nor a joint of it"
+            f"{suggestion(payload.parent, names)}"
         )
-    frame = model.frames[model.getFrameId(payload.parent, pin.FrameType.BODY)]
     point = pin.Inertia(payload.mass, np.array(payload.com), np.zeros((3, 3)))
     model.appendBodyToJoint(frame.parentJoint, point, frame.placement)
+
+
+def _link_frame(model: pin.Model, name: str) -> pin.Frame | None:
+    # The frame of a link by its own name, or by that of the joint which moves it or would, were it not held.
+    links = [frame for frame in model.frames if frame.type == pin.FrameType.BODY]
+    named = [frame for frame in links if frame.name == name]
+    moved = [frame for frame in links if model.frames[frame.parentFrame].name == name]
+    return next(iter(named + moved), None)
 
 
 def _limits(model: pin.Model, joints: Sequence[str], bounds: Floats, absent: float) -> Floats:

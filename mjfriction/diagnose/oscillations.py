@@ -19,6 +19,7 @@ from mjfriction.record.log import Floats
 QUIETER = 0.5  # of the mean square that is left, that is left beside an oscillation
 INSTEAD = 0.75  # of it, that is left beside one in the place of causes
 RESONANT = 0.75  # of what a spring and a rotor leave, that is left beside a load that swings
+PLAINER = 0.9  # of what a steady tone leaves, that is left beside a load that swings
 LOUD = 0.3  # of what is left with or without causes, that a tone must be to be tried
 FINER = 10  # frequencies that are tried for one that the length of the log can tell apart
 MOST_AT_A_JOINT = 3
@@ -55,7 +56,9 @@ def new_oscillations(model: Model) -> list[Source]:
                     continue
                 beside = _beside(reading, source)
                 rest = _power(beside.heldout_residual()[:, joint], weight)
-                if rest < min(least, most) and _size(beside, joint) > LEAST_TOLD * _effort(gap, joint):
+                plainer = isinstance(source, Swing) and isinstance(loudest, Tone)
+                enough = min(most, least * (PLAINER if plainer else 1.0))
+                if rest < enough and _size(beside, joint) > LEAST_TOLD * _effort(gap, joint):
                     loudest, least = source, rest
         if loudest is not None:
             out.append(loudest)

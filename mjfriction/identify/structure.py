@@ -11,6 +11,7 @@ from mjfriction.identify.regression import Rows, System
 from mjfriction.record.log import Floats
 
 KNOTS = 14
+CLOSEST = 1e-6  # of a covariate's range, that knots are apart: what rests is at rest to the last digit
 COVARIATES = ("velocity", "position", "acceleration", "effort", "load", "time")
 
 
@@ -60,7 +61,8 @@ def curve_share(gap: Gap, joint: int, values: Floats, residual: Floats) -> float
     if noise == 0.0:
         return 0.0
     weight = 1.0 / np.sqrt(noise**2 + np.square(gap.doubt[:, [joint]]))
-    knots = np.unique(np.quantile(values, np.linspace(0.0, 1.0, KNOTS)))
+    knots = np.quantile(values, np.linspace(0.0, 1.0, KNOTS))
+    knots = knots[np.diff(knots, prepend=-np.inf) > CLOSEST * np.ptp(values)]
     hats = np.column_stack([np.interp(values, knots, row) for row in np.eye(knots.size)])
     precision = np.full(knots.size, 1e-2 / noise**2)
     normal = System(Rows(residual[:, [joint]], weight, gap.blocks.row), [{0: hats}], [precision]).normal

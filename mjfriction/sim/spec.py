@@ -17,7 +17,9 @@ Spec = mujoco.MjSpec
 
 @dataclass(frozen=True)
 class PointLoad:
-    """A point mass held by the robot: kg, its place in the parent body's frame (m), and that body's name."""
+    """A point mass held by the robot: kg, its place in the parent body's frame (m), and the name of that body or of the
+    joint that moves it.
+    """
 
     mass: float
     com: tuple[float, float, float]
@@ -64,6 +66,7 @@ def read_spec(
     for name in joints:
         if name not in names:
             raise SimulationError(f"{path}: there is no joint '{name}' in the model{suggestion(name, names)}")
+    carrier = _link(spec, payload.parent, path) if payload is not None else None
     _hold(spec, set(names) - set(joints))
     for key, named in (("link_inertia", link_inertia), ("link_shift", link_shift), ("link_scale", link_scale)):
         for name in named or {}:
@@ -73,17 +76,22 @@ def read_spec(
         _put_in_place(spec.joint(name), link)
     for name, shift in (link_shift or {}).items():
         _shift_centre(spec.joint(name).parent, np.array(shift), path)
-    if payload is not None:
-        parent = spec.body(payload.parent)
-        if parent is None:
-            raise SimulationError(f"{path}: payload: there is no body '{payload.parent}' in the model")
+    if payload is not None and carrier is not None:
         # The body stays in the parent's frame: a spec takes a place left out of `ipos` from `pos`.
-        parent.add_body(name="payload", ipos=payload.com, mass=payload.mass, inertia=[0.0] * 3, explicitinertial=True)
+        carrier.add_body(name="payload", ipos=payload.com, mass=payload.mass, inertia=[0.0] * 3, explicitinertial=True)
     for name, scale in (link_scale or {}).items():
         _scale_link(spec.joint(name), scale, path)
     for name, inertia in (rotor_inertia or {}).items():
         spec.joint(name).armature += inertia
     return spec
+
+
+def _link(spec: mujoco.MjSpec, name: str, path: Path) -> mujoco.MjsBody:
+    # A body by its own name, or by that of the joint which moves it.
+    for link in (spec.body(name), *(joint.parent for joint in spec.joints if joint.name == name)):
+        if link is not None:
+            return link
+    raise SimulationError(f"{path}: payload: there is no body or joint '{name}' in the model")
 
 
 def _hold(spec: mujoco.MjSpec, names: set[str]) -> None:

@@ -54,6 +54,21 @@ def test_payload_links_and_gravity_are_built_in_alike() -> None:
     assert compare(changed(robot, joint=robot.table.joint[:4], link_scale={})) < 1e-9  # the last two held at zero
 
 
+@pytest.mark.parametrize("count", [6, 5])  # the last joint moves, or is held
+def test_a_payload_is_on_a_link_or_on_what_a_joint_moves(count: int) -> None:
+    bare = read_robot("ur5")
+    some = changed(bare, joint=bare.table.joint[:count])
+    held = [
+        changed(some, payload=Payload(mass=1.2, com=(0.01, 0.02, 0.05), parent=parent))
+        for parent in ("wrist_3_link", "wrist_3_joint")
+    ]
+    assert all(compare(robot) < 1e-9 for robot in held)
+    state = np.linspace(-1.0, 1.0, count)[None]
+    by_link, by_joint, none = (inverse_dynamics(r.body(), state, 0 * state, 0 * state) for r in (*held, some))
+    np.testing.assert_array_equal(by_link, by_joint)
+    assert np.max(np.abs(by_link - none)) > 1.0
+
+
 HEAVY = LinkInertia(mass=3.1, com=(0.02, -0.01, 0.3), inertia=(0.12, 0.11, 0.02, 0.003, -0.002, 0.001))
 # A link of two bodies, its joint away from the body's origin, its axes turned.
 JOINTED = """<mujoco><compiler angle="radian"/><worldbody><body name="a" pos="0 0 1" euler="0.2 0.1 0">
@@ -124,5 +139,5 @@ def test_friction_waves_go_onto_the_level() -> None:
 
 def test_a_body_that_is_not_there_is_named() -> None:
     robot = changed(read_robot("ur5"), payload=Payload(mass=1.0, parent="hand"))
-    with pytest.raises(SimulationError, match="no body 'hand'"):
+    with pytest.raises(SimulationError, match="no body or joint 'hand'"):
         robot_spec(robot)
