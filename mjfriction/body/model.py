@@ -58,6 +58,13 @@ class Body:
         """The rotors' inertia at the joints, (joints,): kg·m², or kg on sliding joints."""
         return np.array(self.model.armature)[list(self.columns)]
 
+    def on_link(self, parent: str, point: Floats, link: str) -> Floats:
+        """Return a ``point`` (m) of a payload's ``parent`` frame in the frame of the ``link`` it is fixed to, (3,)."""
+        held, own = _link_frame(self.model, parent), _link_frame(self.model, link)
+        if held is None or own is None or held.parentJoint != own.parentJoint:
+            raise RobotError(f"'{parent}' is not fixed to link '{link}' of the model")
+        return np.asarray(own.placement.actInv(held.placement.act(np.asarray(point, dtype=np.float64))))
+
     def link_holding(self, parent: str) -> str:
         """Return the link, by the name of its joint, that a payload's ``parent`` is or is fixed to."""
         found = _link_frame(self.model, parent)

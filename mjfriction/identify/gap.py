@@ -37,7 +37,10 @@ from mjfriction.robot.rubbing import forward_share, resting_level
 
 DOUBT_SPEED = 0.02  # of a joint's RMS speed: below it no law can be told from its own rounding at zero
 CLEAR = 0.1  # of a row's window that may be in doubt for the row to count as clear
-FEWEST_CLEAR, ENOUGH_CLEAR = 0.2, 200  # of a joint's rows, and rows: with fewer than both it is judged on all of them
+FEWEST_CLEAR, ENOUGH_CLEAR = (
+    0.2,
+    50,
+)  # of a joint's rows, and rows: with fewer than both it is judged on that share
 HOPELESS = 1e6  # times the effort, that a row may be off by which says nothing
 FILTER_PERIODS = 8.0  # of a low-pass's band, after which it has forgotten
 SAMPLES_PER_PERIOD = 8.0  # of the position filter's cutoff, that show the motion
@@ -304,7 +307,8 @@ def _held_against(
     doubt = np.where(spoilt, HOPELESS * np.nanmax(np.abs(measured)), doubt)
     floor = np.array(noise) * chain.noise_gain
     clear = (touched < CLEAR) & (felt <= floor) & ~spoilt
-    clear[:, (np.mean(clear, axis=0) < FEWEST_CLEAR) & (np.sum(clear, axis=0) < ENOUGH_CLEAR)] = True
+    few = (np.mean(clear, axis=0) < FEWEST_CLEAR) & (np.sum(clear, axis=0) < ENOUGH_CLEAR)
+    clear[:, few] |= (touched <= np.quantile(touched, FEWEST_CLEAR, axis=0))[:, few]
     return Gap(
         robot=robot,
         body=body,

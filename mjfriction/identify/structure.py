@@ -55,12 +55,14 @@ def covariate_rows(gap: Gap, joint: int, covariate: str) -> Floats:
 
 def curve_share(gap: Gap, joint: int, values: Floats, residual: Floats) -> float:
     """Return the share of a joint's ``residual`` (rows, joints), squared, that a smooth curve over ``values`` (rows,)
-    predicts on motion not fitted; noise gives 0 or a little less.
+    predicts on motion not fitted; noise gives 0 or a little less.  Only rows that are clear count: what a joint that
+    rests holds of its friction is one for each rest, and follows time or position as it will.
     """
     noise = gap.rms(residual[:, joint], joint)
     if noise == 0.0:
         return 0.0
-    weight = 1.0 / np.sqrt(noise**2 + np.square(gap.doubt[:, [joint]]))
+    clear = gap.clear[:, [joint]]
+    weight = clear / np.sqrt(noise**2 + np.square(gap.doubt[:, [joint]]))
     knots = np.quantile(values, np.linspace(0.0, 1.0, KNOTS))
     knots = knots[np.diff(knots, prepend=-np.inf) > CLOSEST * np.ptp(values)]
     hats = np.column_stack([np.interp(values, knots, row) for row in np.eye(knots.size)])

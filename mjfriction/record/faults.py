@@ -44,6 +44,14 @@ class Fault:
     span: tuple[float, float] | None = None
 
 
+def written_again(time: Floats, segment: NDArray[np.int64], columns: Mapping[str, Floats]) -> Mask:
+    """Return which rows are the row before once more, its time and all, (n,)."""
+    again = np.ones(max(time.size - 1, 0), dtype=bool)
+    for values in (time, segment, *columns.values()):
+        again &= values[1:] == values[:-1]
+    return np.append(False, again)
+
+
 def repeated_rows(columns: Mapping[str, Floats]) -> Mask:
     """Return which rows repeat earlier ones, many in a row and alike in every column, time left aside, (n,)."""
     table = np.ascontiguousarray(np.column_stack([columns[name] for name in sorted(columns)]))

@@ -6,7 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from mjfriction.record.faults import Fault, clipped, frozen, glitches, repeated_rows, spans, stuck
+from mjfriction.record.faults import (
+    Fault,
+    Mask,
+    clipped,
+    frozen,
+    glitches,
+    repeated_rows,
+    spans,
+    stuck,
+    written_again,
+)
 from mjfriction.record.log import CURRENT, EFFORT, POSITION, VELOCITY, Floats, Log
 from mjfriction.record.motion import HELD
 
@@ -16,8 +26,12 @@ MOST_CLIPPED = 0.5  # of a channel's samples; past that it is no recording of a 
 
 
 def without_repeats(log: Log) -> Log:
-    """Return the log without rows that repeat earlier ones, and with that said."""
-    repeated = repeated_rows(log.columns)
+    """Return the log without rows that repeat earlier ones, at once or a stretch of them later, and with that said."""
+    once = _without_repeated(log, written_again(log.time, log.segment, log.columns))
+    return _without_repeated(once, repeated_rows(once.columns))
+
+
+def _without_repeated(log: Log, repeated: Mask) -> Log:
     if not np.any(repeated):
         return log
     places = [(log.time[a], log.time[b - 1]) for a, b in spans(repeated)]

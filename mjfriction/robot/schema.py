@@ -290,7 +290,7 @@ class Joint(Table):
 
 
 class Payload(Table):
-    """A mass held by the arm: kg, and its centre (m) in the frame of the link named ``parent``, or moved by that joint."""
+    """A mass held by the arm: kg, and its centre (m) in the frame of the link ``parent``, or of what a joint so named moves."""
 
     mass: NonNegative
     com: Vector = (0.0, 0.0, 0.0)

@@ -279,6 +279,25 @@ def test_a_payload_is_weighed_and_placed(off: float, tmp_path: Path) -> None:
     assert payload.com == pytest.approx((0.0, 0.05, 0.03), abs=0.003)
 
 
+@pytest.mark.parametrize(
+    ("parent", "com"), [("wrist_3_joint", "[0.0, 0.05, 0.03]"), ("tool0", "[0.0, -0.03, -0.0323]")]
+)
+def test_a_payload_heavier_than_the_one_stated_is_found_wherever_it_is_stated(
+    parent: str, com: str, tmp_path: Path
+) -> None:
+    log, robot = write_case(tmp_path, Machine(change=heavier), seed=5)
+    text = robot.read_text(encoding="utf-8")
+    stated = f'payload = {{ mass = 0.25, com = {com}, parent = "{parent}" }}'
+    robot.write_text(text.replace("[[joint]]", f"{stated}\n[[joint]]", 1), encoding="utf-8")
+    diagnosis = diagnose_log(read_log(log), read_robot(robot))
+    assert names(diagnosis) == [("body.payload", None)]
+    payload = diagnosis.robot.table.payload
+    assert payload is not None
+    assert payload.parent == "wrist_3_link"
+    assert payload.mass == pytest.approx(0.6, rel=0.03)
+    assert payload.com == pytest.approx((0.0, 0.05, 0.03), abs=0.003)
+
+
 def a_few_percent_off(model: mujoco.MjModel) -> None:
     rng = np.random.default_rng(2)
     for body in range(1, model.nbody):

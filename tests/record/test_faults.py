@@ -53,6 +53,11 @@ def repeat(columns: Columns, *, clock_runs_on: bool) -> Columns:
     return out
 
 
+def write_again(columns: Columns) -> Columns:
+    rows = np.sort(np.r_[0:COUNT, 100, 700, 700, 701])
+    return {name: values[rows] for name, values in columns.items()}
+
+
 def stick(columns: Columns) -> Columns:
     held = columns[POSITION].copy()
     held[2000:2300] = held[2000]
@@ -80,18 +85,29 @@ def jolt(columns: Columns) -> Columns:
     [
         (lambda c: repeat(c, clock_runs_on=False), "data.duplicate", "5.6 s to 5.998 s (200 rows)"),
         (lambda c: repeat(c, clock_runs_on=True), "data.duplicate", "6 s to 6.398 s (200 rows)"),
+        (write_again, "data.duplicate", "0.2 s, 1.4 s, 1.402 s (4 rows)"),
         (stick, "data.stuck", f"{POSITION}, 4 s to 4.598 s"),
         (freeze, "data.stuck", f"{EFFORT}, 4 s to 4.598 s"),
         (clip, "data.saturation", EFFORT),
         (jolt, "data.glitch", f"{POSITION}, 3 s, 12.4 s"),
     ],
-    ids=["repeated", "repeated_later", "stuck_position", "stuck_effort", "clipped", "glitch"],
+    ids=["repeated", "repeated_later", "written_again", "stuck_position", "stuck_effort", "clipped", "glitch"],
 )
 def test_a_fault_is_found_in_its_place(damage: Callable[[Columns], Columns], kind: str, where: str) -> None:
     log = read(damage(recording()))
     (fault,) = log.faults
     assert fault.kind == kind
     assert fault.where.startswith(where)
+
+
+def test_rows_written_again_are_left_out_and_the_rest_stays_one_motion() -> None:
+    whole = recording()
+    log = read(write_again(whole))
+    np.testing.assert_array_equal(log.time, whole["time"])
+    np.testing.assert_array_equal(log.columns[EFFORT], whole[EFFORT])
+    assert np.unique(log.segment).size == 1
+    assert log.recorded is not None
+    assert log.recorded.size == COUNT + 4
 
 
 def test_a_slow_joint_that_is_stuck_jumps_to_where_it_has_gone() -> None:

@@ -9,6 +9,7 @@ from typing import final
 
 import numpy as np
 
+from mjfriction.body.model import Body
 from mjfriction.body.regressor import gravity_torques, tip_link, tip_mass_torques
 from mjfriction.diagnose.causes.cause import Cause, Quantity, Site
 from mjfriction.identify.gap import Gap
@@ -60,8 +61,9 @@ class Payload(_WholeArm):
 
     def sites(self, gap: Gap) -> list[Site]:
         """The whole arm, unless a payload is stated on another link already."""
-        stated = gap.robot.table.payload
-        return [] if stated is not None and stated.parent != tip_link(gap.body) else self.felt_most(gap)
+        stated, body = gap.robot.table.payload, gap.body
+        elsewhere = stated is not None and body.link_holding(stated.parent) != body.link_holding(tip_link(body))
+        return [] if elsewhere else self.felt_most(gap)
 
     def torques(self, gap: Gap) -> Floats:
         """Torques per mass and first moment."""
@@ -70,7 +72,7 @@ class Payload(_WholeArm):
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """Mass and first moments, stated plus change."""
-        mass, moment = _stated(gap.robot)
+        mass, moment = _stated(gap.robot, gap.body)
         first = Parameter("mass", "kg", "mass held at the flange", lower=0.0)
         rest = [Parameter(f"moment_{axis}", "kg·m", f"its first moment along {axis} of the flange") for axis in "xyz"]
         shifts = [mass, *moment]
@@ -78,22 +80,22 @@ class Payload(_WholeArm):
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """A payload has mass, and its centre near the flange."""
-        mass, moment = _stated(gap.robot)
+        mass, moment = _stated(gap.robot, gap.body)
         total = mass + strengths[0]
         return bool(total > 0.0 and np.linalg.norm(moment + strengths[1:]) < FARTHEST * total)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Put the payload into the robot, or change the one that is there."""
-        mass, moment = _stated(robot)
+        body = robot.body()
+        mass, moment = _stated(robot, body)
         total = float(mass + strengths[0])
         com = (moment + strengths[1:]) / total
-        parent = robot.table.payload.parent if robot.table.payload else tip_link(robot.body())
-        payload = PayloadTable(mass=total, com=(float(com[0]), float(com[1]), float(com[2])), parent=parent)
+        payload = PayloadTable(mass=total, com=(float(com[0]), float(com[1]), float(com[2])), parent=tip_link(body))
         return Robot(robot.table.model_copy(update={"payload": payload}), robot.folder)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give mass and centre."""
-        mass, moment = _stated(gap.robot)
+        mass, moment = _stated(gap.robot, gap.body)
         total = mass + strengths[0]
         centre = ", ".join(f"{value:.3g}" for value in (moment + strengths[1:]) / total)
         return (
@@ -143,9 +145,12 @@ class GravityDirection(_WholeArm):
         return f"all joints feel gravity {angle:.3g} degrees off its stated direction: the base is tilted"
 
 
-def _stated(robot: Robot) -> tuple[float, Floats]:
+def _stated(robot: Robot, body: Body) -> tuple[float, Floats]:
+    # Mass and first moment about the tip link's frame.
     payload = robot.table.payload
-    return (0.0, np.zeros(3)) if payload is None else (payload.mass, payload.mass * np.array(payload.com))
+    if payload is None:
+        return 0.0, np.zeros(3)
+    return payload.mass, payload.mass * body.on_link(payload.parent, np.array(payload.com), tip_link(body))
 
 
 def _across(gravity: Floats) -> Floats:
