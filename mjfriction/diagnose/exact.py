@@ -66,12 +66,13 @@ def level_changes(model: Model) -> dict[int, float]:
     """Return by how much each joint's friction is refitted, relative to what is stated, by joint."""
     full = model.strengths
     return {
-        level.site.joint: _relative(model.gap, level.site, full[2 * i : 2 * i + 2])
+        level.site.joint: relative_change(model.gap, level.site, full[2 * i : 2 * i + 2])
         for i, level in enumerate(model.nuisance.levels)
     }
 
 
-def _relative(gap: Gap, site: Site, strengths: Floats) -> float:
+def relative_change(gap: Gap, site: Site, strengths: Floats) -> float:
+    """Return the size of a change of a joint's level and damping (2,), relative to its stated friction."""
     change = STATED_LEVELS.samples(gap, site) @ strengths
     stated = float(np.sqrt(np.mean(np.square(gap.effort.friction[:, site.joint]))))
     return float(np.sqrt(np.mean(np.square(change)))) / max(stated, 1e-12)

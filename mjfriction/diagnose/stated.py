@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
+from mjfriction.diagnose.causes.varying import Warming, WarmUpDrift
 from mjfriction.diagnose.causes.waves import PositionFriction
-from mjfriction.diagnose.exact import EXACT, held_links, level_changes, typical
+from mjfriction.diagnose.exact import EXACT, held_links, level_changes, relative_change, typical
 from mjfriction.diagnose.field import Field, size
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.refusal import BENDING
@@ -21,6 +22,7 @@ LEAST_CHANGE = 0.04  # that counts on a robot stated exactly
 LEAST_CHANGE_ROUGH = 0.10  # that counts on a robot whose joints are all a little off, or that has too few to compare
 OUTLYING = 3.0  # times the typical change that it must be there besides
 ALWAYS = 0.25  # of the stated friction: a quarter off is a finding whatever the others are
+MOMENTS = 61  # of a course, its own length before and after it included, of which stated levels may be
 LINK_BAR = 2.0  # standard errors by which free link scales must help on motion not fitted
 
 
@@ -37,7 +39,8 @@ def settle(model: Model, field: Field) -> Settled:
 
     A level is a finding when it helps beyond chance and by enough to matter, and when its change stands out: more than
     4 % of the stated friction on a robot stated exactly, more than 10 % and than three times what is typical where the
-    other joints are a little off too, or a quarter in any case.  Where another cause does
+    other joints are a little off too, or a quarter in any case; where friction follows temperature or settles, none of
+    this at any moment of that course.  Where another cause does
     as much with fewer freedoms (a torque constant scales both levels alike), that cause takes its place and the level
     stays as stated.  Refitted links are held where one cause does as well and all else is stated exactly.
     """
@@ -53,7 +56,7 @@ def settle(model: Model, field: Field) -> Settled:
         elif trial.passes(field_size) and change[joint] > _bar(change, joint):
             rival = _simpler(held, trial, field)
             if rival is None:
-                if not _bent(model, joint):
+                if not _bent(model, joint) and not _of_another_time(model, level, _bar(change, joint)):
                     findings.append(trial.chosen)
             else:
                 model = build_model(held.gap, held.nuisance, (*held.chosen, rival))
@@ -71,6 +74,23 @@ def _bent(model: Model, joint: int) -> bool:
         and choice.cause.noteworthy(model.gap, choice.site, model.strengths[place])
         for choice, place in zip(model.chosen, model.places, strict=True)
     )
+
+
+def _of_another_time(model: Model, level: Chosen, bar: float) -> bool:
+    # Where friction follows temperature or settles, it is as stated at some moment, be it before or after the log: of
+    # which one the stated values are, warm or cold, is no error.
+    gap, joint = model.gap, level.site.joint
+    i = [one.site.joint for one in model.nuisance.levels].index(joint)
+    change = model.strengths[2 * i : 2 * i + 2]
+    for choice, place in zip(model.chosen, model.places, strict=True):
+        if choice.site.joint == joint and isinstance(choice.cause, Warming | WarmUpDrift):
+            course = choice.cause.course(gap, choice.site)
+            span = np.ptp(course)
+            moments = np.linspace(np.min(course) - span, np.max(course) + span, MOMENTS)
+            own = model.strengths[place]
+            if min(relative_change(gap, level.site, change + moment * own) for moment in moments) <= bar:
+                return True
+    return False
 
 
 def _simpler(held: Model, own: Trial, field: Field) -> Chosen | None:

@@ -290,7 +290,7 @@ class Joint(Table):
 
 
 class Payload(Table):
-    """A mass held by the arm: kg, and its centre (m) in the frame of the link ``parent``, or of what a joint so named moves."""
+    """A mass held by the arm: kg, and its centre (m) in the frame of ``parent``, a link or the joint that moves it."""
 
     mass: NonNegative
     com: Vector = (0.0, 0.0, 0.0)

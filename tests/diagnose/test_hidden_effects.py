@@ -24,7 +24,7 @@ from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.predict import predict_log
 from tests.hidden.closed_loop import record_closed_loop
-from tests.hidden.machine import UR5_JOINTS, Instant, Machine, bristle, record, write_case
+from tests.hidden.machine import UR5_COULOMB, UR5_JOINTS, UR5_VISCOUS, Instant, Machine, bristle, record, write_case
 
 
 @dataclass(frozen=True)
@@ -277,6 +277,24 @@ def test_a_payload_is_weighed_and_placed(off: float, tmp_path: Path) -> None:
     assert payload.parent == "wrist_3_link"
     assert payload.mass == pytest.approx(0.6, rel=0.03)
     assert payload.com == pytest.approx((0.0, 0.05, 0.03), abs=0.003)
+
+
+@pytest.mark.parametrize("by_temperature", [False, True])
+def test_stated_levels_may_be_those_of_a_warm_joint(by_temperature: bool, tmp_path: Path) -> None:
+    def cold(i: Instant) -> np.ndarray:
+        return 0.4 * np.exp(-i.time / 25.0) * (UR5_COULOMB[2] * np.sign(i.v) + UR5_VISCOUS[2] * i.v)
+
+    def cold_and_rough(i: Instant) -> np.ndarray:
+        return cold(i) + 0.5 * UR5_COULOMB[2] * np.sign(i.v)
+
+    ambient = {"temperature.elbow_joint": warmth} if by_temperature else {}
+    warm, rough = (
+        run(tmp_path / effect.__name__, Machine(hidden={2: effect}, ambient=ambient), seed=21)
+        for effect in (cold, cold_and_rough)
+    )
+    assert names(warm) == [("friction.temperature", "elbow_joint")]
+    # No moment of the warm-up has half of the level more and the damping as stated.
+    assert set(names(rough)) == {("friction.temperature", "elbow_joint"), ("friction.coulomb_viscous", "elbow_joint")}
 
 
 @pytest.mark.parametrize(
