@@ -12,6 +12,7 @@ from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.exact import EXACT, held_links, level_changes, relative_change, typical
 from mjfriction.diagnose.field import Field, size
 from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.nuisance import Level
 from mjfriction.diagnose.refusal import BENDING
 from mjfriction.diagnose.shapes import reshaped
 from mjfriction.diagnose.short_list import contenders
@@ -76,7 +77,7 @@ def _bent(model: Model, joint: int) -> bool:
     )
 
 
-def _of_another_time(model: Model, level: Chosen, bar: float) -> bool:
+def _of_another_time(model: Model, level: Level, bar: float) -> bool:
     # Where friction follows temperature or settles, it is as stated at some moment, be it before or after the log: of
     # which one the stated values are, warm or cold, is no error.
     gap, joint = model.gap, level.site.joint
