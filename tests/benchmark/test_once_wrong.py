@@ -9,7 +9,7 @@ import pyarrow as pa
 import pytest
 
 from mjfriction.benchmark.drawing import draw_case
-from mjfriction.diagnose import exact, untold
+from mjfriction.diagnose import exact, oscillations, untold
 from mjfriction.diagnose.causes.links import LoneLink
 from mjfriction.diagnose.causes.moved_link import EncoderOffset
 from mjfriction.diagnose.diagnosis import diagnose_log
@@ -114,6 +114,16 @@ def test_a_hum_is_heard_beside_causes_and_is_none(
     assert f"a steady tone of {tone} Hz" in diagnosis.summary
     monkeypatch.setattr("mjfriction.diagnose.compete.new_oscillations", lambda model: [])
     assert named(diagnosed(seed)) != found
+
+
+@pytest.mark.bench
+def test_a_hum_is_no_load_that_swings_beside_a_rotor(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Beside a rotor and a bristle that are none, a load that swings leaves half a percent less than the hum it is.
+    diagnosis = diagnosed(630023)
+    assert named(diagnosis) == {("friction.stribeck", "joint6")}
+    assert "a steady tone of 1.45 Hz" in diagnosis.summary
+    monkeypatch.setattr(oscillations, "PLAINER", 1.0)
+    assert ("drive.rotor_inertia", "joint4") in named(diagnosed(630023))
 
 
 @pytest.mark.bench
