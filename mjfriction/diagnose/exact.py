@@ -66,8 +66,8 @@ def level_changes(model: Model) -> dict[int, float]:
     """Return by how much each joint's friction is refitted, relative to what is stated, by joint."""
     full = model.strengths
     return {
-        level.site.joint: relative_change(model.gap, level.site, full[2 * i : 2 * i + 2])
-        for i, level in enumerate(model.nuisance.levels)
+        level.site.joint: relative_change(model.gap, level.site, full[model.nuisance.of_level(level.site.joint)])
+        for level in model.nuisance.levels
     }
 
 

@@ -41,9 +41,9 @@ def extend_robot(model: Model) -> Robot:
     for choice, place in zip(model.chosen, model.places, strict=True):
         if choice.cause.name == TorqueConstant.name:
             sensor[choice.site.joint] *= 1.0 + strengths[place][0]
-    for i, level in enumerate(nuisance.levels):
+    for level in nuisance.levels:
         joint = level.site.joint
-        coulomb, viscous = strengths[2 * i : 2 * i + 2] / sensor[joint]
+        coulomb, viscous = strengths[nuisance.of_level(joint)] / sensor[joint]
         robot = raised_levels(robot, robot.joints[joint], float(coulomb), float(viscous))
     for link, (scale, *shift) in zip(nuisance.links, model.link_changes.tolist(), strict=True):
         robot = shifted_link(scaled_link(robot, link.name, 1.0 + scale), link.name, shift)
@@ -59,14 +59,16 @@ def adjustments(model: Model, untold: Collection[Key]) -> list[Adjustment]:
     gap, strengths, widths = model.gap, model.strengths, half_widths(model)
     half = widths.nuisance
     out = []
-    for i, level in enumerate(model.nuisance.levels):
+    for level in model.nuisance.levels:
         joint = level.site.joint
+        place = model.nuisance.of_level(joint)
+        changes, spreads = strengths[place], half[place]
         sliding = gap.body.sliding[joint]
         stated = stated_levels(gap.robot.table.joint[joint])
         for k, name in enumerate(("coulomb", "viscous")):
             unit = COULOMB_VISCOUS.parameter(name).unit_for(sliding=sliding)
-            fitted = stated[k] + float(strengths[2 * i + k])
-            out.append(Adjustment(name, gap.robot.joints[joint], unit, stated[k], fitted, float(half[2 * i + k])))
+            fitted = stated[k] + float(changes[k])
+            out.append(Adjustment(name, gap.robot.joints[joint], unit, stated[k], fitted, float(spreads[k])))
     of_links = half[model.nuisance.of_links].reshape(-1, PER_LINK)
     for link, change, own in zip(model.nuisance.links, model.link_changes, of_links, strict=True):
         out += _moved_link(gap.robot, link.name, change, own)

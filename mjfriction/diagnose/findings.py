@@ -34,9 +34,7 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
     for choice in settled.levels:
         if choice.key in untold.keys:
             continue
-        joint = choice.site.joint
-        i = [level.site.joint for level in model.nuisance.levels].index(joint)
-        level = slice(2 * i, 2 * i + 2)
+        level = model.nuisance.of_level(choice.site.joint)
         found.append((choice, without_cause(model, choice), strengths[level], widths.nuisance[level]))
     findings = []
     unsure: list[tuple[float, Chosen, Chosen]] = []

@@ -153,16 +153,17 @@ class Model:
         for choice, place in zip((*self.chosen, candidate), (*self.places, slice(first, None)), strict=True):
             if choice.site.joint in taken:
                 taken[choice.site.joint] += choice.cause.taken_level(strengths[place])
-        for i, level in enumerate(self.nuisance.levels):
+        for level in self.nuisance.levels:
             joint = level.site.joint
             if joint not in joints:
                 continue
             stated = stated_levels(self.gap.robot.table.joint[joint])
             speed = float(np.sqrt(np.mean(np.square(self.gap.motion.velocity[:, joint]))))
-            coulomb = stated[0] + float(strengths[2 * i])
+            level_change, damping_change = strengths[self.nuisance.of_level(joint)]
+            coulomb = stated[0] + float(level_change)
             if taken[joint] > MOST_TAKEN * max(coulomb, 0.0):
                 return False
-            damping = (stated[1] + float(strengths[2 * i + 1])) * speed
+            damping = (stated[1] + float(damping_change)) * speed
             scale = abs(coulomb) + abs(damping)
             if coulomb < -BACKWARD_COULOMB * scale or damping < -BACKWARD_VISCOUS * scale:
                 return False

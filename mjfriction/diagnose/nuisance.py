@@ -94,6 +94,14 @@ class Nuisance:
         """How many columns."""
         return self.precision.size
 
+    def of_level(self, joint: int) -> slice:
+        """Return where the two strengths of a joint's levels stand.
+
+        Raises :class:`ValueError` where they are held.
+        """
+        i = [level.site.joint for level in self.levels].index(joint)
+        return slice(2 * i, 2 * i + 2)
+
     @property
     def of_links(self) -> slice:
         """Where the links' strengths stand, four for each."""

@@ -81,8 +81,7 @@ def _of_another_time(model: Model, level: Level, bar: float) -> bool:
     # Where friction follows temperature or settles, it is as stated at some moment, be it before or after the log: of
     # which one the stated values are, warm or cold, is no error.
     gap, joint = model.gap, level.site.joint
-    i = [one.site.joint for one in model.nuisance.levels].index(joint)
-    change = model.strengths[2 * i : 2 * i + 2]
+    change = model.strengths[model.nuisance.of_level(joint)]
     for choice, place in zip(model.chosen, model.places, strict=True):
         if choice.site.joint == joint and isinstance(choice.cause, Warming | WarmUpDrift):
             course = choice.cause.course(gap, choice.site)

@@ -308,7 +308,9 @@ def _held_against(
     floor = np.array(noise) * chain.noise_gain
     clear = (touched < CLEAR) & (felt <= floor) & ~spoilt
     few = (np.mean(clear, axis=0) < FEWEST_CLEAR) & (np.sum(clear, axis=0) < ENOUGH_CLEAR)
-    clear[:, few] |= (touched <= np.quantile(touched, FEWEST_CLEAR, axis=0))[:, few]
+    # What is spoilt comes last.
+    unclear = touched + spoilt
+    clear[:, few] |= (unclear <= np.quantile(unclear, FEWEST_CLEAR, axis=0))[:, few]
     return Gap(
         robot=robot,
         body=body,

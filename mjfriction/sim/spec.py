@@ -66,7 +66,8 @@ def read_spec(
     for name in joints:
         if name not in names:
             raise SimulationError(f"{path}: there is no joint '{name}' in the model{suggestion(name, names)}")
-    carrier = _link(spec, payload.parent, path) if payload is not None else None
+    # By a held joint too, which is gone in a moment.
+    loads = [] if payload is None else [(_link(spec, payload.parent, path), payload)]
     _hold(spec, set(names) - set(joints))
     for key, named in (("link_inertia", link_inertia), ("link_shift", link_shift), ("link_scale", link_scale)):
         for name in named or {}:
@@ -76,9 +77,9 @@ def read_spec(
         _put_in_place(spec.joint(name), link)
     for name, shift in (link_shift or {}).items():
         _shift_centre(spec.joint(name).parent, np.array(shift), path)
-    if payload is not None and carrier is not None:
+    for link, load in loads:
         # The body stays in the parent's frame: a spec takes a place left out of `ipos` from `pos`.
-        carrier.add_body(name="payload", ipos=payload.com, mass=payload.mass, inertia=[0.0] * 3, explicitinertial=True)
+        link.add_body(name="payload", ipos=load.com, mass=load.mass, inertia=[0.0] * 3, explicitinertial=True)
     for name, scale in (link_scale or {}).items():
         _scale_link(spec.joint(name), scale, path)
     for name, inertia in (rotor_inertia or {}).items():
@@ -91,7 +92,8 @@ def _link(spec: mujoco.MjSpec, name: str, path: Path) -> mujoco.MjsBody:
     for link in (spec.body(name), *(joint.parent for joint in spec.joints if joint.name == name)):
         if link is not None:
             return link
-    raise SimulationError(f"{path}: payload: there is no body or joint '{name}' in the model")
+    names = [one.name for one in (*spec.bodies, *spec.joints) if one.name]
+    raise SimulationError(f"{path}: payload: there is no body or joint '{name}' in the model{suggestion(name, names)}")
 
 
 def _hold(spec: mujoco.MjSpec, names: set[str]) -> None:

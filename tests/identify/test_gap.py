@@ -97,3 +97,14 @@ def test_robots_that_differ_in_what_they_report_are_predicted_each_as_it_is(demo
         robot = gap.robot.with_joint(coupled).with_joint(elbow.model_copy(update={"effort_sensor": sensor}))
         expected = gap.chain.rows(predict_effort(robot, robot.body(), gap.motion).reported)
         np.testing.assert_allclose(gap.predicted(robot), expected, atol=0.005 * np.max(np.abs(expected)))
+
+
+def test_what_is_spoilt_judges_no_joint_that_mostly_rests(demo: Log) -> None:
+    time, elbow = demo.time - demo.time[0], "position.elbow_joint"
+    rests, spoilt_from = time > 2.0, 0.45 * time[-1]
+    held = np.where(rests, demo.columns[elbow][np.argmax(rests)], demo.columns[elbow])
+    unusable = {"effort.elbow_joint": time > spoilt_from}
+    gap = measure_gap(replace(demo, columns={**demo.columns, elbow: held}, unusable=unusable), read_robot("ur5"))
+    judged = gap.chain.time[gap.clear[:, 2]] - demo.time[0]
+    assert judged.size > 50
+    assert np.max(judged) < spoilt_from + 0.5

@@ -141,3 +141,6 @@ def test_a_body_that_is_not_there_is_named() -> None:
     robot = changed(read_robot("ur5"), payload=Payload(mass=1.0, parent="hand"))
     with pytest.raises(SimulationError, match="no body or joint 'hand'"):
         robot_spec(robot)
+    robot = changed(read_robot("ur5"), payload=Payload(mass=1.0, parent="wrist_3"))
+    with pytest.raises(SimulationError, match=r"no body or joint 'wrist_3' .*did you mean 'wrist_3_(link|joint)'"):
+        robot_spec(robot)
