@@ -12,7 +12,7 @@ from mjfriction.diagnose.kin import fulfilled, with_kin
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
 from mjfriction.diagnose.oscillations import new_oscillations
-from mjfriction.diagnose.refusal import refused
+from mjfriction.diagnose.refusal import proved, refused
 from mjfriction.diagnose.shapes import reshaped
 from mjfriction.diagnose.short_list import SHORT_LIST, all_tried, fairly, ranked
 from mjfriction.diagnose.tangent import straightened
@@ -61,16 +61,48 @@ def _narrowed(field: Field, no_causes: list[Chosen]) -> Field:
 
 
 def _forward(gap: Gap, nuisance: Nuisance, field: Field, count: int, tell: Tell) -> Model:
-    model = build_model(gap, nuisance, ())
+    # What shows only while joints rest is set aside, and asked again when no other is left: every contact yields a
+    # little at a reversal, at every joint.
+    model, asked, anew = build_model(gap, nuisance, ()), field, True
     while len(model.chosen) < MOST_CAUSES:
         tell(f"searching for causes, {len(model.chosen)} so far", SEARCHED * (1.0 - FURTHER ** (1 + len(model.chosen))))
-        passing = _passing(model, field, count)
-        if not passing:
+        more, left = _one_more(model, asked, count)
+        if more is not None:
+            model, asked, anew = as_known(straightened(reshaped(more))), left, len(left) == len(field)
+        elif anew:
             break
-        best = _best(field, fairly(model, passing))
-        model = straightened(reshaped(build_model(model.gap, model.nuisance, (*model.chosen, best.chosen))))
-        model = as_known(model)
+        else:
+            asked, anew = field, True
     return model
+
+
+def _one_more(model: Model, field: Field, count: int) -> tuple[Model | None, Field]:
+    # The model with the best of the field that is proved, if any is, and the field without those that are not.
+    while passing := _passing(model, field, count):
+        trials = fairly(model, passing)
+        while trials:
+            best = _best(field, trials)
+            more = build_model(model.gap, model.nuisance, (*model.chosen, best.chosen))
+            if proved(more, best.chosen):
+                return _richer(model, best) or more, field
+            trials.remove(best)
+            field = _narrowed(field, [best.chosen])
+    return None, field
+
+
+def _richer(model: Model, trial: Trial) -> Model | None:
+    # The model with a cause of the same joint in its richer form, where that does as much as another cause beside it.
+    price = float(np.log(model.gap.blocks.count))
+    for choice in model.chosen:
+        if choice.cause.richer is None or choice.site.joint != trial.chosen.site.joint:
+            continue
+        whole = Chosen(choice.cause.richer(), choice.site)
+        normal = model.with_instead(choice, whole)
+        more = normal.precision.size - model.system.normal.precision.size
+        gain = np.sum(model.heldout_errors) - np.sum(normal.heldout_errors(model.gap.blocks.folds))
+        if gain - more * price > trial.merit - NO_DIFFERENCE:
+            return build_model(model.gap, model.nuisance, (*model.without(choice).chosen, whole))
+    return None
 
 
 def _best(field: Field, trials: list[Trial]) -> Trial:

@@ -134,13 +134,20 @@ class Model:
         columns, precision = cause_block(self.gap, choice)
         if choice.tangent is None:
             return self.system.extended(columns, precision)
-        blocks = [cause_block(self.gap, own) for own in self.chosen]
         rows = replace(self.system.rows, target=self.system.rows.target - choice.tangent.bend)
-        return System(
-            rows,
-            [self.nuisance.columns, *(block for block, _ in blocks), columns],
-            [self.known_of_nuisance, *(own for _, own in blocks), precision],
-        ).normal
+        return self._normal(rows, (*self.chosen, choice))
+
+    def with_instead(self, choice: Chosen, other: Chosen) -> Normal:
+        """Return the normal equations with another cause in a straight one's place, its strengths last, rows weighed as
+        they are.
+        """
+        rest = (one for one in self.chosen if one.key != choice.key)
+        return self._normal(self.system.rows, (*rest, other))
+
+    def _normal(self, rows: Rows, chosen: tuple[Chosen, ...]) -> Normal:
+        blocks = [cause_block(self.gap, own) for own in chosen]
+        columns = [self.nuisance.columns, *(block for block, _ in blocks)]
+        return System(rows, columns, [self.known_of_nuisance, *(own for _, own in blocks)]).normal
 
     def friction_is_physical(self, strengths: Floats, joints: list[int], candidate: Chosen) -> bool:
         """Return whether friction levels fitted with one more cause, its strengths last, work against the motion.

@@ -22,13 +22,16 @@ def refused(model: Model) -> list[Chosen]:
     beside another curve on their joint; efforts that seem early beside play; and delays of which only a part of the
     effort knows.
     """
-    unproved = [choice for choice in model.chosen if not _proved(model, choice)]
+    unproved = [choice for choice in model.chosen if not proved(model, choice)]
     return [*unproved, *_dissolved(model), *_of_landings(model), *_torn(model)]
 
 
-def _proved(model: Model, choice: Chosen) -> bool:
-    # A joint at rest holds its friction at any level below Coulomb's, for as long as it rests: many rows that say one
-    # thing.  What is seen there alone, and not while the joint moves, is no finding.  Rows count by how sure they are.
+def proved(model: Model, choice: Chosen) -> bool:
+    """Return whether a cause of a model gains on motion not fitted while joints move.
+
+    A joint at rest holds its friction at any level below Coulomb's, for as long as it rests: many rows that say one
+    thing.  What is seen there alone, and not while the joint moves, is no finding.  Rows count by how sure they are.
+    """
     gap, weight = model.gap, model.system.rows.weight
     before, after = model.without(choice).heldout_residual() * weight, model.heldout_residual() * weight
     moving = np.abs(gap.at_rows("velocity")) > gap.doubt_speed

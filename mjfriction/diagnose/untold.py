@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
 from mjfriction.diagnose.causes.varying import Step, WarmUpDrift
+from mjfriction.diagnose.exact import stated_exactly
 from mjfriction.diagnose.links_off import links_far_off
 from mjfriction.diagnose.model import Chosen, Key, Model, build_model, cause_block, partners
 from mjfriction.diagnose.stated import Settled
@@ -46,8 +47,9 @@ def find_untold(
     by joints, without oscillations), may be what larger causes leave that are told a little off.  And a course that no
     cause is, ``remaining``, can be told in part by many, a brake that drags as a warm-up; and what only spells out one
     of ``curves`` tells of nothing else.  A course over time that is small beside another on its joint is what that
-    other's form leaves.  A link is none where all links a few percent off, in all of their ten parameters, do as well.
-    The other half of a cause that is told was asked for by name, and is told too.
+    other's form leaves.  A link is none where all links a few percent off, in all of their ten parameters, do as well,
+    nor is a torque constant a few percent off on a robot that is so throughout.  The other half of a cause that is told
+    was asked for by name, and is told too.
     """
     model, strengths = settled.model, settled.model.strengths
     gap = model.gap
@@ -56,10 +58,12 @@ def find_untold(
     left = {gap.robot.joints.index(entry.joint): entry.share for entry in remaining}
     left = {joint: share for joint, share in left.items() if joint not in spelt | oscillating}
     left |= beside_oscillations(model, heldout)
+    exact = stated_exactly(model)
     common = {
         choice.key
         for choice, place in zip(model.chosen, model.places, strict=True)
         if not choice.cause.noteworthy(gap, choice.site, strengths[place])
+        or (choice.cause.usual(strengths[place]) and not exact)
     }
     small = {
         choice.key

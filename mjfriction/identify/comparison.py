@@ -112,7 +112,7 @@ def compare_robots(
             )
     begin = counting(tell, len(robots))
     begin(f"holding the log against {names[0]}")
-    gap = measure_gap(log, first)
+    gap = measure_gap(log, first, yielding=0.0)
     gaps = [gap]
     for name, robot in robots[1:]:
         begin(f"holding the log against {name}")

@@ -36,6 +36,7 @@ from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import forward_share, resting_level
 
 DOUBT_SPEED = 0.02  # of a joint's RMS speed: below it no law can be told from its own rounding at zero
+WITHIN = 0.9  # of a row's window that is in doubt for the row to lie within a rest
 CLEAR = 0.1  # of a row's window that may be in doubt for the row to count as clear
 FEWEST_CLEAR, ENOUGH_CLEAR = (
     0.2,
@@ -46,6 +47,8 @@ FILTER_PERIODS = 8.0  # of a low-pass's band, after which it has forgotten
 SAMPLES_PER_PERIOD = 8.0  # of the position filter's cutoff, that show the motion
 SAMPLES_OF_PIECE = 15  # at least
 KEPT_LATELY = 4  # robots whose torques are kept
+YIELDING = 1e-3  # of the stroke, that any contact gives before it slides
+LITTLE = 0.01  # of the stroke, that a joint moves between two turns if it rests, or settles
 DOUBT_PERIODS = 0.6  # of the position filter's cutoff: how far a sign change is blurred
 
 
@@ -68,7 +71,8 @@ class Gap:
     of friction near reversals and at rest may add to a row, same unit.  ``doubt_speed`` (joints,): the speed
     under which that is so.  ``blocks``: the stretches of motion the rows fall into.  ``per_reported``
     (joints,): effort per unit of what the drive reports, 1 or N·m/A.  ``filtered`` (joints,): the frequency (Hz) from
-    which on a drive has taken the rest of its effort, infinite where none did.  ``late`` (joints,) is by how much (s)
+    which on a drive has taken the rest of its effort, infinite where none did.  ``yielding``: the share of its stroke
+    that a joint's contact may yield after a rest.  ``late`` (joints,) is by how much (s)
     drives are taken to report later than is stated, in what is set beside the residual, and ``known`` what that is
     drawn with: the stated robot, or the one whose links weigh what, and are where, was found so far.
     """
@@ -88,6 +92,7 @@ class Gap:
     blocks: Blocks
     per_reported: Floats
     filtered: Floats
+    yielding: float
     late: Floats
     known: Known
 
@@ -251,8 +256,11 @@ class Gap:
         return motion_derivatives(self.known.body, linked.position, linked.velocity, linked.acceleration)
 
 
-def measure_gap(log: Log, robot: Robot) -> Gap:
+def measure_gap(log: Log, robot: Robot, *, yielding: float = YIELDING) -> Gap:
     """Hold a log against a robot.
+
+    ``yielding`` is the share of its stroke within which a joint's friction is in doubt where it has rested, or settles;
+    none where laws are fitted that say how friction builds up.
 
     Raises :class:`LogError` when the log is not of this robot, nothing moves, or it is too short;
     :class:`~mjfriction.errors.RobotError` when the robot's model cannot be read.
@@ -265,7 +273,7 @@ def measure_gap(log: Log, robot: Robot) -> Gap:
     torque = motion.torque * _per_reported(robot, motion)
     filtered = filtered_from(motion, effort, torque)
     chain = make_chain(motion, log.source, whole_below(filtered))
-    return _held_against(log, robot, body, motion, effort, chain, filtered)
+    return _held_against(log, robot, body, motion, effort, chain, filtered, yielding)
 
 
 def gap_of(robot: Robot, along: Gap) -> Gap:
@@ -273,7 +281,14 @@ def gap_of(robot: Robot, along: Gap) -> Gap:
     body = robot.body()
     robot = robot.with_stated_friction(body)
     return _held_against(
-        along.log, robot, body, along.motion, predict_effort(robot, body, along.motion), along.chain, along.filtered
+        along.log,
+        robot,
+        body,
+        along.motion,
+        predict_effort(robot, body, along.motion),
+        along.chain,
+        along.filtered,
+        along.yielding,
     )
 
 
@@ -283,7 +298,14 @@ def _per_reported(robot: Robot, motion: Motion) -> Floats:
 
 
 def _held_against(
-    log: Log, robot: Robot, body: Body, motion: Motion, effort: Effort, chain: Chain, filtered: Floats
+    log: Log,
+    robot: Robot,
+    body: Body,
+    motion: Motion,
+    effort: Effort,
+    chain: Chain,
+    filtered: Floats,
+    yielding: float,
 ) -> Gap:
     per_reported = _per_reported(robot, motion)
     # A drive that reports one value throughout has measured nothing; what one reports that holds its joint still may be
@@ -296,11 +318,12 @@ def _held_against(
         for i, (joint, quantity) in enumerate(zip(motion.joints, motion.quantity, strict=True))
     ]
     doubt_speed = np.maximum(motion.resting_speed, DOUBT_SPEED * np.sqrt(np.mean(np.square(motion.velocity), axis=0)))
-    touched = _touched(robot, motion, chain, doubt_speed)
+    touched = _touched(robot, motion, chain, doubt_speed, yielding)
     # What friction may be while its direction is unknown: what is stated, or, where that is not stated, as much as the
-    # residual leaves room for.
+    # residual leaves room for.  A joint that rests holds one such friction as long as it does: many rows say one thing.
     level = resting_level(robot, motion, effort.rigid, doubt_speed)
     doubt = touched * np.maximum(level, np.sqrt(np.mean(np.square(np.nan_to_num(residual)), axis=0)))
+    doubt *= np.sqrt(_rows_of_rests(touched, chain))
     felt, struck = blows(body, motion, chain, doubt_speed)
     doubt = doubt + felt
     spoilt = _unusable(log, motion, chain) | struck
@@ -327,6 +350,7 @@ def _held_against(
         blocks=cut_blocks(chain, chain.rows(motion.position), log.source),
         per_reported=per_reported,
         filtered=filtered,
+        yielding=yielding,
         late=np.zeros(len(motion.joints)),
         known=Known(robot, body, effort),
     )
@@ -345,16 +369,41 @@ def _unusable(log: Log, motion: Motion, chain: Chain) -> NDArray[np.bool_]:
     return out
 
 
-def _touched(robot: Robot, motion: Motion, chain: Chain, doubt_speed: Floats) -> Floats:
-    # How much of each row's window lies near a reversal or at rest, as late as the drive reports it.
+def _rows_of_rests(touched: Floats, chain: Chain) -> Floats:
+    # How many rows in a row lie within the rest that a row lies within, 1 for all others, (rows, joints).
+    out = np.ones_like(touched)
+    for j, own in enumerate(touched.T):
+        inside = own > WITHIN
+        starts = np.flatnonzero(np.diff(inside, prepend=False) | (np.diff(chain.piece, prepend=chain.piece[0]) != 0))
+        bounds = np.unique([0, *starts, inside.size])
+        length = np.repeat(np.diff(bounds), np.diff(bounds))
+        out[inside, j] = length[inside]
+    return out
+
+
+def _touched(robot: Robot, motion: Motion, chain: Chain, doubt_speed: Floats, yielding: float) -> Floats:
+    # How much of each row's window lies near a reversal or at rest, or just after one, as late as the drive reports it.
     reach = int(np.ceil(DOUBT_PERIODS * motion.rate / motion.cutoff))
     out = []
-    for joint, velocity, slow in zip(robot.table.joint, motion.velocity.T, doubt_speed, strict=True):
-        near = np.abs(velocity) < slow
+    courses = zip(robot.table.joint, motion.position.T, motion.velocity.T, doubt_speed, strict=True)
+    for joint, position, velocity, slow in courses:
         turns = np.flatnonzero(np.diff(np.sign(velocity)) != 0)
+        near = (np.abs(velocity) < slow) | _yielding(motion, position, turns, yielding)
         for shift in range(-reach, reach + 1):
             near[np.clip(turns + shift, 0, near.size - 1)] = True
         late = round(joint.effort_sensor.delay * motion.rate)
         sample = np.clip(np.arange(near.size) - late, 0, near.size - 1)
         out.append(chain.touched(near[sample]))
     return np.column_stack(out)
+
+
+def _yielding(motion: Motion, position: Floats, turns: NDArray[np.intp], share: float) -> NDArray[np.bool_]:
+    # Where a joint that rested, or is about to, has not moved as far from where it turned as its contact yields before
+    # it slides, (n,).  Turning as it swings to and fro takes less than the filter blurs.
+    begins = np.flatnonzero(np.diff(motion.piece, prepend=motion.piece[0] - 1))
+    starts = np.union1d(begins, turns + 1)
+    moved = np.abs(np.diff(position[np.append(starts, position.size - 1)]))
+    little = moved < LITTLE * np.ptp(position)
+    little |= np.append(True, little[:-1])  # the move before it
+    way = np.repeat(np.arange(starts.size), np.diff(np.append(starts, position.size)))
+    return np.asarray(little[way] & (np.abs(position - position[starts][way]) < share * np.ptp(position)))

@@ -57,7 +57,7 @@ def identify_log(
     """
     wanted = _wanted(law, robot)
     tell("measuring the gap", 0.0)
-    stated = measure_gap(log, robot)
+    stated = measure_gap(log, robot, yielding=0.0)
     found = _fit(stated, wanted, side, links=links, tell=tell)
     bandwidths = find_bandwidths(stated, found.robot)
     if bandwidths:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.polynomial import polynomial
 
 from mjfriction.laws.law import Floats
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import waves_along
 from mjfriction.robot.schema import Spring
+from mjfriction.robot.spring import coefficients
 
 TURNING = 1e-3  # rad/s or m/s over which the friction that another joint's motion makes turns over
 
@@ -27,8 +29,7 @@ class Passive:
         table = robot.table.joint
         self.cogging = [(i, joint.cogging) for i, joint in enumerate(table) if joint.cogging]
         self.ripple = [(i, joint.actuator.ripple) for i, joint in enumerate(table) if joint.actuator.ripple]
-        self.stiffness = np.array([joint.spring.stiffness for joint in table])
-        self.preload = np.array([joint.spring.preload for joint in table])
+        self.springs = np.column_stack([coefficients(joint.spring) for joint in table])
         shape = (len(table), len(table))
         self.coulomb, self.viscous, self.effort = np.zeros(shape), np.zeros(shape), np.zeros(shape)
         for i, joint in enumerate(table):
@@ -40,7 +41,7 @@ class Passive:
 
     def __call__(self, position: Floats, velocity: Floats, torque: Floats) -> Floats:
         """Return what stands against the drives at the joints, (joints,)."""
-        out = self.stiffness * position + self.preload
+        out = polynomial.polyval(position, self.springs, tensor=False)
         for i, waves in self.cogging:
             out[i] += waves_along(waves, position[i : i + 1])[0]
         for i, waves in self.ripple:

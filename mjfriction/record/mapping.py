@@ -18,6 +18,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from mjfriction.errors import LogError, suggestion
 from mjfriction.record.log import CURRENT, EFFORT, KNOWN, POSITION, SUPPLY_PRESSURE, TEMPERATURE, VELOCITY
+from mjfriction.record.ticks import TICKS, tick_of
 
 TIME, SEGMENT = "time", "segment"
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -51,8 +52,6 @@ SCALES: dict[str, dict[str, float]] = {
 }
 """What a unit in a column's name makes of its numbers, by the quantity that it can be a unit of."""
 PLAIN_UNITS = {"rad", "rads", "s", "sec", "m", "nm", "n", "a", "c", "celsius"}
-CLOCKS = (1.0, 1e-3, 1e-6, 1e-9)  # s a tick of a clock may be worth
-STEPS = (1e-4, 0.1)  # s, of logs that can be used
 UNITS = PLAIN_UNITS.union(*SCALES.values())
 GENERIC = {"joint", "joints", "link", "axis", "motor"}  # words of a joint's name that columns leave out
 
@@ -179,8 +178,7 @@ def clocked(guess: Mapping, table: pa.Table) -> Mapping:
     if not (pa.types.is_integer(column.type) or pa.types.is_floating(column.type)) or len(column) < 2:
         return guess
     step = float(np.nanmedian(np.diff(column.to_numpy())))
-    scale = next((scale for scale in CLOCKS if STEPS[0] <= step * scale <= STEPS[1]), 1.0)
-    return Mapping({**guess.sources, TIME: source.model_copy(update={"scale": scale})})
+    return Mapping({**guess.sources, TIME: source.model_copy(update={"scale": TICKS[tick_of(step)]})})
 
 
 def template(names: Sequence[str], joints: Sequence[str]) -> str:

@@ -19,10 +19,24 @@ from mjfriction.record.faults import (
 )
 from mjfriction.record.log import CURRENT, EFFORT, POSITION, VELOCITY, Floats, Log
 from mjfriction.record.motion import HELD
+from mjfriction.record.ticks import TICKS, tick_of
 
+SLOWEST_CLOCK = 1.0  # s, steps from which on no clock counts seconds: one in milliseconds makes them 1 kHz at most
 MOST_LISTED = 3  # places of one fault that are spelled out
 ENDS = 0.01  # of a joint's samples, at either end of its travel, that glitches may be
 MOST_CLIPPED = 0.5  # of a channel's samples; past that it is no recording of a torque
+
+
+def in_seconds(log: Log) -> Log:
+    """Return the log with its clock read in milli-, micro- or nanoseconds, and that said, where it ticks too slowly for
+    one in seconds.
+    """
+    step = float(np.median(np.diff(log.time)))
+    unit = tick_of(step)
+    if not step >= SLOWEST_CLOCK or unit == "seconds":
+        return log
+    fault = Fault("data.unit", "time", f"steps of {step:.4g} are none of seconds: read in {unit}")
+    return replace(log, time=log.time * TICKS[unit], faults=(*log.faults, fault))
 
 
 def without_repeats(log: Log) -> Log:

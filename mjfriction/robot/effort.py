@@ -22,6 +22,7 @@ from mjfriction.record.motion import Motion, smooth_derivatives
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import forward_share, friction_along, states_along, waves_along
 from mjfriction.robot.schema import EffortSensor, Joint
+from mjfriction.robot.spring import spring_along
 from mjfriction.robot.transmission import lag
 
 GIVING_ROUNDS = 2  # enough for what gives a few percent of the motion
@@ -50,7 +51,7 @@ def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
     friction = friction_along(robot, rubbing, rigid)
     total = np.empty_like(rigid)
     for i, joint in enumerate(robot.table.joint):
-        spring = joint.spring.stiffness * linked.position[:, i] + joint.spring.preload
+        spring = spring_along(joint.spring, linked.position[:, i])
         total[:, i] = rigid[:, i] + friction[:, i] + waves_along(joint.cogging, motor.position[:, i]) + spring
     alone = total.copy()
     for i, joint in enumerate(robot.table.joint):

@@ -161,10 +161,14 @@ class FrictionTerm(Table):
 
 
 class Spring(Table):
-    """A spring on a joint: ``stiffness`` · position + ``preload``."""
+    """A spring on a joint: ``preload`` + ``stiffness`` · q + ``quadratic`` · q² + ``cubic`` · q³, the last two for
+    balancers and hoses whose torque bends along the stroke.
+    """
 
     stiffness: Finite = 0.0
     preload: Finite = 0.0
+    quadratic: Finite = 0.0
+    cubic: Finite = 0.0
 
 
 class Thermal(Table):

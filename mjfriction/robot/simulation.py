@@ -8,6 +8,7 @@ from mjfriction.laws.friction import Friction, Level, friction
 from mjfriction.laws.position_dependent import POSITION_DEPENDENT
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Joint
+from mjfriction.robot.spring import coefficients
 from mjfriction.sim.spec import LinkMass, PointLoad, Spec, add_springs, read_spec
 
 BESIDE = (
@@ -43,7 +44,7 @@ def robot_spec(robot: Robot) -> Spec:
         link_shift=table.link_shift,
         rotor_inertia={j.name: j.actuator.rotor_inertia * j.actuator.gear_ratio**2 for j in table.joint},
     )
-    add_springs(spec, {joint.name: (joint.spring.stiffness, joint.spring.preload) for joint in table.joint})
+    add_springs(spec, {joint.name: coefficients(joint.spring) for joint in table.joint})
     return spec
 
 

@@ -9,10 +9,13 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
+from numpy.polynomial import Polynomial
 
 from mjfriction.errors import SimulationError, suggestion
+from mjfriction.laws.law import Floats
 
 Spec = mujoco.MjSpec
+REAL = 1e-9  # of a root's size, that its imaginary part may be
 
 
 @dataclass(frozen=True)
@@ -162,20 +165,29 @@ def _read(path: Path) -> mujoco.MjSpec:
         raise SimulationError(f"{path}: MuJoCo cannot read it: {' '.join(str(error).split())}") from None
 
 
-def add_springs(spec: mujoco.MjSpec, springs: Mapping[str, tuple[float, float]]) -> None:
-    """Add to joints the torque stiffness·q + preload that the drive works against, in place.
+def add_springs(spec: mujoco.MjSpec, springs: Mapping[str, Sequence[float] | Floats]) -> None:
+    """Add to joints the torque that the drive works against, a cubic of position each, in place.
 
-    Raises :class:`SimulationError` for a preload without stiffness, which MuJoCo's springs do not have.
+    ``springs`` gives the coefficients by joint, the constant first, (4,) N·m or N over powers of rad or m.  MuJoCo's
+    springs have no constant: each is drawn about a position where it is at rest.  Raises :class:`SimulationError` for
+    one that rests nowhere.
     """
-    for name, (stiffness, preload) in springs.items():
-        if stiffness == 0.0 and preload != 0.0:
+    for name, added in springs.items():
+        if not np.any(added):
+            continue
+        joint = spec.joint(name)
+        in_degrees = spec.compiler.degree and joint.type == mujoco.mjtJoint.mjJNT_HINGE
+        unit = 180.0 / np.pi if in_degrees else 1.0
+        displacement = Polynomial([-float(joint.springref) / unit, 1.0])
+        torque = Polynomial([0.0, *joint.stiffness])(displacement) + Polynomial(added)
+        roots = torque.trim().roots()
+        at_rest = roots[np.abs(roots.imag) <= REAL * np.abs(roots)].real
+        if not at_rest.size:
             raise SimulationError(
-                f"joint '{name}': a spring with a preload needs a stiffness in MuJoCo; give it a small one"
+                f"joint '{name}': MuJoCo's springs rest somewhere, and this one pushes one way wherever the joint is; "
+                "give a preload a small stiffness, or a bent spring a small cubic"
             )
-        if stiffness != 0.0:
-            joint = spec.joint(name)
-            in_degrees = spec.compiler.degree and joint.type == mujoco.mjtJoint.mjJNT_HINGE
-            unit = 180.0 / np.pi if in_degrees else 1.0
-            own, rest = float(joint.stiffness[0]), float(joint.springref) / unit
-            joint.stiffness[0] = own + stiffness
-            joint.springref = unit * (own * rest - preload) / (own + stiffness)
+        rest = float(at_rest[np.argmin(np.abs(at_rest))])
+        joint.springref = unit * rest
+        about_rest = torque(Polynomial([rest, 1.0])).coef[1:]
+        joint.stiffness = np.pad(about_rest, (0, joint.stiffness.size - about_rest.size))

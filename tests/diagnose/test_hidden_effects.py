@@ -423,9 +423,23 @@ def test_a_late_effort_is_timed(tmp_path: Path) -> None:
     assert delays.pop() == pytest.approx(0.02, rel=0.1)
 
 
+def test_a_torque_constant_a_few_percent_off_is_a_finding_on_an_exact_robot_only(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    machine = Machine(noise=0.1, hidden={1: lambda i: 0.03 * (i.rigid + i.friction)})
+    finding = ("drive.torque_constant", "shoulder_lift_joint")
+    assert names(run(tmp_path / "exact", machine, seed=21)) == [finding]
+    rough = run(tmp_path / "rough", machine, seed=21, off=0.05)
+    assert names(rough) == []
+    (factor,) = [entry.fitted for entry in rough.adjustments if entry.what == "factor"]
+    assert factor == pytest.approx(1.03, abs=0.01)
+    monkeypatch.setattr("mjfriction.diagnose.causes.torque_constant.USUALLY_OFF", 0.0)
+    assert finding in names(run(tmp_path / "told", machine, seed=21, off=0.05))
+
+
 def test_a_warm_up_of_two_time_constants_is_one_warm_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def warms(i: Instant) -> np.ndarray:
-        share = 0.6 * (1.0 - np.exp(-i.time / 3.0)) + 0.4 * (1.0 - np.exp(-i.time / 25.0))
+        share = 0.7 * (1.0 - np.exp(-i.time / 2.0)) + 0.3 * (1.0 - np.exp(-i.time / 25.0))
         return -5.5 * share * np.sign(i.v)
 
     machine = Machine(noise=0.1, hidden={2: warms})

@@ -13,7 +13,8 @@ from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.diagnose.stroke_curve import ALONG_STROKE
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
-from tests.hidden.machine import Effect, Machine, write_case
+from mjfriction.robot.spring import spring_along
+from tests.hidden.machine import Effect, Instant, Machine, write_case
 
 PAN = 0
 
@@ -39,6 +40,32 @@ def test_a_soft_stop_is_left_open(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert pan.rms_heldout_after < 0.6 * pan.rms_heldout_before
     monkeypatch.setattr(stroke_curve, "AS_GOOD", np.inf)
     assert diagnosed(tmp_path / "without", stop).verdict is Verdict.EXPLAINED
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        lambda i: 6.0 * (i.q - 0.3) + 9.0 * (i.q - 0.3) ** 3,  # a hose that stiffens
+        lambda i: 7.0 * np.sin(i.q + 0.9),  # a balancer on a lever, whose joint stands upright
+    ],
+)
+def test_a_torque_that_bends_along_the_whole_stroke_is_one_spring(tmp_path: Path, effect: Effect) -> None:
+    diagnosis = diagnosed(tmp_path, effect)
+    assert [(finding.cause, finding.joint) for finding in diagnosis.findings] == [("body.spring", "shoulder_pan_joint")]
+    assert diagnosis.verdict is Verdict.EXPLAINED
+    assert "bends along the stroke" in diagnosis.findings[0].evidence
+    (pan,) = [error for error in diagnosis.joints if error.joint == "shoulder_pan_joint"]
+    assert pan.rms_heldout_after < 1.1 * pan.noise_floor
+    position = diagnosis.gap.motion.position[:, PAN]
+    instant = Instant(position, position, position, position, position, position, position[:, None])
+    change = spring_along(diagnosis.robot.joint("shoulder_pan_joint").spring, position) - effect(instant)
+    assert np.sqrt(np.mean(np.square(change))) < 0.03 * np.std(effect(instant))
+
+
+def test_a_straight_spring_is_not_bent(tmp_path: Path) -> None:
+    (finding,) = diagnosed(tmp_path, lambda i: 9.0 * i.q).findings
+    assert finding.cause == "body.spring"
+    assert [parameter.name for parameter in finding.parameters] == ["stiffness", "preload"]
 
 
 def test_waves_of_a_gear_beside_a_spring_stay_what_they_are(tmp_path: Path) -> None:

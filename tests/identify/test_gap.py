@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log
 from mjfriction.robot.bandwidth import choose_cutoff
@@ -18,6 +18,7 @@ from mjfriction.robot.effort import predict_effort
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Coupling, EffortSensor, Payload
+from tests.hidden.machine import UR5_COULOMB, Machine, write_case
 
 
 @pytest.fixture(scope="module")
@@ -97,6 +98,36 @@ def test_robots_that_differ_in_what_they_report_are_predicted_each_as_it_is(demo
         robot = gap.robot.with_joint(coupled).with_joint(elbow.model_copy(update={"effort_sensor": sensor}))
         expected = gap.chain.rows(predict_effort(robot, robot.body(), gap.motion).reported)
         np.testing.assert_allclose(gap.predicted(robot), expected, atol=0.005 * np.max(np.abs(expected)))
+
+
+@pytest.fixture(scope="module")
+def pausing(tmp_path_factory: pytest.TempPathFactory) -> tuple[Log, Robot]:
+    machine = Machine(bristle_travel=6e-4, pauses=True, noise=0.05)
+    log, robot = write_case(tmp_path_factory.mktemp("pausing"), machine, seed=6, seconds=30.0)
+    return read_log(log), read_robot(robot)
+
+
+def test_a_rest_says_one_thing_however_long_it_is(pausing: tuple[Log, Robot], monkeypatch: pytest.MonkeyPatch) -> None:
+    def said() -> np.ndarray:
+        # What each rest of the elbow weighs, in units of one row that is in doubt by the whole level.
+        gap = measure_gap(*pausing)
+        speed = np.abs(gap.at_rows("velocity")[:, 2])
+        still = speed < 1e-2 * gap.doubt_speed[2]
+        runs = np.split(np.flatnonzero(still), np.flatnonzero(np.diff(np.flatnonzero(still)) > 1) + 1)
+        level = np.min(gap.doubt[still, 2])
+        return np.array([np.sum(np.square(level / gap.doubt[run, 2])) for run in runs if run.size > 5])
+
+    assert np.ptp(said()) < 0.5 * np.min(said())
+    monkeypatch.setattr("mjfriction.identify.gap._rows_of_rests", lambda touched, _: np.ones_like(touched))
+    assert np.max(said()) > 5.0
+
+
+def test_where_a_contact_yields_after_a_rest_no_row_is_clear(pausing: tuple[Log, Robot]) -> None:
+    def worst(gap: Gap) -> float:
+        return max(np.max(np.abs(gap.residual[gap.clear[:, j], j])) / UR5_COULOMB[j] for j in gap.examined)
+
+    assert worst(measure_gap(*pausing)) < 0.25
+    assert worst(measure_gap(*pausing, yielding=0.0)) > 0.5
 
 
 def test_what_is_spoilt_judges_no_joint_that_mostly_rests(demo: Log) -> None:

@@ -105,7 +105,7 @@ def test_a_spring_is_the_stated_torque() -> None:
     mujoco.mj_forward(model, data)
     assert data.qfrc_spring[2] == pytest.approx(-(8.0 * 0.7 + 4.0))
     loose = joint.model_copy(update={"spring": Spring(preload=4.0)})
-    with pytest.raises(SimulationError, match="needs a stiffness"):
+    with pytest.raises(SimulationError, match="pushes one way wherever"):
         robot_spec(robot.with_joint(loose))
 
 
@@ -116,12 +116,14 @@ def test_springs_add_to_the_models_own_in_either_unit() -> None:
             f'<joint name="j" stiffness="5" springref="{0.2 * unit}"/><geom size=".1"/></body></worldbody></mujoco>'
         )
         spec = mujoco.MjSpec.from_string(text)
-        add_springs(spec, {"j": (2.0, 1.0)})
+        add_springs(spec, {"j": (1.0, 2.0, -0.8, 0.5)})
         model = spec.compile()
         data = mujoco.MjData(model)
-        data.qpos[0] = 0.7
-        mujoco.mj_forward(model, data)
-        assert data.qfrc_spring[0] == pytest.approx(-(5.0 * (0.7 - 0.2) + 2.0 * 0.7 + 1.0))
+        for q in (0.7, -1.3):
+            data.qpos[0] = q
+            mujoco.mj_forward(model, data)
+            bent = -0.8 * q**2 + 0.5 * q**3
+            assert data.qfrc_spring[0] == pytest.approx(-(5.0 * (q - 0.2) + 1.0 + 2.0 * q + bent))
 
 
 def test_friction_waves_go_onto_the_level() -> None:

@@ -57,11 +57,9 @@ def test_force_error_is_the_published_one(
     stated = relative_error(log, read_robot(data / "emps/robot.toml"))
     extended = relative_error(log, read_robot(write_robot(estimation.robot, tmp_path)))
     assert extended < stated - 2.0
-    # On its own run it is the published figure; on the other it may be better: the force leads the motion by less than
-    # a sample, in both runs alike, which the published model does not know.
+    # It may be better, on the run it was not fitted to as well: the force leads the motion by less than a sample, and
+    # friction takes a quarter of a millimetre to turn over, in both runs alike, which the published model does not know.
     assert extended < published + 0.3
-    if run == "estimation":
-        assert extended == pytest.approx(published, abs=0.3)
 
 
 def test_force_leads_motion_by_less_than_a_sample_in_both_runs(estimation: Diagnosis, data: Path) -> None:

@@ -18,7 +18,7 @@ def test_friction_grows_with_the_load(data: Path, tmp_path: Path) -> None:
     diagnosis = diagnose_log(merge_logs(logs), xl330(tmp_path))
     (finding,) = diagnosis.findings
     assert (finding.cause, finding.joint) == ("friction.load", "hinge")
-    assert finding.gain.low > 0.3
+    assert finding.gain.low > 0.25
 
 
 PUBLISHED = 0.048  # rad: the published model with friction of the load added; Coulomb-viscous alone is 0.086 off

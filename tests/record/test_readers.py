@@ -98,6 +98,20 @@ def test_time_may_start_again_in_a_new_segment(tmp_path: Path) -> None:
     assert read_log(write(tmp_path, table)).segment.tolist() == [4] * 100 + [9] * 100
 
 
+@pytest.mark.parametrize(("worth", "unit"), [(1e-3, "milliseconds"), (1e-6, "microseconds"), (1e-9, "nanoseconds")])
+def test_a_clock_that_ticks_faster_than_seconds_is_read_as_that(tmp_path: Path, worth: float, unit: str) -> None:
+    table = columns()
+    plain = read_log(write(tmp_path, table))
+    fast = read_log(write(tmp_path, {**table, "time": table["time"] / worth}))
+    assert plain.faults == ()
+    np.testing.assert_allclose(fast.time, plain.time, rtol=1e-12)
+    (fault,) = fast.faults
+    assert (fault.kind, fault.where) == ("data.unit", "time")
+    assert unit in fault.action
+    slow = read_log(write(tmp_path, {**table, "time": 50.0 * table["time"]}))  # 0.5 s: too slow, but no other unit
+    assert slow.faults == ()
+
+
 def test_joints_are_held_against_the_robot(tmp_path: Path) -> None:
     log = read_log(write(tmp_path, columns()))
     check_joints(log, "arm", ("a",))

@@ -14,7 +14,7 @@ from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.causes.saturating_viscous import SaturatingViscous
-from mjfriction.diagnose.causes.spring import Spring
+from mjfriction.diagnose.causes.spring import BentSpring, Spring
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.causes.varying import Pressure, Step, Warming, WarmUpDrift
@@ -50,6 +50,7 @@ STRUCTURAL: tuple[Cause, ...] = (
     EncoderOffset(),
     Backlash(),
     Spring(),
+    BentSpring(),
     Payload(),
     LinkScale(),
     LinkCentre(),

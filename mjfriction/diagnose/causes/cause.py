@@ -67,6 +67,7 @@ class Cause(ABC):
     before_sensor: ClassVar[bool] = True  # whether the change passes the effort sensor's scale, as all torques do
     contains: ClassVar[tuple[str, ...]] = ()  # causes that are this one with a strength at zero: no rivals of theirs
     fuller: ClassVar[type[Cause] | None] = None  # the same with one strength more, asked for once it is found
+    richer: ClassVar[type[Cause] | None] = None  # the same with more strengths, in place of it and of another beside it
     kin: ClassVar[
         tuple[str, ...]
     ] = ()  # causes that are the other half of the same thing, asked for once this is found
@@ -98,6 +99,12 @@ class Cause(ABC):
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """Return whether the cause, once fitted, is a finding; else it is a value refitted along."""
         return True
+
+    def usual(self, strengths: Floats) -> bool:
+        """Return whether the change is within what such stated values are off by on any robot that is not stated
+        exactly, and so is no finding there: by default it is not.
+        """
+        return False
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
         """Return the range each shape parameter is searched in."""

@@ -19,6 +19,7 @@ from mjfriction.record.log import Floats
 from mjfriction.record.motion import smooth_derivatives
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import wave_slopes_along
+from mjfriction.robot.spring import spring_slope_along
 from mjfriction.robot.transmission import LOAD_BAND, coasting
 
 OFFSET = Parameter("offset", "{length}", "what the sensor reads where the joint is at zero")
@@ -101,7 +102,7 @@ class EncoderOffset(_MovedLink):
         # What goes along the stroke, springs and waves, stands elsewhere too; the motor is where its link is.
         out = super()._torques(gap, site)
         joint, position = gap.robot.table.joint[site.joint], gap.linked.position[:, site.joint]
-        out[:, site.joint] -= joint.spring.stiffness + wave_slopes_along(joint.cogging, position)
+        out[:, site.joint] -= spring_slope_along(joint.spring, position) + wave_slopes_along(joint.cogging, position)
         out[:, site.joint] -= gap.forward(site.joint) * wave_slopes_along(joint.friction_waves, position)
         return out
 

@@ -19,8 +19,8 @@ LEVEL = Parameter("presliding_level", "{force}", "part of the Coulomb level that
 TRAVEL = Parameter("presliding_travel", "{length}", "travel over which 63 % of the change builds up", lower=1e-9)
 SHORTEST = 2.0  # times the travel that a reversal's doubt covers: what builds up within it cannot be seen
 LONGEST = 0.2  # of the stroke
-LEAST_NOTED = 1e-3  # of the stroke: every contact gives that much before it slides, whatever its law
 SHAPES = 8
+LEAST_NOTED = 1e-3  # of the stroke: every contact gives that much before it slides, whatever its law
 LEAST_PART = 0.1  # of the joint's level that has to build up: a contact yields under all of it, not under a trace
 MOST_OF_LEVEL = 2.0  # times the stated level that may build up, for stated levels are off
 LEAST_LEVEL = 0.1  # of the joint's effort, that a level may be where none is stated

@@ -2,54 +2,94 @@
 
 from __future__ import annotations
 
-from typing import final
+from abc import abstractmethod
+from typing import ClassVar, final
 
 import numpy as np
+from numpy.polynomial import polynomial
 
 from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site
 from mjfriction.identify.gap import Gap
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Spring as SpringTable
+from mjfriction.robot.spring import coefficients
 
-STIFFNESS = Parameter("stiffness", "{force}/{length}", "torque per position")
 PRELOAD = Parameter("preload", "{force}", "torque at position zero")
+STIFFNESS = Parameter("stiffness", "{force}/{length}", "torque per position")
+QUADRATIC = Parameter("quadratic", "{force}/{length}²", "torque per position squared")
+CUBIC = Parameter("cubic", "{force}/{length}³", "torque per position cubed")
+LINEAR = ((1, STIFFNESS), (0, PRELOAD))
 
 
-@final
-class Spring(JointCause):
-    """k·q + b."""
+class _Spring(JointCause):
+    """A sum of powers of position."""
 
     name = "body.spring"
     covariate = "position"
     contains = ("drive.offset",)
+    parameters: ClassVar[tuple[tuple[int, Parameter], ...]]  # each power's, in the order of the strengths
 
     def samples(self, gap: Gap, site: Site) -> Floats:
-        """Position and one, (n, 2)."""
+        """The powers of position, (n, strengths)."""
         position = gap.motion.position[:, site.joint]
-        return np.column_stack([position, np.ones_like(position)])
+        return np.column_stack([position**power for power, _ in self.parameters])
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """Stiffness and preload, stated plus change."""
-        stated = gap.robot.table.joint[site.joint].spring
-        return (Quantity(STIFFNESS, shift=stated.stiffness), Quantity(PRELOAD, shift=stated.preload))
+        """The coefficients, stated plus change."""
+        stated = coefficients(gap.robot.table.joint[site.joint].spring)
+        return tuple(Quantity(parameter, shift=float(stated[power])) for power, parameter in self.parameters)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Add to the joint's spring."""
-        joint = robot.joints[site.joint]
-        table = robot.joint(joint)
-        spring = SpringTable(
-            stiffness=table.spring.stiffness + float(strengths[0]), preload=table.spring.preload + float(strengths[1])
-        )
-        return robot.with_joint(table.model_copy(update={"spring": spring}))
+        joint = robot.table.joint[site.joint]
+        added = {
+            parameter.name: getattr(joint.spring, parameter.name) + float(strength)
+            for (_, parameter), strength in zip(self.parameters, strengths, strict=True)
+        }
+        return robot.with_joint(joint.model_copy(update={"spring": joint.spring.model_copy(update=added)}))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give the torque over the stroke that was travelled."""
-        sliding = gap.body.sliding[site.joint]
-        low, high = np.quantile(gap.motion.position[:, site.joint], [0.02, 0.98])
-        ends = [strengths[1] + strengths[0] * end for end in (low, high)]
-        force, length = ("N", "m") if sliding else ("N·m", "rad")
+        position = gap.motion.position[:, site.joint]
+        low, high = np.quantile(position, [0.02, 0.98])
+        powers = np.zeros(1 + max(power for power, _ in self.parameters))
+        powers[[power for power, _ in self.parameters]] = strengths
+        force, length = ("N", "m") if gap.body.sliding[site.joint] else ("N·m", "rad")
+        return self.told(powers, float(low), float(high), force, length)
+
+    @abstractmethod
+    def told(self, powers: Floats, low: float, high: float, force: str, length: str) -> str:
+        """Say how a polynomial goes between two positions."""
+
+
+@final
+class BentSpring(_Spring):
+    """A cubic of position: a balancer on a lever, a hose that stiffens."""
+
+    parameters = (*LINEAR, (2, QUADRATIC), (3, CUBIC))
+
+    def told(self, powers: Floats, low: float, high: float, force: str, length: str) -> str:
+        """Give its ends and its middle."""
+        places = np.array([low, 0.5 * (low + high), high])
+        first, middle, last = polynomial.polyval(places, powers)
+        return (
+            f"a torque that follows position alone, and bends along the stroke, goes from {first:+.3g} {force} at "
+            f"{low:.3g} {length} over {middle:+.3g} at {places[1]:.3g} to {last:+.3g} at {high:.3g}, whichever way the "
+            "joint moves"
+        )
+
+
+@final
+class Spring(_Spring):
+    """k·q + b."""
+
+    parameters = LINEAR
+    richer = BentSpring
+
+    def told(self, powers: Floats, low: float, high: float, force: str, length: str) -> str:
+        """Give its ends."""
+        ends = polynomial.polyval(np.array([low, high]), powers)
         return (
             f"a torque that follows position alone goes from {ends[0]:+.3g} to {ends[1]:+.3g} {force} between "
             f"{low:.3g} and {high:.3g} {length}, whichever way the joint moves"

@@ -13,6 +13,7 @@ from mjfriction.robot.robot import Robot
 FACTOR = Parameter("factor", "1", "measured effort over the effort the model says", lower=0.0)
 
 MOST_OFF = 3.0
+USUALLY_OFF = 0.04  # by which a data sheet's constant is off: magnets spread, and weaken as they warm
 
 
 @final
@@ -34,6 +35,10 @@ class TorqueConstant(JointCause):
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """A factor of three or more, or a reversed sign, is a fault of units or wiring, not of a constant."""
         return bool(1.0 / MOST_OFF < 1.0 + strengths[0] < MOST_OFF)
+
+    def usual(self, strengths: Floats) -> bool:
+        """A few percent, as any motor's constant is off."""
+        return bool(abs(strengths[0]) < USUALLY_OFF)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Scale the effort sensor.

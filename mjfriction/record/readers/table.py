@@ -7,7 +7,7 @@ import pyarrow as pa
 
 from mjfriction.errors import LogError, suggestion
 from mjfriction.record.log import Floats, Integers, Log
-from mjfriction.record.repair import repaired, without_repeats
+from mjfriction.record.repair import in_seconds, repaired, without_repeats
 
 FEWEST_ROWS = 100
 
@@ -40,7 +40,8 @@ def log_from_table(table: pa.Table, source: str) -> Log:
             columns[name] = values
     time = columns.pop("time")
     segment = _segment(columns.pop("segment", None), time, source)
-    whole = without_repeats(Log(source=source, time=time, segment=segment, joints=joints, columns=columns))
+    log = in_seconds(Log(source=source, time=time, segment=segment, joints=joints, columns=columns))
+    whole = without_repeats(log)
     _check_time(whole.time, whole.segment, source)
     return repaired(whole)
 

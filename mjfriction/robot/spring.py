@@ -1,0 +1,24 @@
+"""What a joint's spring asks of its drive along the stroke."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.polynomial import polynomial
+
+from mjfriction.laws.law import Floats
+from mjfriction.robot.schema import Spring
+
+
+def coefficients(spring: Spring) -> Floats:
+    """Return the spring's torque as coefficients of a polynomial in position, the constant first, (4,)."""
+    return np.array([spring.preload, spring.stiffness, spring.quadratic, spring.cubic])
+
+
+def spring_along(spring: Spring, position: Floats) -> Floats:
+    """Return the torque, N·m or N, that the drive works against at positions (n,)."""
+    return np.asarray(polynomial.polyval(position, coefficients(spring)))
+
+
+def spring_slope_along(spring: Spring, position: Floats) -> Floats:
+    """Return how that torque changes with position, at positions (n,)."""
+    return np.asarray(polynomial.polyval(position, polynomial.polyder(coefficients(spring))))
