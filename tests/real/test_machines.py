@@ -57,8 +57,8 @@ def test_force_error_is_the_published_one(
     stated = relative_error(log, read_robot(data / "emps/robot.toml"))
     extended = relative_error(log, read_robot(write_robot(estimation.robot, tmp_path)))
     assert extended < stated - 2.0
-    # It may be better, on the run it was not fitted to as well: the force leads the motion by less than a sample, and
-    # friction takes a quarter of a millimetre to turn over, in both runs alike, which the published model does not know.
+    # It may be better, on the run it was not fitted to as well: in both the force leads the motion by less than a
+    # sample and friction takes a quarter of a millimetre to turn over, which the published model does not know.
     assert extended < published + 0.3
 
 
