@@ -63,7 +63,7 @@ def find_untold(
         choice.key
         for choice, place in zip(model.chosen, model.places, strict=True)
         if not choice.cause.noteworthy(gap, choice.site, strengths[place])
-        or (choice.cause.usual(strengths[place]) and not exact)
+        or (choice.cause.usual(gap, choice.site, strengths[place]) and not exact)
     }
     small = {
         choice.key

@@ -100,7 +100,7 @@ class Cause(ABC):
         """Return whether the cause, once fitted, is a finding; else it is a value refitted along."""
         return True
 
-    def usual(self, strengths: Floats) -> bool:
+    def usual(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """Return whether the change is within what such stated values are off by on any robot that is not stated
         exactly, and so is no finding there: by default it is not.
         """

@@ -12,6 +12,10 @@ from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 
+LEAST_NOTED = 0.04  # of the stated inertia, from which on it is a finding
+USUALLY_OFF = 0.08  # of it, that a stated one is off by where all else is off too
+LEAST_STATED = 1e-12  # kg·m² or kg
+
 ROTOR_INERTIA = Parameter("rotor_inertia", "kg·m²", "inertia of the rotor, at the motor", lower=0.0)
 
 
@@ -35,6 +39,19 @@ class RotorInertia(JointCause):
         """A rotor has no negative inertia."""
         actuator = gap.robot.table.joint[site.joint].actuator
         return bool(actuator.rotor_inertia + strengths[0] / actuator.gear_ratio**2 >= 0.0)
+
+    def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """From a few percent of the stated inertia on."""
+        return self._change(gap, site, strengths) > LEAST_NOTED
+
+    def usual(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """As far as a data sheet, which knows of no coupling and no gear, is off."""
+        return self._change(gap, site, strengths) < USUALLY_OFF
+
+    def _change(self, gap: Gap, site: Site, strengths: Floats) -> float:
+        # Relative to what is stated.
+        actuator = gap.robot.table.joint[site.joint].actuator
+        return abs(float(strengths[0])) / max(actuator.rotor_inertia * actuator.gear_ratio**2, LEAST_STATED)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move the rotor inertia of the joint's actuator."""

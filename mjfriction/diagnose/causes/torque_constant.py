@@ -36,7 +36,7 @@ class TorqueConstant(JointCause):
         """A factor of three or more, or a reversed sign, is a fault of units or wiring, not of a constant."""
         return bool(1.0 / MOST_OFF < 1.0 + strengths[0] < MOST_OFF)
 
-    def usual(self, strengths: Floats) -> bool:
+    def usual(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """A few percent, as any motor's constant is off."""
         return bool(abs(strengths[0]) < USUALLY_OFF)
 
