@@ -162,7 +162,12 @@ def _spec(robot: Robot, step: float, link_inertia: Floats) -> tuple[Spec, dict[s
         own = joint.transmission
         if own.compliance or own.backlash:
             zone = split_transmission(
-                spec, joint.name, compliance=own.compliance, backlash=own.backlash, inertia=float(link_inertia[i])
+                spec,
+                joint.name,
+                compliance=own.compliance,
+                backlash=own.backlash,
+                inertia=float(link_inertia[i]),
+                damping_ratio=own.damping_ratio,
             )
             if zone is not None:
                 dead_zones[joint.name] = zone

@@ -235,11 +235,13 @@ class Transmission(Table):
     """What lies between the position sensor, on the motor's side, and the link.
 
     The link lags the sensor by ``compliance`` · load + ½ · ``backlash`` · sgn(load): rad/(N·m) and rad (m/N and m).
+    With ``damping_ratio``, of critical, it swings on its compliance, else it follows its load at once.
     With ``coasting`` the link crosses its play by its own inertia when the load changes sign, else at once.  With
     ``carries_friction`` the joint's friction acts on the link's side and belongs to the load.
     """
 
     compliance: NonNegative = 0.0
+    damping_ratio: Positive | None = None
     backlash: NonNegative = 0.0
     coasting: bool = True
     carries_friction: bool = False

@@ -7,9 +7,11 @@ import numpy as np
 from mjfriction.laws.law import Floats
 from mjfriction.record.motion import Motion, smooth_derivatives
 from mjfriction.robot.schema import Transmission
+from mjfriction.sim.ringing import ringing
 from mjfriction.sim.stops import between_stops
 
 FLIGHT_RATE = 1000.0  # Hz, at least, at which a flight is followed: it lands between two samples of most logs
+LEAST_INERTIA = 1e-9  # kg·m² or kg
 LOAD_BAND = 0.2  # of the position filter's cutoff: a load holds accelerations, and what gives under it their noise
 
 
@@ -19,11 +21,35 @@ def lag(own: Transmission, motion: Motion, carried: Floats, following: Floats, i
     ``carried`` (n,) is the load along the link's own motion, ``following`` (n,) what the link would need to follow the
     motor, ``inertia`` (n,) what it weighs.
     """
-    out = own.compliance * smooth_derivatives(motion, carried, LOAD_BAND)[0]
+    if own.compliance > 0.0 and own.damping_ratio is not None:
+        out = swinging(motion, following, inertia, own.compliance, own.damping_ratio)
+    else:
+        out = own.compliance * smooth_derivatives(motion, carried, LOAD_BAND)[0]
     if own.backlash > 0.0:
         crossing = coasting(motion, following, inertia, own.backlash) if own.coasting else np.sign(carried)
         out = out + 0.5 * own.backlash * crossing
     return np.asarray(out)
+
+
+def natural_frequency(inertia: Floats, compliance: float) -> Floats:
+    """Return the frequency (rad/s, (n,)) at which a link of an ``inertia`` (n,) swings on its transmission, the motor
+    held.
+    """
+    return 1.0 / np.sqrt(compliance * np.maximum(inertia, LEAST_INERTIA))
+
+
+def swinging(motion: Motion, following: Floats, inertia: Floats, compliance: float, damping_ratio: float) -> Floats:
+    """Return how far a link that swings on its transmission is behind the motor, (n,).
+
+    compliance·(inertia·s̈ + damping·ṡ) + s = compliance·following, damped by a share of what is critical, pieces apart.
+    """
+    out = np.empty_like(following)
+    frequency = natural_frequency(inertia, compliance)
+    finer = int(np.ceil(FLIGHT_RATE / motion.rate))
+    for own in motion.pieces:
+        step = 1.0 / (finer * motion.rate)
+        out[own] = ringing(compliance * following[own], frequency[own], damping_ratio, step, finer)
+    return out
 
 
 def coasting(motion: Motion, following: Floats, inertia: Floats, backlash: float) -> Floats:

@@ -54,20 +54,27 @@ def behind_stops(model: mujoco.MjModel, zones: Mapping[str, DeadZone]) -> Callab
 
 
 def split_transmission(
-    spec: mujoco.MjSpec, joint: str, *, compliance: float, backlash: float, inertia: float
+    spec: mujoco.MjSpec,
+    joint: str,
+    *,
+    compliance: float,
+    backlash: float,
+    inertia: float,
+    damping_ratio: float | None = None,
 ) -> DeadZone | None:
     """Part a joint of a spec into the motor's turn and the give of its transmission, in place.
 
     The joint keeps its name and its rotor and becomes the motor's; a second one about the same axis, ``<joint>_give``,
     moves the link by what the transmission gives: a spring of 1/``compliance``, or stops ``backlash`` apart.  Where
     there are both, the spring stands behind the stops, and is returned for :func:`behind_stops` to let act.
-    ``inertia`` is what the link weighs, kg·m² or kg.
+    ``inertia`` is what the link weighs, kg·m² or kg; ``damping_ratio`` that of the link on the spring, over the
+    critical one (:data:`GIVE_DAMPING` where it is not known).
     """
     own = spec.joint(joint)
     degree = 180.0 / np.pi if spec.compiler.degree and own.type == mujoco.mjtJoint.mjJNT_HINGE else 1.0
     axis = own.axis if own.type == mujoco.mjtJoint.mjJNT_HINGE else _askew(own.axis)
     give = own.parent.add_joint(name=GIVE.format(joint), type=own.type, axis=axis, pos=own.pos)
-    damping = 2.0 * GIVE_DAMPING * np.sqrt(inertia / compliance) if compliance > 0.0 else 0.0
+    damping = 2.0 * (damping_ratio or GIVE_DAMPING) * np.sqrt(inertia / compliance) if compliance > 0.0 else 0.0
     if compliance > 0.0 and backlash > 0.0:
         return DeadZone(0.5 * backlash, 1.0 / compliance, damping)
     if compliance > 0.0:

@@ -9,7 +9,13 @@ from mjfriction.diagnose.causes.coupling import DifferenceDrive, SharedEffort, S
 from mjfriction.diagnose.causes.delay import JointDelay, LogDelay
 from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
 from mjfriction.diagnose.causes.load import Load
-from mjfriction.diagnose.causes.moved_link import Backlash, Elasticity, EncoderOffset, LinkSideElasticity
+from mjfriction.diagnose.causes.moved_link import (
+    Backlash,
+    Elasticity,
+    EncoderOffset,
+    LinkSideElasticity,
+    SwingingElasticity,
+)
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
@@ -47,6 +53,7 @@ STRUCTURAL: tuple[Cause, ...] = (
     DifferenceDrive(),
     Elasticity(),
     LinkSideElasticity(),
+    SwingingElasticity(),
     EncoderOffset(),
     Backlash(),
     Spring(),

@@ -5,7 +5,7 @@ gives (drive.elasticity) or that has play (drive.backlash).
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import ClassVar, final
 
@@ -20,14 +20,19 @@ from mjfriction.record.motion import smooth_derivatives
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import wave_slopes_along
 from mjfriction.robot.spring import spring_slope_along
-from mjfriction.robot.transmission import LOAD_BAND, coasting
+from mjfriction.robot.transmission import LEAST_INERTIA, LOAD_BAND, coasting, swinging
 
 OFFSET = Parameter("offset", "{length}", "what the sensor reads where the joint is at zero")
 COMPLIANCE = Parameter("compliance", "{length}/{force}", "how far the transmission gives per load", lower=0.0)
+DAMPING_RATIO = Parameter("damping_ratio", "1", "damping of the link on what gives, over the critical one", lower=0.0)
 BACKLASH = Parameter("backlash", "{length}", "play of the transmission, from stop to stop", lower=0.0)
 FARTHEST = 0.5  # rad or m that a zero may be off
 PLAYS = tuple(6.4e-2 * 0.8**k for k in range(38))  # rad or m: from 64 mrad to 17 µm
 FINER = 1.15  # half of a step of these
+RESONANCES = tuple(2.5 * 1.1**k for k in range(25))  # Hz: from 2.5 to 25 Hz
+RESONANCE_BAND = 0.3  # of the position filter's cutoff, below which a resonance shows
+FINER_RESONANCE, NEIGHBOURS = 1.1, 5  # half of a step of these, as compliances, and what is tried within it
+DAMPINGS = (0.025, 0.05, 0.1, 0.2)  # of critical
 ROUNDS = 2  # in which a link's place in its play and what it needs there are found
 NEAR = (0.6, 1.6)  # times the play that the columns were drawn for
 WIDEST = 0.2  # rad or m of play or of give
@@ -55,7 +60,7 @@ class _MovedLink(Cause):
 
     def columns(self, gap: Gap, site: Site) -> Columns:
         """The torques at all joints that the shifted link changes, through the chain."""
-        key = f"{type(self).__name__} {site.joint} {site.around}"
+        key = f"{type(self).__name__} {site.joint} {site.around} {site.shape}"
         if key not in gap.kept:
             torques = self._torques(gap, site)
             gap.kept[key] = {i: gap.reported(i, torques[:, [i]]) for i in gap.examined}
@@ -78,6 +83,23 @@ class _MovedLink(Cause):
         for derivative, part in zip(gap.derivatives, self.shift(gap, site), strict=True):
             out -= derivative[:, :, site.joint] * part[:, None]
         return out
+
+
+def _own(gap: Gap, joint: int) -> tuple[Floats, ...]:
+    # How a joint's torque changes with its own position, velocity and acceleration, (n,) each.
+    return tuple(derivative[:, joint, joint] for derivative in gap.derivatives)
+
+
+def _felt_by_itself(gap: Gap, sites: Sequence[Site], behind: Callable[[Gap, Site], Floats], every: int) -> Columns:
+    # What the joint itself feels of a link that is behind, without the position's filter, of each ``every``-th row.
+    joint = sites[0].joint
+    torques = np.empty((gap.motion.time.size, len(sites), 1))
+    for k, site in enumerate(sites):
+        parts = [behind(gap, site)]
+        for _ in range(2):
+            parts.append(gap.motion.differentiated(parts[-1]))
+        torques[:, k, 0] = -sum(own * part for own, part in zip(_own(gap, joint), parts, strict=True))
+    return {joint: gap.reported(joint, torques)[::every]}
 
 
 def _changed(robot: Robot, site: Site, **changes: object) -> Robot:
@@ -186,6 +208,72 @@ class LinkSideElasticity(_Elasticity):
 
 
 @final
+class SwingingElasticity(_Elasticity):
+    """The link swings on what gives, at a resonance within the motion's band.
+
+    The columns are drawn around a compliance that is searched until the strength agrees with it.
+    """
+
+    carries_friction = False
+    curved = True
+    shape_parameters = (DAMPING_RATIO,)
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """Every joint, swinging at many frequencies."""
+        out = []
+        for joint in gap.examined:
+            inertia = np.maximum(_own(gap, joint)[2], LEAST_INERTIA)
+            soft = [1.0 / (float(np.median(inertia)) * (2.0 * np.pi * frequency) ** 2) for frequency in RESONANCES]
+            slow = gap.motion.cutoff * RESONANCE_BAND
+            out += [Site(joint, (DAMPINGS[1],), around=c) for f, c in zip(RESONANCES, soft, strict=True) if f < slow]
+        return out
+
+    def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
+        """What the joint itself feels, without the position's filter."""
+        return _felt_by_itself(gap, sites, self._behind, every)
+
+    def _behind(self, gap: Gap, site: Site) -> Floats:
+        # How far the link is behind per unit of compliance, (n,).
+        load = self.load(gap, site.joint)
+        stiffness, damping, inertia = _own(gap, site.joint)
+        following = load
+        for _ in range(ROUNDS):
+            behind = swinging(gap.motion, following, inertia, site.around, site.shape[0])
+            following = load - stiffness * behind - damping * gap.motion.differentiated(behind)
+        return behind / site.around
+
+    def shift(self, gap: Gap, site: Site) -> list[Floats]:
+        """Where the link is, through the position's filter, and its derivatives."""
+        return smooth_derivatives(gap.motion, self._behind(gap, site))
+
+    def own_shape(self, gap: Gap, site: Site) -> bool:
+        """What is damped as much as is tried does not swing: a blow, say, that a link gives its neighbours."""
+        return site.shape[0] < DAMPINGS[-1]
+
+    def around_sites(self, gap: Gap, site: Site) -> list[Site]:
+        """To the neighbours on the grid, damped more and less."""
+        near = np.geomspace(site.around / FINER_RESONANCE, site.around * FINER_RESONANCE, NEIGHBOURS)
+        return [replace(site, around=float(c), shape=(damping,)) for c in near for damping in DAMPINGS]
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """It is near the compliance that the columns were drawn for."""
+        near = NEAR[0] < strengths[0] / site.around < NEAR[1]
+        return near and super().admissible(gap, site, strengths)
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """Move the compliance, and let the link swing on it."""
+        robot = super().extend(robot, site, strengths)
+        own = robot.table.joint[site.joint].transmission
+        return _changed(robot, site, transmission=own.model_copy(update={"damping_ratio": site.shape[0]}))
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give the resonance too."""
+        inertia = float(np.median(_own(gap, site.joint)[2]))
+        frequency = 1.0 / (2.0 * np.pi * np.sqrt(max(float(strengths[0]), 1e-300) * max(inertia, LEAST_INERTIA)))
+        return f"{super().evidence(gap, site, strengths)}, and swings on it at about {frequency:.3g} Hz"
+
+
+@final
 class Backlash(_MovedLink):
     """The transmission has play: the link lags its sensor by half of it, towards the load.
 
@@ -213,22 +301,14 @@ class Backlash(_MovedLink):
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
         """What the joint itself feels, without the position's filter: many plays, each for little."""
-        joint = sites[0].joint
-        stiffness, damping, inertia = (derivative[:, joint, joint] for derivative in gap.derivatives)
-        torques = np.empty((gap.motion.time.size, len(sites), 1))
-        for k, site in enumerate(sites):
-            behind = [self._behind(gap, site)]
-            for _ in range(2):
-                behind.append(gap.motion.differentiated(behind[-1]))
-            torques[:, k, 0] = -(stiffness * behind[0] + damping * behind[1] + inertia * behind[2])
-        return {joint: gap.reported(joint, torques)[::every]}
+        return _felt_by_itself(gap, sites, self._behind, every)
 
     def _behind(self, gap: Gap, site: Site) -> Floats:
         # How far the link is behind per unit of play, (n,).
         load = load_on_link(gap, site.joint)
         if site.around == 0.0:
             return 0.5 * np.sign(load)
-        stiffness, damping, inertia = (derivative[:, site.joint, site.joint] for derivative in gap.derivatives)
+        stiffness, damping, inertia = _own(gap, site.joint)
         following = load
         for _ in range(ROUNDS):
             # What a link would need to follow the motor from where it is.

@@ -1,0 +1,56 @@
+"""A link that swings on a transmission that gives, simulated as two masses in MuJoCo under a controller."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+import mjfriction.diagnose.diagnosis as module
+from mjfriction.diagnose.causes.catalog import STRUCTURAL
+from mjfriction.diagnose.causes.moved_link import SwingingElasticity
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.outcome import Verdict
+from mjfriction.plant.machine import simulate
+from mjfriction.plant.motions import pick_and_place
+from mjfriction.plant.sensors import Recorder
+from mjfriction.record.log import Log
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.files import read_robot
+from mjfriction.robot.schema import Transmission
+
+PAN, COMPLIANCE, DAMPING = "shoulder_pan_joint", 6e-4, 0.04
+
+
+@functools.cache
+def swinging() -> Log:
+    robot = read_robot("ur5")
+    soft = Transmission(compliance=COMPLIANCE, damping_ratio=DAMPING)
+    machine = robot.with_joint(robot.joint(PAN).model_copy(update={"transmission": soft}))
+    for joint in machine.table.joint:
+        sensor = joint.effort_sensor.model_copy(update={"noise": 0.3})
+        machine = machine.with_joint(joint.model_copy(update={"effort_sensor": sensor}))
+    poses = np.array([0.0, -1.2, 1.0, 0.0, 0.6, 0.0]) + np.random.default_rng(5).uniform(-0.6, 0.6, (14, 6))
+    motion = pick_and_place(robot.joints, poses, np.full(6, 1.2), np.full(6, 6.0))
+    return log_from_table(pa.table(simulate(machine, motion, recorder=Recorder(250.0), seed=1)), "swinging")
+
+
+def test_a_link_that_swings_on_its_transmission_is_one_that_gives() -> None:
+    found = diagnose_log(swinging(), read_robot("ur5"))
+    assert [(finding.cause, finding.joint) for finding in found.findings] == [("drive.elasticity", PAN)]
+    assert found.verdict is Verdict.EXPLAINED
+    compliance, damping = found.findings[0].parameters
+    assert compliance.value == pytest.approx(COMPLIANCE, rel=0.05)
+    assert 0.5 * DAMPING < damping.value < 2.0 * DAMPING
+    assert "swings on it" in found.findings[0].evidence
+    own = found.robot.joint(PAN).transmission
+    assert (own.compliance, own.damping_ratio) == (compliance.value, damping.value)
+
+
+def test_following_its_load_at_once_it_is_not_explained(monkeypatch: pytest.MonkeyPatch) -> None:
+    rest = tuple(cause for cause in STRUCTURAL if not isinstance(cause, SwingingElasticity))
+    monkeypatch.setattr(module, "STRUCTURAL", rest)
+    found = diagnose_log(swinging(), read_robot("ur5"))
+    assert found.verdict is not Verdict.EXPLAINED or [f.cause for f in found.findings] != ["drive.elasticity"]
