@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.delay import JointDelay, late
-from mjfriction.diagnose.causes.moved_link import Backlash
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, cause_block
 from mjfriction.identify.proof import measure_gain

@@ -7,8 +7,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from mjfriction.identify.doubt import DOUBT_PERIODS
 from mjfriction.identify.elements import Elements, Springs, Waves, elements_of_law
-from mjfriction.identify.gap import DOUBT_PERIODS
 from mjfriction.identify.problem import Problem
 from mjfriction.identify.regression import Columns, Rows, System
 from mjfriction.identify.stroke_waves import STEPS_PER_LOBE, wavenumbers, waves_at_rows

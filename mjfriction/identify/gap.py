@@ -15,6 +15,7 @@ from mjfriction.body.model import Body
 from mjfriction.body.regressor import link_and_moment_torques
 from mjfriction.identify.blocks import Blocks, cut_blocks
 from mjfriction.identify.blows import blows
+from mjfriction.identify.doubt import YIELDING, doubt_speeds, rows_of_rests, share_in_doubt
 from mjfriction.identify.effort_band import filtered_from, whole_below
 from mjfriction.identify.rows import Chain, make_chain
 from mjfriction.record.log import Floats, Log, check_joints
@@ -35,21 +36,13 @@ from mjfriction.robot.effort import (
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import forward_share, resting_level
 
-DOUBT_SPEED = 0.02  # of a joint's RMS speed: below it no law can be told from its own rounding at zero
-WITHIN = 0.9  # of a row's window that is in doubt for the row to lie within a rest
 CLEAR = 0.1  # of a row's window that may be in doubt for the row to count as clear
-FEWEST_CLEAR, ENOUGH_CLEAR = (
-    0.2,
-    50,
-)  # of a joint's rows, and rows: with fewer than both it is judged on that share
+FEWEST_CLEAR, ENOUGH_CLEAR = 0.2, 50  # of a joint's rows, and rows: with fewer than both it is judged on that share
 HOPELESS = 1e6  # times the effort, that a row may be off by which says nothing
 FILTER_PERIODS = 8.0  # of a low-pass's band, after which it has forgotten
 SAMPLES_PER_PERIOD = 8.0  # of the position filter's cutoff, that show the motion
 SAMPLES_OF_PIECE = 15  # at least
 KEPT_LATELY = 4  # robots whose torques are kept
-YIELDING = 1e-3  # of the stroke, that any contact gives before it slides
-LITTLE = 0.01  # of the stroke, that a joint moves between two turns if it rests, or settles
-DOUBT_PERIODS = 0.6  # of the position filter's cutoff: how far a sign change is blurred
 
 
 @dataclass(frozen=True)
@@ -317,14 +310,14 @@ def _held_against(
         abs(per_reported[i]) * raw_noise(log, quantity, joint, motion.clock) if quantity else np.nan
         for i, (joint, quantity) in enumerate(zip(motion.joints, motion.quantity, strict=True))
     ]
-    doubt_speed = np.maximum(motion.resting_speed, DOUBT_SPEED * np.sqrt(np.mean(np.square(motion.velocity), axis=0)))
-    touched = _touched(robot, motion, chain, doubt_speed, yielding)
+    slow = doubt_speeds(motion)
+    touched = share_in_doubt(robot, motion, chain, slow, yielding)
     # What friction may be while its direction is unknown: what is stated, or, where that is not stated, as much as the
     # residual leaves room for.  A joint that rests holds one such friction as long as it does: many rows say one thing.
-    level = resting_level(robot, motion, effort.rigid, doubt_speed)
+    level = resting_level(robot, motion, effort.rigid, slow)
     doubt = touched * np.maximum(level, np.sqrt(np.mean(np.square(np.nan_to_num(residual)), axis=0)))
-    doubt *= np.sqrt(_rows_of_rests(touched, chain))
-    felt, struck = blows(body, motion, chain, doubt_speed)
+    doubt *= np.sqrt(rows_of_rests(touched, chain))
+    felt, struck = blows(body, motion, chain, slow)
     doubt = doubt + felt
     spoilt = _unusable(log, motion, chain) | struck
     doubt = np.where(spoilt, HOPELESS * np.nanmax(np.abs(measured)), doubt)
@@ -346,7 +339,7 @@ def _held_against(
         noise_floor=floor,
         doubt=doubt,
         clear=clear,
-        doubt_speed=doubt_speed,
+        doubt_speed=slow,
         blocks=cut_blocks(chain, chain.rows(motion.position), log.source),
         per_reported=per_reported,
         filtered=filtered,
@@ -367,43 +360,3 @@ def _unusable(log: Log, motion: Motion, chain: Chain) -> NDArray[np.bool_]:
             ]
             out[:, i] = chain.touched(np.concatenate(on_grid) > 0.0) > 0.0
     return out
-
-
-def _rows_of_rests(touched: Floats, chain: Chain) -> Floats:
-    # How many rows in a row lie within the rest that a row lies within, 1 for all others, (rows, joints).
-    out = np.ones_like(touched)
-    for j, own in enumerate(touched.T):
-        inside = own > WITHIN
-        starts = np.flatnonzero(np.diff(inside, prepend=False) | (np.diff(chain.piece, prepend=chain.piece[0]) != 0))
-        bounds = np.unique([0, *starts, inside.size])
-        length = np.repeat(np.diff(bounds), np.diff(bounds))
-        out[inside, j] = length[inside]
-    return out
-
-
-def _touched(robot: Robot, motion: Motion, chain: Chain, doubt_speed: Floats, yielding: float) -> Floats:
-    # How much of each row's window lies near a reversal or at rest, or just after one, as late as the drive reports it.
-    reach = int(np.ceil(DOUBT_PERIODS * motion.rate / motion.cutoff))
-    out = []
-    courses = zip(robot.table.joint, motion.position.T, motion.velocity.T, doubt_speed, strict=True)
-    for joint, position, velocity, slow in courses:
-        turns = np.flatnonzero(np.diff(np.sign(velocity)) != 0)
-        near = (np.abs(velocity) < slow) | _yielding(motion, position, turns, yielding)
-        for shift in range(-reach, reach + 1):
-            near[np.clip(turns + shift, 0, near.size - 1)] = True
-        late = round(joint.effort_sensor.delay * motion.rate)
-        sample = np.clip(np.arange(near.size) - late, 0, near.size - 1)
-        out.append(chain.touched(near[sample]))
-    return np.column_stack(out)
-
-
-def _yielding(motion: Motion, position: Floats, turns: NDArray[np.intp], share: float) -> NDArray[np.bool_]:
-    # Where a joint that rested, or is about to, has not moved as far from where it turned as its contact yields before
-    # it slides, (n,).  Turning as it swings to and fro takes less than the filter blurs.
-    begins = np.flatnonzero(np.diff(motion.piece, prepend=motion.piece[0] - 1))
-    starts = np.union1d(begins, turns + 1)
-    moved = np.abs(np.diff(position[np.append(starts, position.size - 1)]))
-    little = moved < LITTLE * np.ptp(position)
-    little |= np.append(True, little[:-1])  # the move before it
-    way = np.repeat(np.arange(starts.size), np.diff(np.append(starts, position.size)))
-    return np.asarray(little[way] & (np.abs(position - position[starts][way]) < share * np.ptp(position)))

@@ -22,6 +22,7 @@ from mjfriction.record.motion import HELD
 from mjfriction.record.ticks import TICKS, tick_of
 
 SLOWEST_CLOCK = 1.0  # s, steps from which on no clock counts seconds: one in milliseconds makes them 1 kHz at most
+FASTEST = 30.0  # rad/s or m/s, that a joint is usually slower than
 MOST_LISTED = 3  # places of one fault that are spelled out
 ENDS = 0.01  # of a joint's samples, at either end of its travel, that glitches may be
 MOST_CLIPPED = 0.5  # of a channel's samples; past that it is no recording of a torque
@@ -29,11 +30,14 @@ MOST_CLIPPED = 0.5  # of a channel's samples; past that it is no recording of a 
 
 def in_seconds(log: Log) -> Log:
     """Return the log with its clock read in milli-, micro- or nanoseconds, and that said, where it ticks too slowly for
-    one in seconds.
+    one in seconds and no joint would be faster than any is: a log of a row every second or more is left as it is.
     """
     step = float(np.median(np.diff(log.time)))
     unit = tick_of(step)
     if not step >= SLOWEST_CLOCK or unit == "seconds":
+        return log
+    moved = [float(np.median(np.abs(np.diff(log.columns[f"{POSITION}.{joint}"])))) for joint in log.joints]
+    if max(moved, default=0.0) > FASTEST * step * TICKS[unit]:
         return log
     fault = Fault("data.unit", "time", f"steps of {step:.4g} are none of seconds: read in {unit}")
     return replace(log, time=log.time * TICKS[unit], faults=(*log.faults, fault))

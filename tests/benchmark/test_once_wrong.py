@@ -10,8 +10,8 @@ import pytest
 
 from mjfriction.benchmark.drawing import draw_case
 from mjfriction.diagnose import exact, oscillations, untold
+from mjfriction.diagnose.causes.encoder_offset import EncoderOffset
 from mjfriction.diagnose.causes.links import LoneLink
-from mjfriction.diagnose.causes.moved_link import EncoderOffset
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.identify import blows

@@ -64,6 +64,17 @@ def test_ctrl_c_leaves_nothing_and_says_so(tmp_path: Path, good: tuple[dict[str,
     assert {path.name for path in tmp_path.iterdir()} == {log.name, robot.name}
 
 
+@pytest.mark.parametrize(("own", "threads"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "3"}, "3")])
+def test_matrices_take_one_thread_unless_told_otherwise(own: dict[str, str], threads: str) -> None:
+    # What is set once numpy is loaded is too late.
+    code = (
+        "import os, sys; import mjfriction.cli.main; print(os.environ['OPENBLAS_NUM_THREADS'], 'numpy' in sys.modules)"
+    )
+    inherited = {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=inherited | own)
+    assert out.stdout.split() == [threads, "False"]
+
+
 def test_without_a_word_it_shows_its_help() -> None:
     bare, asked = mjfriction_here(), mjfriction_here("--help")
     assert bare.returncode == asked.returncode == 0

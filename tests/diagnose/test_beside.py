@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.delay import JointDelay
+from mjfriction.diagnose.causes.encoder_offset import EncoderOffset
 from mjfriction.diagnose.causes.load import Load
-from mjfriction.diagnose.causes.moved_link import Backlash, EncoderOffset
 from mjfriction.diagnose.model import Chosen, build_model
 from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.refusal import _of_landings

@@ -253,7 +253,8 @@ def test_care_for_reversals_is_what_keeps_a_delay_away(tmp_path: Path, monkeypat
     assert names(careful) == [("friction.stribeck", "elbow_joint")]
     assert careful.findings[0].parameters[0].value == pytest.approx(3.5, rel=0.1)
     monkeypatch.setattr(
-        "mjfriction.identify.gap._touched", lambda _, motion, chain, slow: chain.rows(0.0 * motion.position)
+        "mjfriction.identify.gap.share_in_doubt",
+        lambda _, motion, chain, *rest: chain.rows(0.0 * motion.position),
     )
     assert ("sensor.delay", None) in names(found())
 
@@ -438,6 +439,29 @@ def test_a_torque_constant_a_few_percent_off_is_a_finding_on_an_exact_robot_only
     assert factor == pytest.approx(1.03, abs=0.01)
     monkeypatch.setattr("mjfriction.diagnose.causes.torque_constant.USUALLY_OFF", 0.0)
     assert finding in names(run(tmp_path / "told", machine, seed=21, off=0.05))
+
+
+def test_a_rotor_a_few_percent_off_is_a_finding_on_an_exact_robot_only(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rotor, more, elbow = 3.0, 0.06, "elbow_joint"
+    machine = Machine(noise=0.1, hidden={2: lambda i: (1.0 + more) * rotor * i.a})
+
+    def found(off: float) -> Diagnosis:
+        log, path = write_case(tmp_path / str(off), machine, seed=21, off=off)
+        robot = read_robot(path)
+        table = robot.joint(elbow)
+        actuator = table.actuator.model_copy(update={"rotor_inertia": rotor / table.actuator.gear_ratio**2})
+        return diagnose_log(read_log(log), robot.with_joint(table.model_copy(update={"actuator": actuator})))
+
+    finding = ("drive.rotor_inertia", elbow)
+    assert names(found(0.0)) == [finding]
+    rough = found(0.05)
+    assert names(rough) == []
+    (inertia,) = [entry for entry in rough.adjustments if entry.what == "rotor_inertia"]
+    assert inertia.fitted == pytest.approx((1.0 + more) * inertia.stated, rel=0.02)
+    monkeypatch.setattr("mjfriction.diagnose.causes.rotor_inertia.USUALLY_OFF", 0.0)
+    assert finding in names(found(0.05))
 
 
 def test_a_warm_up_of_two_time_constants_is_one_warm_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

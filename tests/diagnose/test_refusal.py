@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from mjfriction.diagnose import compete
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.delay import JointDelay
+from mjfriction.diagnose.causes.load import Load
 from mjfriction.diagnose.causes.stribeck import Stribeck
-from mjfriction.diagnose.model import Chosen, build_model
+from mjfriction.diagnose.field import make_field, size
+from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.refusal import refused
 from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.progress import silently
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Instant, Machine, write_case
 
-ELBOW = 2
+SHOULDER, ELBOW = 1, 2
 
 
 def gap_of_machine(folder: Path, machine: Machine) -> Gap:
@@ -66,3 +71,32 @@ def test_a_level_that_fades_while_the_joint_moves_is_proved_by_rows_in_some_doub
     # Where nothing fades the same curve is refused.
     plain = gap_of_machine(tmp_path, Machine())
     assert [one.key for one in refused(build_model(plain, make_nuisance(plain), (curve,)))] == [curve.key]
+
+
+def test_what_shows_only_beside_another_cause_is_asked_again_once_that_is_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fading(instant: Instant) -> np.ndarray:
+        return 4.0 * np.sign(instant.v) * np.exp(-np.square(instant.v / 0.15))
+
+    def loaded(instant: Instant) -> np.ndarray:
+        return 0.03 * np.abs(instant.rigid) * np.sign(instant.v)
+
+    gap = gap_of_machine(tmp_path, Machine(hidden={ELBOW: fading, SHOULDER: loaded}))
+    field, asked = make_field(gap, (Load(), Stribeck())), []
+    larger, lesser = ("friction.stribeck", ELBOW), ("friction.load", SHOULDER)
+
+    def found(is_proved: Callable[[set[tuple[str, int]], str], bool]) -> list[tuple[str, int]]:
+        def judged(model: Model, choice: Chosen) -> bool:
+            asked.append(choice.key[:2])
+            return is_proved({other.key[:2] for other in model.chosen}, choice.cause.name)
+
+        asked.clear()
+        monkeypatch.setattr(compete, "proved", judged)
+        return [one.key[:2] for one in compete._forward(gap, make_nuisance(gap), field, size(field), silently).chosen]
+
+    assert found(lambda chosen, name: True)[:2] == [larger, lesser]
+    assert found(lambda chosen, name: name != larger[0] or lesser in chosen)[:2] == [lesser, larger]
+    assert asked.count(larger) == 2
+    assert larger not in found(lambda chosen, name: name != larger[0])
+    assert asked.count(larger) == 2

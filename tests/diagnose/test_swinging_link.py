@@ -10,7 +10,7 @@ import pytest
 
 import mjfriction.diagnose.diagnosis as module
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
-from mjfriction.diagnose.causes.moved_link import SwingingElasticity
+from mjfriction.diagnose.causes.elasticity import SwingingElasticity
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Verdict
 from mjfriction.plant.machine import simulate
@@ -47,6 +47,8 @@ def test_a_link_that_swings_on_its_transmission_is_one_that_gives() -> None:
     assert "swings on it" in found.findings[0].evidence
     own = found.robot.joint(PAN).transmission
     assert (own.compliance, own.damping_ratio) == (compliance.value, damping.value)
+    again = diagnose_log(swinging(), found.robot)
+    assert (again.verdict, again.findings) == (Verdict.CONSISTENT, ())
 
 
 def test_following_its_load_at_once_it_is_not_explained(monkeypatch: pytest.MonkeyPatch) -> None:

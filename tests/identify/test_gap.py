@@ -118,7 +118,7 @@ def test_a_rest_says_one_thing_however_long_it_is(pausing: tuple[Log, Robot], mo
         return np.array([np.sum(np.square(level / gap.doubt[run, 2])) for run in runs if run.size > 5])
 
     assert np.ptp(said()) < 0.5 * np.min(said())
-    monkeypatch.setattr("mjfriction.identify.gap._rows_of_rests", lambda touched, _: np.ones_like(touched))
+    monkeypatch.setattr("mjfriction.identify.gap.rows_of_rests", lambda share, _: np.ones_like(share))
     assert np.max(said()) > 5.0
 
 

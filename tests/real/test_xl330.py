@@ -12,16 +12,18 @@ from mjfriction.identify.identification import identify_log
 from mjfriction.record.merge import merge_logs
 from scripts.real_runs import xl330, xl330_error, xl330_log
 
+PUBLISHED = 0.048  # rad: the published model with friction of the load added
+COULOMB_VISCOUS = 0.086  # rad: the published model without
+
 
 def test_friction_grows_with_the_load(data: Path, tmp_path: Path) -> None:
     logs = [xl330_log(path) for path in sorted((data / "xl330").glob("*.json"))]
     diagnosis = diagnose_log(merge_logs(logs), xl330(tmp_path))
     (finding,) = diagnosis.findings
     assert (finding.cause, finding.joint) == ("friction.load", "hinge")
-    assert finding.gain.low > 0.25
-
-
-PUBLISHED = 0.048  # rad: the published model with friction of the load added; Coulomb-viscous alone is 0.086 off
+    # What the published models gain in position; in effort surely half of that, for in more than half of the rows the
+    # direction of friction is in doubt.
+    assert finding.gain.low > 0.5 * (1.0 - PUBLISHED / COULOMB_VISCOUS)
 
 
 @pytest.mark.parametrize(

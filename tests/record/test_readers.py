@@ -112,6 +112,15 @@ def test_a_clock_that_ticks_faster_than_seconds_is_read_as_that(tmp_path: Path, 
     assert slow.faults == ()
 
 
+def test_a_log_of_a_row_every_few_seconds_is_not_read_as_a_fast_one(tmp_path: Path) -> None:
+    table = columns()
+    seconds = 300.0 * table["time"]  # a row every 3 s
+    wide = {**table, "time": seconds, "position.a": np.sin(seconds)}  # in milliseconds some hundred rad/s
+    np.testing.assert_allclose(read_log(write(tmp_path, wide)).time, seconds, rtol=1e-12)
+    little = {**wide, "position.a": 0.05 * wide["position.a"]}
+    assert read_log(write(tmp_path, little)).time[-1] == pytest.approx(1e-3 * seconds[-1], rel=1e-12)
+
+
 def test_joints_are_held_against_the_robot(tmp_path: Path) -> None:
     log = read_log(write(tmp_path, columns()))
     check_joints(log, "arm", ("a",))

@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from mjfriction.diagnose.causes.asymmetry import Asymmetry
+from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.cause import Cause
 from mjfriction.diagnose.causes.coulomb_viscous import CoulombViscous
 from mjfriction.diagnose.causes.coupling import DifferenceDrive, SharedEffort, SharedFriction, SumDrive
 from mjfriction.diagnose.causes.delay import JointDelay, LogDelay
+from mjfriction.diagnose.causes.elasticity import Elasticity, LinkSideElasticity, SwingingElasticity
+from mjfriction.diagnose.causes.encoder_offset import EncoderOffset
 from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
 from mjfriction.diagnose.causes.load import Load
-from mjfriction.diagnose.causes.moved_link import (
-    Backlash,
-    Elasticity,
-    EncoderOffset,
-    LinkSideElasticity,
-    SwingingElasticity,
-)
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia

@@ -7,7 +7,8 @@ from typing import final
 import numpy as np
 
 from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
-from mjfriction.identify.gap import DOUBT_PERIODS, Gap
+from mjfriction.identify.doubt import DOUBT_PERIODS, YIELDING
+from mjfriction.identify.gap import Gap
 from mjfriction.laws.ambient import ambient
 from mjfriction.laws.dahl import DAHL
 from mjfriction.parameter import Parameter
@@ -20,7 +21,6 @@ TRAVEL = Parameter("presliding_travel", "{length}", "travel over which 63 % of t
 SHORTEST = 2.0  # times the travel that a reversal's doubt covers: what builds up within it cannot be seen
 LONGEST = 0.2  # of the stroke
 SHAPES = 8
-LEAST_NOTED = 1e-3  # of the stroke: every contact gives that much before it slides, whatever its law
 LEAST_PART = 0.1  # of the joint's level that has to build up: a contact yields under all of it, not under a trace
 MOST_OF_LEVEL = 2.0  # times the stated level that may build up, for stated levels are off
 LEAST_LEVEL = 0.1  # of the joint's effort, that a level may be where none is stated
@@ -85,8 +85,8 @@ class Presliding(JointCause):
         return float(strengths[0])
 
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """A travel that is next to nothing of the stroke is refitted along."""
-        return bool(site.shape[0] > LEAST_NOTED * np.ptp(gap.motion.position[:, site.joint]))
+        """A travel that every contact yields before it slides, whatever its law, is refitted along."""
+        return bool(site.shape[0] > YIELDING * np.ptp(gap.motion.position[:, site.joint]))
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move a part of the Coulomb level into a Dahl law."""

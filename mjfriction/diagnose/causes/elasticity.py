@@ -1,0 +1,157 @@
+"""drive.elasticity: a transmission that gives; its link lags in step with its load, or swings on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import ClassVar, final
+
+import numpy as np
+
+from mjfriction.diagnose.causes.cause import Quantity, Site
+from mjfriction.diagnose.causes.moved_link import (
+    ROUNDS,
+    WIDEST,
+    MovedLink,
+    as_drawn,
+    changed,
+    felt_by_itself,
+    load_on_link,
+    own_slopes,
+)
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.regression import Columns
+from mjfriction.parameter import Parameter
+from mjfriction.record.log import Floats
+from mjfriction.record.motion import smooth_derivatives
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.transmission import LEAST_INERTIA, LOAD_BAND, natural_frequency, swinging
+
+COMPLIANCE = Parameter("compliance", "{length}/{force}", "how far the transmission gives per load", lower=0.0)
+DAMPING_RATIO = Parameter("damping_ratio", "1", "damping of the link on what gives, over the critical one", lower=0.0)
+RESONANCES = tuple(2.5 * 1.1**k for k in range(25))  # Hz: from 2.5 to 25 Hz
+RESONANCE_BAND = 0.3  # of the position filter's cutoff, below which a resonance shows
+FINER_RESONANCE, NEIGHBOURS = 1.1, 5  # half of a step of these, as compliances, and what is tried within it
+DAMPINGS = (0.025, 0.05, 0.1, 0.2)  # of critical
+
+
+class _Elasticity(MovedLink):
+    """The transmission gives: the link lags its sensor by compliance · load."""
+
+    name = "drive.elasticity"
+    carries_friction: ClassVar[bool]
+
+    def load(self, gap: Gap, joint: int) -> Floats:
+        """Return what the transmission carries, (n,)."""
+        load = load_on_link(gap, joint)
+        return load + gap.known.effort.friction[:, joint] if self.carries_friction else load
+
+    def shift(self, gap: Gap, site: Site) -> list[Floats]:
+        """The load and its derivatives."""
+        return smooth_derivatives(gap.motion, self.load(gap, site.joint), LOAD_BAND)
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """The compliance, stated plus change."""
+        return (Quantity(COMPLIANCE, shift=gap.robot.table.joint[site.joint].transmission.compliance),)
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """It gives with the load, and by no more than a part of a turn."""
+        stated = gap.robot.table.joint[site.joint].transmission.compliance
+        most = float(np.max(np.abs(self.load(gap, site.joint))))
+        return bool(stated + strengths[0] > 0.0 and strengths[0] * most < WIDEST)
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """Move the compliance."""
+        own = robot.table.joint[site.joint].transmission
+        compliance = max(0.0, own.compliance + float(strengths[0]))
+        softer = own.model_copy(update={"compliance": compliance, "carries_friction": self.carries_friction})
+        return changed(robot, site, transmission=softer)
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give how far it gives at the largest load."""
+        sliding = gap.body.sliding[site.joint]
+        most = float(np.max(np.abs(self.load(gap, site.joint))))
+        return (
+            f"the link lags its sensor in step with the load, by {strengths[0] * most:.3g} "
+            f"{'m' if sliding else 'rad'} at {most:.3g} {'N' if sliding else 'N·m'}"
+        )
+
+
+@final
+class Elasticity(_Elasticity):
+    """Friction acts on the motor's side of what gives."""
+
+    carries_friction = False
+
+
+@final
+class LinkSideElasticity(_Elasticity):
+    """Friction acts on the link's side of what gives, and so belongs to the load."""
+
+    carries_friction = True
+
+
+@final
+class SwingingElasticity(_Elasticity):
+    """The link swings on what gives, at a resonance within the motion's band.
+
+    The columns are drawn around a compliance that is searched until the strength agrees with it.
+    """
+
+    carries_friction = False
+    curved = True
+    shape_parameters = (DAMPING_RATIO,)
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """Every joint, swinging at many frequencies."""
+        out = []
+        for joint in gap.examined:
+            inertia = np.maximum(own_slopes(gap, joint)[2], LEAST_INERTIA)
+            soft = [1.0 / (float(np.median(inertia)) * (2.0 * np.pi * frequency) ** 2) for frequency in RESONANCES]
+            slow = gap.motion.cutoff * RESONANCE_BAND
+            out += [Site(joint, (DAMPINGS[1],), around=c) for f, c in zip(RESONANCES, soft, strict=True) if f < slow]
+        return out
+
+    def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
+        """What the joint itself feels, without the position's filter."""
+        return felt_by_itself(gap, sites, self._behind, every)
+
+    def _behind(self, gap: Gap, site: Site) -> Floats:
+        # How far the link is behind per unit of compliance, (n,).
+        load = self.load(gap, site.joint)
+        stiffness, damping, inertia = own_slopes(gap, site.joint)
+        following = load
+        for _ in range(ROUNDS):
+            behind = swinging(gap.motion, following, inertia, site.around, site.shape[0])
+            following = load - stiffness * behind - damping * gap.motion.differentiated(behind)
+        return behind / site.around
+
+    def shift(self, gap: Gap, site: Site) -> list[Floats]:
+        """Where the link is, through the position's filter, and its derivatives."""
+        return smooth_derivatives(gap.motion, self._behind(gap, site))
+
+    def own_shape(self, gap: Gap, site: Site) -> bool:
+        """What is damped as much as is tried does not swing: a blow, say, that a link gives its neighbours."""
+        return site.shape[0] < DAMPINGS[-1]
+
+    def around_sites(self, gap: Gap, site: Site) -> list[Site]:
+        """To the neighbours on the grid, damped more and less."""
+        near = np.geomspace(site.around / FINER_RESONANCE, site.around * FINER_RESONANCE, NEIGHBOURS)
+        return [replace(site, around=float(c), shape=(damping,)) for c in near for damping in DAMPINGS]
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """It is near the compliance that the columns were drawn for."""
+        return as_drawn(site, strengths) and super().admissible(gap, site, strengths)
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """Move the compliance, and let the link swing on it."""
+        robot = super().extend(robot, site, strengths)
+        own = robot.table.joint[site.joint].transmission
+        return changed(robot, site, transmission=own.model_copy(update={"damping_ratio": site.shape[0]}))
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give the resonance too."""
+        compliance = gap.robot.table.joint[site.joint].transmission.compliance + float(strengths[0])
+        usual = np.median(natural_frequency(own_slopes(gap, site.joint)[2], compliance))
+        frequency = float(usual) / (2.0 * np.pi)
+        return f"{super().evidence(gap, site, strengths)}, and swings on it at about {frequency:.3g} Hz"

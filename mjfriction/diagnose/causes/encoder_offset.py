@@ -1,0 +1,64 @@
+"""sensor.encoder_offset: the joint's zero is off."""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+
+from mjfriction.diagnose.causes.cause import Quantity, Site
+from mjfriction.diagnose.causes.moved_link import MovedLink, changed
+from mjfriction.identify.gap import Gap
+from mjfriction.parameter import Parameter
+from mjfriction.record.log import Floats
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.rubbing import wave_slopes_along
+from mjfriction.robot.spring import spring_slope_along
+
+OFFSET = Parameter("offset", "{length}", "what the sensor reads where the joint is at zero")
+FARTHEST = 0.5  # rad or m that a zero may be off
+
+
+@final
+class EncoderOffset(MovedLink):
+    """The joint's zero is off: the sensor reads position + offset."""
+
+    name = "sensor.encoder_offset"
+    covariate = "position"
+    curved = True
+    of_body = True
+
+    def shift(self, gap: Gap, site: Site) -> list[Floats]:
+        """One, at rest."""
+        one = np.ones_like(gap.motion.time)
+        return [one, 0.0 * one, 0.0 * one]
+
+    def _torques(self, gap: Gap, site: Site) -> Floats:
+        # What goes along the stroke, springs and waves, stands elsewhere too; the motor is where its link is.
+        out = super()._torques(gap, site)
+        joint, position = gap.robot.table.joint[site.joint], gap.linked.position[:, site.joint]
+        out[:, site.joint] -= spring_slope_along(joint.spring, position) + wave_slopes_along(joint.cogging, position)
+        out[:, site.joint] -= gap.forward(site.joint) * wave_slopes_along(joint.friction_waves, position)
+        return out
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """The offset, stated plus change."""
+        return (Quantity(OFFSET, shift=gap.robot.table.joint[site.joint].position_sensor.offset),)
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """Half a radian or metre either way."""
+        return bool(abs(strengths[0]) < FARTHEST)
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """Move the sensor's offset."""
+        sensor = robot.table.joint[site.joint].position_sensor
+        moved = sensor.model_copy(update={"offset": sensor.offset + float(strengths[0])})
+        return changed(robot, site, position_sensor=moved)
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give the offset."""
+        unit = "m" if gap.body.sliding[site.joint] else "rad"
+        return (
+            "gravity and inertia, as all joints feel them, are those of a pose in which the joint is "
+            f"{-strengths[0]:+.4g} {unit} from where its sensor says"
+        )

@@ -1,0 +1,72 @@
+"""Where nothing is known of a joint's friction: at rest, while its direction turns, and while its contact yields."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjfriction.identify.rows import Chain
+from mjfriction.record.faults import spans
+from mjfriction.record.log import Floats
+from mjfriction.record.motion import Motion
+from mjfriction.robot.robot import Robot
+
+DOUBT_SPEED = 0.02  # of a joint's RMS speed: below it no law can be told from its own rounding at zero
+DOUBT_PERIODS = 0.6  # of the position filter's cutoff: how far a sign change is blurred
+YIELDING = 1e-3  # of the stroke, that any contact gives before it slides
+LITTLE = 0.01  # of the stroke, that a joint moves between two turns if it rests, or settles
+WITHIN = 0.9  # of a row's window that is in doubt for the row to lie within a rest
+
+
+def doubt_speeds(motion: Motion) -> Floats:
+    """Return the speed below which the direction of each joint's friction is in doubt, (joints,)."""
+    usual = np.sqrt(np.mean(np.square(motion.velocity), axis=0))
+    return np.asarray(np.maximum(motion.resting_speed, DOUBT_SPEED * usual))
+
+
+def share_in_doubt(robot: Robot, motion: Motion, chain: Chain, slow: Floats, yielding: float) -> Floats:
+    """Return how much of each row's window lies near a reversal or at rest, or just after one, as late as the drive
+    reports it, 0 to 1, (rows, joints).
+
+    ``slow`` (joints,) are the speeds of :func:`doubt_speeds`; ``yielding`` is the share of its stroke that a joint has
+    to move after a rest until its friction is known.
+    """
+    reach = int(np.ceil(DOUBT_PERIODS * motion.rate / motion.cutoff))
+    out = []
+    courses = zip(robot.table.joint, motion.position.T, motion.velocity.T, slow, strict=True)
+    for joint, position, velocity, speed in courses:
+        turns = np.flatnonzero(np.diff(np.sign(velocity)) != 0)
+        near = (np.abs(velocity) < speed) | _yields(motion, position, turns, yielding)
+        for shift in range(-reach, reach + 1):
+            near[np.clip(turns + shift, 0, near.size - 1)] = True
+        late = round(joint.effort_sensor.delay * motion.rate)
+        sample = np.clip(np.arange(near.size) - late, 0, near.size - 1)
+        out.append(chain.touched(near[sample]))
+    return np.column_stack(out)
+
+
+def _yields(motion: Motion, position: Floats, turns: NDArray[np.intp], share: float) -> NDArray[np.bool_]:
+    # Where a joint that rested, or is about to, has not moved as far from where it turned as its contact yields before
+    # it slides, (n,).  Turning as it swings to and fro takes less than the filter blurs.
+    begins = np.flatnonzero(np.diff(motion.piece, prepend=motion.piece[0] - 1))
+    starts = np.union1d(begins, turns + 1)
+    moved = np.abs(np.diff(position[np.append(starts, position.size - 1)]))
+    little = moved < LITTLE * np.ptp(position)
+    little |= np.append(True, little[:-1])  # the move before it
+    way = np.repeat(np.arange(starts.size), np.diff(np.append(starts, position.size)))
+    return np.asarray(little[way] & (np.abs(position - position[starts][way]) < share * np.ptp(position)))
+
+
+def rows_of_rests(share: Floats, chain: Chain) -> Floats:
+    """Return how many rows in a row lie within the rest that a row lies within, 1 for all others, (rows, joints).
+
+    A joint that rests holds one friction as long as it does: many rows say one thing.  ``share`` (rows, joints) is that
+    of :func:`share_in_doubt`.
+    """
+    out = np.ones_like(share)
+    for piece in np.unique(chain.piece):
+        rows = np.flatnonzero(chain.piece == piece)
+        for joint, own in enumerate(share[rows].T):
+            for first, past in spans(own > WITHIN):
+                out[rows[first:past], joint] = past - first
+    return out
