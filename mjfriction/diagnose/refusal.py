@@ -76,14 +76,13 @@ def _torn(model: Model) -> list[Chosen]:
     gap = model.gap
     out = []
     for choice, place in zip(model.chosen, model.places, strict=True):
-        told = isinstance(choice.cause, JointDelay) and choice.cause.noteworthy(
-            gap, choice.site, model.strengths[place]
-        )
-        if not told:
+        strengths = model.strengths[place]
+        if choice.cause.name != JointDelay.name or not choice.cause.noteworthy(gap, choice.site, strengths):
             continue
-        joint, delay = choice.site.joint, float(model.strengths[place][0])
-        own = gap.reported(joint, late(gap, gap.known.effort.friction[:, joint], delay)[:, None])
-        normal = model.system.extended({joint: own}, np.zeros(1))
+        joints, delay = cause_block(gap, choice)[0], float(strengths[0])
+        friction = gap.known.effort.friction
+        own = {joint: gap.reported(joint, late(gap, friction[:, joint], delay)[:, None]) for joint in joints}
+        normal = model.system.extended(own, np.zeros(1))
         strengths = normal.strengths(np.ones(gap.blocks.count, dtype=bool))
         deviation = float(np.sqrt(normal.covariance(strengths, np.arange(gap.blocks.count))[-1, -1]))
         if abs(strengths[-1]) > max(APART * abs(delay), SURELY_APART * deviation):

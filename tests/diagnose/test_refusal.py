@@ -11,7 +11,7 @@ import pytest
 
 from mjfriction.diagnose import compete
 from mjfriction.diagnose.causes.cause import Site
-from mjfriction.diagnose.causes.delay import JointDelay
+from mjfriction.diagnose.causes.delay import JointDelay, LogDelay
 from mjfriction.diagnose.causes.load import Load
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.field import make_field, size
@@ -58,6 +58,17 @@ def test_a_delay_of_which_only_friction_knows_is_none(part: str, tmp_path: Path)
     delay = Chosen(JointDelay(), Site(ELBOW, around=0.03))
     model = build_model(gap, make_nuisance(gap), (delay,))
     assert model.strengths[-1] == pytest.approx(0.03, rel=0.3)
+    assert [choice.key for choice in refused(model)] == ([] if part == "all" else [delay.key])
+
+
+@pytest.mark.parametrize("part", ["all", "friction"])
+def test_so_is_a_delay_of_the_whole_arm(part: str, tmp_path: Path) -> None:
+    def hidden(instant: Instant) -> np.ndarray:
+        return late(instant.friction + (instant.rigid if part == "all" else 0.0), instant, 0.03)
+
+    gap = gap_of_machine(tmp_path, Machine(hidden=dict.fromkeys(range(6), hidden)))
+    delay = Chosen(LogDelay(), Site(SHOULDER, around=0.025))
+    model = build_model(gap, make_nuisance(gap), (delay,))
     assert [choice.key for choice in refused(model)] == ([] if part == "all" else [delay.key])
 
 
