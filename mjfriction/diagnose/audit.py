@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import functools
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,7 +21,10 @@ SAMPLES = 1500  # of a log that positions are judged by
 POOR = 0.25  # of an effort's variance left unexplained, past which columns may be misplaced
 MENDED = 0.3  # of that, which may be left at one joint at least once they are in their places
 NO_WORSE = 0.03  # of an effort's variance, that any joint may be explained less well by then
-TURN, EXCHANGE = "turn its sign", "exchange the two columns"
+SOME, HALF = 0.03, 0.5  # of an effort's variance left, of which one joint at least must lose so much
+ALL_MENDED, SLIGHTLY = 0.6, 0.005  # of what is left at all joints together, and by how much more at any one
+TURN, TURN_JOINT = "turn its sign", "turn their signs: this joint is counted the other way round"
+EXCHANGE, EXCHANGE_JOINTS = "exchange the two columns", "exchange the two joints"
 CLEARLY = 0.7  # of what one explanation leaves, that a better one leaves
 MOST_OFF = 5.0  # times too large or small, past which no constant of a drive is off
 
@@ -59,6 +63,9 @@ def find_misread(gap: Gap) -> list[Fault]:
             action = f"it reads {factor:.3g} times what the robot needs; convert it to N·m or N at the joint, or A"
             faults.append(Fault("data.unit", column, action))
     return faults
+
+
+_Reading = tuple[Sequence[Floats], Floats, Fault]
 
 
 @dataclass(frozen=True)
@@ -134,26 +141,39 @@ def _of_efforts_or_positions(gap: Gap, column: str, i: int, j: int | None) -> Fa
 
 
 def find_misplaced(gap: Gap) -> list[Fault]:
-    """Return the column whose sign is turned, or the two that are exchanged, if that makes the efforts fit.
+    """Return the column or joint whose sign is turned, or the two that are exchanged, if that makes the efforts fit.
 
-    Efforts that a model explains badly, but well once one column is turned or two are exchanged, are no physics.
+    Efforts that a model explains badly, but well once one column is turned or two are exchanged, are no physics.  Where
+    all columns of a joint are another's, or count it the other way round, its friction fits nevertheless, and what is
+    left is less: there all joints together have to tell.
     """
     look = _look(gap)
     as_logged = look.left(look.course, look.effort)
+    columns = _least(look, _columns_misplaced(look), functools.partial(_mended, as_logged))
+    return columns or _least(look, _joints_misplaced(look), functools.partial(_all_mended, as_logged))
+
+
+def _mended(as_logged: Floats, left: Floats) -> bool:
+    # Joints with little but friction to do leave much however they are read: what counts is that none gets worse.
     poor = as_logged > POOR
-    if not np.any(poor):
-        return []
-    best: tuple[float, Fault] | None = None
-    for course, effort, fault in _misplacements(look):
-        left = look.left(course, effort)
-        # Joints with little but friction to do leave much however they are read: what counts is that none gets worse.
-        mended = np.any(left[poor] < MENDED * as_logged[poor]) and np.all(left < as_logged + NO_WORSE)
-        if mended and (best is None or float(np.sum(left)) < best[0]):
-            best = (float(np.sum(left)), fault)
-    return [best[1]] if best is not None else []
+    return bool(np.any(left[poor] < MENDED * as_logged[poor]) and np.all(left < as_logged + NO_WORSE))
 
 
-def _misplacements(look: _Look) -> Iterator[tuple[Sequence[Floats], Floats, Fault]]:
+def _all_mended(as_logged: Floats, left: Floats) -> bool:
+    better = (as_logged > SOME) & (left < HALF * as_logged)
+    return bool(
+        np.any(better) and np.sum(left) < ALL_MENDED * np.sum(as_logged) and np.all(left < as_logged + SLIGHTLY)
+    )
+
+
+def _least(look: _Look, readings: Iterator[_Reading], accepted: Callable[[Floats], bool]) -> list[Fault]:
+    # The fault of the reading that leaves least, of those accepted.
+    judged = [(look.left(course, effort), fault) for course, effort, fault in readings]
+    passing = [(float(np.sum(left)), fault) for left, fault in judged if accepted(left)]
+    return [min(passing, key=lambda entry: entry[0])[1]] if passing else []
+
+
+def _columns_misplaced(look: _Look) -> Iterator[_Reading]:
     # Every column turned and every pair exchanged: how the log would read without that, and the fault.
     gap, names = look.gap, look.gap.robot.joints
     for i, name in enumerate(names):
@@ -167,3 +187,14 @@ def _misplacements(look: _Look) -> Iterator[tuple[Sequence[Floats], Floats, Faul
         for j in gap.examined[: gap.examined.index(i)]:
             where = f"{column} and that of {names[j]}"
             yield look.course, look.efforts_exchanged(i, j), Fault("data.swap", where, EXCHANGE)
+
+
+def _joints_misplaced(look: _Look) -> Iterator[_Reading]:
+    # The same with positions and efforts together.
+    gap, names = look.gap, look.gap.robot.joints
+    for i in gap.examined:
+        turned = look.position_turned(i), look.effort_turned(i)
+        yield *turned, Fault("data.sign", f"all columns of {names[i]}", TURN_JOINT)
+        for j in gap.examined[: gap.examined.index(i)]:
+            exchanged = look.positions_exchanged(i, j), look.efforts_exchanged(i, j)
+            yield *exchanged, Fault("data.swap", f"all columns of {names[i]} and {names[j]}", EXCHANGE_JOINTS)

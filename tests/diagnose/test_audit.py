@@ -106,6 +106,30 @@ def test_positions_of_wrong_sign_or_joint(
     assert fault.where.startswith("position.")
 
 
+def of_both(columns: Columns, change: Callable[[Columns, str], Columns]) -> Columns:
+    return change(columns, "position") | change(columns, "effort")
+
+
+@pytest.mark.parametrize("pair", [("shoulder_lift_joint", "elbow_joint"), ("elbow_joint", "wrist_1_joint")])
+def test_joints_that_are_exchanged_with_all_they_have_are_known(pair: tuple[str, str], case: tuple[Path, Path]) -> None:
+    def exchanged(columns: Columns, quantity: str) -> Columns:
+        one, other = (f"{quantity}.{joint}" for joint in pair)
+        return {one: columns[other], other: columns[one]}
+
+    diagnosis = run(case, lambda c: of_both(c, exchanged))
+    assert diagnosis.verdict is Verdict.BAD_DATA
+    (fault,) = diagnosis.faults
+    assert (fault.kind, fault.where) == ("data.swap", f"all columns of {pair[1]} and {pair[0]}")
+
+
+@pytest.mark.parametrize("joint", ["shoulder_lift_joint", "elbow_joint"])
+def test_a_joint_counted_the_other_way_round_is_known(joint: str, case: tuple[Path, Path]) -> None:
+    diagnosis = run(case, lambda c: of_both(c, lambda c, quantity: {f"{quantity}.{joint}": -c[f"{quantity}.{joint}"]}))
+    assert diagnosis.verdict is Verdict.BAD_DATA
+    (fault,) = diagnosis.faults
+    assert (fault.kind, fault.where) == ("data.sign", f"all columns of {joint}")
+
+
 def test_efforts_that_a_large_cause_disguises_are_still_known_as_exchanged(tmp_path: Path) -> None:
     machine = Machine(hidden={2: lambda i: 25.0 * np.cos(9.0 * i.q)})
     log_path, robot = write_case(tmp_path, machine, seed=3, seconds=20.0)
