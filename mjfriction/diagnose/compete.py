@@ -8,7 +8,7 @@ import numpy as np
 
 from mjfriction.diagnose.as_known import as_known
 from mjfriction.diagnose.field import Field, size
-from mjfriction.diagnose.kin import fulfilled, with_kin
+from mjfriction.diagnose.kin import fulfilled, plainer, with_kin
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
 from mjfriction.diagnose.oscillations import new_oscillations
@@ -39,7 +39,7 @@ def compete(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silently) -
         return build_model(gap, nuisance, ()), field
     asked, count = field, size(field)
     while True:
-        model = as_known(_pruned(_forward(gap, nuisance, asked, count, tell), count))
+        model = as_known(plainer(_pruned(_forward(gap, nuisance, asked, count, tell), count), asked))
         sources = new_oscillations(model)
         if sources:
             nuisance = make_nuisance(gap, (*nuisance.sources, *sources))

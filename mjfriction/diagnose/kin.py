@@ -34,6 +34,23 @@ def fulfilled(model: Model) -> Model:
     return model
 
 
+def plainer(model: Model, field: Field) -> Model:
+    """Return the model with what causes are but for one strength in their places, where the strength gains nothing.
+
+    A spring may be told before the waves on its joint are, and be a mere offset beside them.
+    """
+    for choice in model.chosen:
+        without = model.without(choice)
+        own = try_out(without, choice)
+        for entrant in field:
+            if own is None or entrant.joint != choice.site.joint or entrant.cause.name not in choice.cause.contains:
+                continue
+            plain = try_out(without, Chosen(entrant.cause, entrant.sites[0]))
+            if plain is not None and plain.merit > own.merit and not present(model, entrant):
+                model = build_model(model.gap, model.nuisance, (*without.chosen, plain.chosen))
+    return model
+
+
 def with_kin(model: Model, field: Field) -> Model:
     """Return the model with the other halves of its causes, where they tell.
 

@@ -25,11 +25,13 @@ NEAR = 0.1  # relative change of the strengths below which slopes are kept: wher
 def straightened(model: Model, newcomer: Chosen | None = None) -> Model:
     """Return the model with every curved cause refitted on what the extended robot predicts.
 
-    With a ``newcomer`` of the model's, it alone is drawn anew, and the others keep the tangents that they have.
+    With a ``newcomer`` of the model's, it alone is drawn anew, beside the others where they were drawn.
     """
     for _ in range(ROUNDS):
-        fitted = zip(model.chosen, model.places, strict=True)
-        strengths = [_drawn_at(choice, model.strengths[place]) for choice, place in fitted]
+        strengths = [
+            _drawn_at(choice, model.strengths[place], newcomer is None or choice.key == newcomer.key)
+            for choice, place in zip(model.chosen, model.places, strict=True)
+        ]
         pairs = list(zip(model.chosen, strengths, strict=True))
         if not any(_bends(model, *pair) for pair in pairs) or not all(_admissible(model, *pair) for pair in pairs):
             return model
@@ -37,15 +39,18 @@ def straightened(model: Model, newcomer: Chosen | None = None) -> Model:
         chosen = _tangents(model, strengths, drawn)
         model = build_model(model.gap, model.nuisance, chosen)
         moved = [model.strengths[place] for place in model.places]
-        steps = [(a, b) for c, a, b in zip(chosen, strengths, moved, strict=True) if c.cause.curved]
+        anew = {choice.key for choice in drawn}
+        steps = [(a, b) for c, a, b in zip(chosen, strengths, moved, strict=True) if c.key in anew]
         if all(np.linalg.norm(b - a) <= SETTLED * np.linalg.norm(a) for a, b in steps):
             break
     return model
 
 
-def _drawn_at(choice: Chosen, strengths: Floats) -> Floats:
+def _drawn_at(choice: Chosen, strengths: Floats, anew: bool) -> Floats:
     # Columns that were drawn around a strength that was searched are good there, and may not be where they point to.
-    return strengths if choice.tangent or not choice.site.around else np.array([choice.site.around])
+    if choice.tangent:
+        return strengths if anew else choice.tangent.drawn_at
+    return strengths if not choice.site.around else np.array([choice.site.around])
 
 
 def _bends(model: Model, choice: Chosen, strengths: Floats) -> bool:

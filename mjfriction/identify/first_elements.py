@@ -70,7 +70,7 @@ def springs_of(law: Law, values: Values) -> tuple[Elements, Arrays]:
 
 def _waves(problem: Problem) -> tuple[Elements, Arrays]:
     gap, joint = problem.gap, problem.joint
-    grid = wavenumbers(gap, joint)
+    grid = wavenumbers(gap, joint, turns=True)
     base = np.hstack([_lines(problem, "viscous"), _lines(problem, "coulomb")])
     ratio = problem.gap.robot.table.joint[joint].actuator.gear_ratio if problem.side == "motor" else 1.0
     chosen, strengths = _grown(

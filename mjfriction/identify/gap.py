@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,9 +23,13 @@ from mjfriction.record.log import Floats, Log, check_joints
 from mjfriction.record.motion import Motion, estimate_motion, raw_noise
 from mjfriction.robot.bandwidth import choose_cutoff
 from mjfriction.robot.effort import (
+    Carried,
     Effort,
     as_reported,
+    bare,
+    carry,
     delayed,
+    effort_of,
     effort_per_reported,
     later,
     link_motion,
@@ -43,6 +48,8 @@ FILTER_PERIODS = 8.0  # of a low-pass's band, after which it has forgotten
 SAMPLES_PER_PERIOD = 8.0  # of the position filter's cutoff, that show the motion
 SAMPLES_OF_PIECE = 15  # at least
 KEPT_LATELY = 4  # robots whose torques are kept
+
+Made = TypeVar("Made")
 
 
 @dataclass(frozen=True)
@@ -166,17 +173,22 @@ class Gap:
 
     def _needed(self, robot: Robot) -> Floats:
         # The torques that a robot needs on the sparse samples: the same for all that differ in their sensors only.
-        drives = unheard(robot)
-        for known, torques in self._lately:
-            if known == drives:
-                return torques
-        torques = predict_effort(drives, drives.body(), self._sparse_motion).total
-        self._lately.append((drives, torques))
-        del self._lately[:-KEPT_LATELY]
-        return torques
+        # What links and rotors need is the same for all that differ in friction only.
+        drives, motion = unheard(robot), self._sparse_motion
+
+        def torques() -> Floats:
+            laden = bare(drives)
+            carried = _recalled(self._carried_lately, laden, lambda: carry(laden, laden.body(), motion))
+            return effort_of(drives, motion, carried).total
+
+        return _recalled(self._needed_lately, drives, torques)
 
     @functools.cached_property
-    def _lately(self) -> list[tuple[Robot, Floats]]:
+    def _needed_lately(self) -> list[tuple[Robot, Floats]]:
+        return []
+
+    @functools.cached_property
+    def _carried_lately(self) -> list[tuple[Robot, Carried]]:
         return []
 
     @functools.cached_property
@@ -206,7 +218,8 @@ class Gap:
         """Return the gap with what is set beside residual and prediction drawn with another robot's loads."""
         body = robot.body()
         gap = replace(self, known=Known(robot, body, predict_effort(robot, body, self.motion)))
-        same = ("_kinematics", "_forward", "link_rows", "linked", "_sparse_motion", "_lately", "predicted_as_stated")
+        same = {"_kinematics", "_forward", "link_rows", "linked", "_sparse_motion", "predicted_as_stated"}
+        same |= {"_needed_lately", "_carried_lately"}
         gap.__dict__.update({name: self.__dict__[name] for name in same if name in self.__dict__})
         return gap
 
@@ -247,6 +260,17 @@ class Gap:
         """How the known links' torques change with position, velocity and acceleration, each (n, joints, joints)."""
         linked = self.linked
         return motion_derivatives(self.known.body, linked.position, linked.velocity, linked.acceleration)
+
+
+def _recalled(lately: list[tuple[Robot, Made]], robot: Robot, make: Callable[[], Made]) -> Made:
+    # What was made for an equal robot lately, or is made now.
+    for known, made in lately:
+        if known == robot:
+            return made
+    made = make()
+    lately.append((robot, made))
+    del lately[:-KEPT_LATELY]
+    return made
 
 
 def measure_gap(log: Log, robot: Robot, *, yielding: float = YIELDING) -> Gap:

@@ -8,19 +8,20 @@ from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats
 
 FEWEST_WAVES = 1.2  # over the stroke; longer waves are springs or gravity
+FEWEST_TURNING = 0.5  # of waves that turn with the direction of motion: longer ones are a level
 STEPS_PER_LOBE = 3.0  # of the grid of wavenumbers; two waves over one stroke differ when they drift apart by one period
 MOST_WAVENUMBERS = 400
 IN_BAND = 0.8  # of the band that the waves may reach at the joint's median speed
 
 
-def wavenumber_bounds(gap: Gap, joint: int) -> tuple[float, float]:
-    """Return the wavenumbers (1/rad or 1/m) that a joint's motion shows, from little more than a wave over its stroke
-    to what the band lets through at its usual speed.
+def wavenumber_bounds(gap: Gap, joint: int, *, turns: bool) -> tuple[float, float]:
+    """Return the wavenumbers (1/rad or 1/m) that a joint's motion shows, from little more than a wave over its stroke,
+    or half a one where they turn with the direction of motion, to what the band lets through at its usual speed.
     """
     stroke = float(np.ptp(gap.motion.position[:, joint]))
     speed = np.abs(gap.motion.velocity[:, joint])
     usual = float(np.median(speed[speed > gap.doubt_speed[joint]]))
-    low = FEWEST_WAVES * 2.0 * np.pi / stroke
+    low = (FEWEST_TURNING if turns else FEWEST_WAVES) * 2.0 * np.pi / stroke
     return low, max(low, IN_BAND * 2.0 * np.pi * gap.chain.band / usual)
 
 
@@ -29,9 +30,9 @@ def wavenumber_step(gap: Gap, joint: int) -> float:
     return 2.0 * np.pi / float(np.ptp(gap.motion.position[:, joint])) / STEPS_PER_LOBE
 
 
-def wavenumbers(gap: Gap, joint: int) -> Floats:
+def wavenumbers(gap: Gap, joint: int, *, turns: bool) -> Floats:
     """Return a grid of wavenumbers (k,) as fine as the stroke can tell apart."""
-    low, high = wavenumber_bounds(gap, joint)
+    low, high = wavenumber_bounds(gap, joint, turns=turns)
     step = wavenumber_step(gap, joint)
     return np.asarray(low + step * np.arange(min(int((high - low) / step), MOST_WAVENUMBERS)), dtype=np.float64)
 

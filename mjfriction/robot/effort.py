@@ -26,6 +26,7 @@ from mjfriction.robot.spring import spring_along
 from mjfriction.robot.transmission import lag
 
 GIVING_ROUNDS = 2  # enough for what gives a few percent of the motion
+POSES = 50.0  # Hz: between two of these no joint turns far enough for its inertia to bend
 
 
 @dataclass(frozen=True)
@@ -42,12 +43,29 @@ class Effort:
     reported: Floats
 
 
+@dataclass(frozen=True)
+class Carried:
+    """What the drives carry along a motion: the ``motor``'s motion, that of where the links are (``linked``) and of
+    where friction acts (``rubbing``), and the torques of links and rotors, ``rigid`` (n, joints), N·m or N.
+    """
+
+    motor: Motion
+    linked: Motion
+    rubbing: Motion
+    rigid: Floats
+
+
 def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
     """Predict the effort of every joint along a motion, as its sensors saw it.
 
     At rest friction is not known from the motion; :func:`~mjfriction.robot.rubbing.direction` says what is taken.
     """
-    motor, linked, rubbing, rigid = _carried(robot, body, motion)
+    return effort_of(robot, motion, carry(robot, body, motion))
+
+
+def effort_of(robot: Robot, motion: Motion, carried: Carried) -> Effort:
+    """Return the effort of a robot whose links and rotors are ``carried`` along the motion."""
+    motor, linked, rubbing, rigid = carried.motor, carried.linked, carried.rubbing, carried.rigid
     friction = friction_along(robot, rubbing, rigid)
     total = np.empty_like(rigid)
     for i, joint in enumerate(robot.table.joint):
@@ -83,6 +101,26 @@ def unheard(robot: Robot) -> Robot:
     return replace(robot, table=robot.table.model_copy(update={"joint": joints}))
 
 
+def bare(robot: Robot) -> Robot:
+    """Return the robot with what its links, rotors and transmissions need and no more: robots that are equal so carry
+    the same.  Where friction acts behind what gives, it is the robot itself.
+    """
+    if any(joint.transmission.carries_friction for joint in robot.table.joint):
+        return robot
+    joints = tuple(
+        Joint(
+            name=joint.name,
+            top_speed=joint.top_speed,
+            actuator=joint.actuator,
+            common_drive=joint.common_drive,
+            transmission=joint.transmission,
+            position_sensor=joint.position_sensor,
+        )
+        for joint in robot.table.joint
+    )
+    return replace(robot, table=robot.table.model_copy(update={"joint": joints}))
+
+
 def shared_effort(robot: Robot, motion: Motion, joint: int, predicted: Floats) -> Floats:
     """Return the effort (n,) that a joint shares with others: as its drive reported it, where it did, else as
     ``predicted``.
@@ -98,12 +136,12 @@ def shared_effort(robot: Robot, motion: Motion, joint: int, predicted: Floats) -
 
 def friction_states(robot: Robot, body: Body, motion: Motion) -> dict[str, dict[str, Floats]]:
     """Return what friction's states are along a motion as its sensors saw it: by joint and law, (n, states)."""
-    _, _, rubbing, rigid = _carried(robot, body, motion)
-    return states_along(robot, rubbing, rigid)
+    carried = carry(robot, body, motion)
+    return states_along(robot, carried.rubbing, carried.rigid)
 
 
-def _carried(robot: Robot, body: Body, motion: Motion) -> tuple[Motion, Motion, Motion, Floats]:
-    # The motors' motion, the links', that of where friction acts, and what links and rotors need along these.
+def carry(robot: Robot, body: Body, motion: Motion) -> Carried:
+    """Return what a robot's drives carry along a motion as its sensors saw it."""
     motor = without_offsets(robot, motion)
     linked = link_motion(robot, body, motor)
     rigid = inverse_dynamics(body, linked.position, linked.velocity, linked.acceleration)
@@ -115,7 +153,7 @@ def _carried(robot: Robot, body: Body, motion: Motion) -> tuple[Motion, Motion, 
             turned = drive.inertia * (motor.acceleration[:, i] + drive.ratio * motor.acceleration[:, other])
             rigid[:, i] += turned
             rigid[:, other] += drive.ratio * turned
-    return motor, linked, _where_friction_acts(robot, motor, linked), rigid
+    return Carried(motor, linked, _where_friction_acts(robot, motor, linked), rigid)
 
 
 def as_reported(joint: Joint, torque: Floats, motion: Motion, position: Floats) -> Floats:
@@ -166,7 +204,7 @@ def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
     """
     if not any(joint.transmission.compliance or joint.transmission.backlash for joint in robot.table.joint):
         return motion
-    inertia = inertia_along(body, motion.position)
+    inertia = _link_inertia(body, motion)
     rubbed = np.array([joint.transmission.carries_friction for joint in robot.table.joint])
     linked = motion
     for _ in range(GIVING_ROUNDS):
@@ -184,6 +222,15 @@ def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
                     part[:, i] -= derivative
         linked = replace(motion, position=parts[0], velocity=parts[1], acceleration=parts[2])
     return linked
+
+
+def _link_inertia(body: Body, motion: Motion) -> Floats:
+    # It changes with the pose, and so no faster than a joint goes from one pose to another.
+    count, change = motion.time.size, np.flatnonzero(np.diff(motion.piece))
+    every = np.arange(0, count, max(1, int(motion.rate / POSES)))
+    some = np.unique([*every, *change, *(change + 1), count - 1])
+    inertia = inertia_along(body, motion.position[some])
+    return np.column_stack([np.interp(np.arange(count), some, own) for own in inertia.T])
 
 
 def later(joint: Joint, delay: float) -> Joint:

@@ -35,6 +35,23 @@ def test_a_wave_of_little_more_than_a_period_is_one_wave(tmp_path: Path, monkeyp
     assert [own.cause for own in found(wavenumber).findings] != ["drive.cogging"]
 
 
+def test_friction_that_rises_along_the_stroke_is_half_a_wave(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    machine, lift = Machine(noise=0.2, hidden={1: lambda own: 3.0 * own.q * np.sign(own.v)}), "shoulder_lift_joint"
+    log, robot = write_case(tmp_path, machine, seed=4)
+
+    def found() -> list[np.ndarray]:
+        findings = diagnose_log(read_log(log), read_robot(robot)).findings
+        assert {(finding.cause, finding.joint) for finding in findings} == {("friction.position", lift)}
+        return [np.array([own.value for own in finding.parameters if own.unit == "N·m"]) for finding in findings]
+
+    position = read_log(log).columns[f"position.{lift}"]
+    (amplitudes,) = found()
+    assert np.linalg.norm(amplitudes) < 1.5 * np.max(np.abs(3.0 * position))
+    # Waves that are too short for it cancel each other.
+    monkeypatch.setattr("mjfriction.identify.stroke_waves.FEWEST_TURNING", 1.2)
+    assert max(np.linalg.norm(own) for own in found()) > 10.0 * np.max(np.abs(3.0 * position))
+
+
 @pytest.mark.bench
 def test_the_tables_cogging_is_recovered() -> None:
     table = read_robot("machine_table")

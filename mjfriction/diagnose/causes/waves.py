@@ -31,11 +31,12 @@ class _Waves(JointCause):
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every moving joint, with wavenumbers as fine as its stroke can tell apart."""
-        return [site.shaped((float(k),)) for site in super().sites(gap) for k in wavenumbers(gap, site.joint)]
+        own = {site: wavenumbers(gap, site.joint, turns=self.turns) for site in super().sites(gap)}
+        return [site.shaped((float(k),)) for site, numbers in own.items() for k in numbers]
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
         """What the motion shows."""
-        return [wavenumber_bounds(gap, site.joint)]
+        return [wavenumber_bounds(gap, site.joint, turns=self.turns)]
 
     def shape_steps(self, gap: Gap, site: Site) -> tuple[float, ...]:
         """A third of the grid's step, so that the search stays on the peak it starts from."""
