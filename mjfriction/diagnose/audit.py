@@ -149,8 +149,13 @@ def find_misplaced(gap: Gap) -> list[Fault]:
     """
     look = _look(gap)
     as_logged = look.left(look.course, look.effort)
-    columns = _least(look, _columns_misplaced(look), functools.partial(_mended, as_logged))
-    return columns or _least(look, _joints_misplaced(look), functools.partial(_all_mended, as_logged))
+    if np.any(as_logged > POOR):
+        columns = _least(look, _columns_misplaced(look), functools.partial(_mended, as_logged))
+        if columns:
+            return columns
+    if np.any(as_logged > SOME):
+        return _least(look, _joints_misplaced(look), functools.partial(_all_mended, as_logged))
+    return []
 
 
 def _mended(as_logged: Floats, left: Floats) -> bool:
@@ -160,10 +165,9 @@ def _mended(as_logged: Floats, left: Floats) -> bool:
 
 
 def _all_mended(as_logged: Floats, left: Floats) -> bool:
-    better = (as_logged > SOME) & (left < HALF * as_logged)
-    return bool(
-        np.any(better) and np.sum(left) < ALL_MENDED * np.sum(as_logged) and np.all(left < as_logged + SLIGHTLY)
-    )
+    better = np.any((as_logged > SOME) & (left < HALF * as_logged))
+    together = np.sum(left) < ALL_MENDED * np.sum(as_logged)
+    return bool(better and together and np.all(left < as_logged + SLIGHTLY))
 
 
 def _least(look: _Look, readings: Iterator[_Reading], accepted: Callable[[Floats], bool]) -> list[Fault]:

@@ -9,15 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mjfriction.body.inverse import inertia_along
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log
 from mjfriction.robot.bandwidth import choose_cutoff
-from mjfriction.robot.effort import predict_effort
+from mjfriction.robot.effort import _link_inertia, bare, predict_effort
 from mjfriction.robot.files import read_robot
+from mjfriction.robot.friction import raised_levels
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Coupling, EffortSensor, Payload
+from mjfriction.robot.schema import Coupling, EffortSensor, Payload, PositionSensor, Spring, Transmission
 from tests.hidden.machine import UR5_COULOMB, Machine, write_case
 
 
@@ -98,6 +100,37 @@ def test_robots_that_differ_in_what_they_report_are_predicted_each_as_it_is(demo
         robot = gap.robot.with_joint(coupled).with_joint(elbow.model_copy(update={"effort_sensor": sensor}))
         expected = gap.chain.rows(predict_effort(robot, robot.body(), gap.motion).reported)
         np.testing.assert_allclose(gap.predicted(robot), expected, atol=0.005 * np.max(np.abs(expected)))
+
+
+def test_robots_that_differ_in_what_they_carry_or_rub_are_predicted_each_as_it_is(demo: Log) -> None:
+    gap = measure_gap(demo, read_robot("ur5"))
+    elbow, heavier = (
+        gap.robot.joint("elbow_joint"),
+        gap.robot.table.model_copy(update={"link_scale": {"elbow_joint": 1.3}}),
+    )
+    rubbing = raised_levels(gap.robot, "elbow_joint", 2.0, 1.0)
+    robots = [gap.robot, rubbing, Robot(heavier, gap.robot.folder)]
+    changes: list[dict[str, object]] = [
+        {"position_sensor": PositionSensor(offset=0.1)},
+        {"actuator": elbow.actuator.model_copy(update={"rotor_inertia": elbow.actuator.rotor_inertia + 2e-4})},
+        {"spring": Spring(stiffness=5.0)},
+        {"transmission": Transmission(compliance=2e-3)},
+        {"transmission": Transmission(compliance=2e-3, carries_friction=True)},
+    ]
+    robots += [
+        one.with_joint(one.joint("elbow_joint").model_copy(update=c)) for c in changes for one in (gap.robot, rubbing)
+    ]
+    for robot in robots:
+        expected = gap.chain.rows(predict_effort(robot, robot.body(), gap.motion).reported)
+        np.testing.assert_allclose(gap.predicted(robot), expected, atol=1e-3 * np.max(np.abs(expected)))
+    assert bare(rubbing) == bare(gap.robot)
+
+
+def test_a_links_inertia_between_poses_is_that_of_the_pose(demo: Log) -> None:
+    robot = read_robot("ur5")
+    motion = measure_gap(demo, robot).motion
+    every = inertia_along(robot.body(), motion.position)
+    np.testing.assert_allclose(_link_inertia(robot.body(), motion), every, rtol=2e-3)
 
 
 @pytest.fixture(scope="module")
