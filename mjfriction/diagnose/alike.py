@@ -11,7 +11,7 @@ from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.field import Entrant, Field, size
 from mjfriction.diagnose.intervals import half_widths
-from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, partners
+from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, partners, same_columns
 from mjfriction.diagnose.short_list import contenders, fairly
 from mjfriction.diagnose.trial import Trial, try_out
 from mjfriction.record.log import Floats
@@ -65,10 +65,13 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
         # The joint's own levels are as stated here, so they stand for the place too.
         levels = try_out(without, Chosen(STATED_LEVELS, Site(joint)))
         rivals += [levels] if levels is not None else []
-    rivals = sorted((rival for rival in rivals if _is_rival(rival, own, size(field))), key=lambda rival: rival.merit)
+    same = [rival for rival in rivals if same_columns(gap, rival.chosen, target)]
+    rivals = [rival for rival in rivals if rival in same or _is_rival(rival, own, size(field))]
+    rivals = sorted(rivals, key=lambda rival: rival.merit)
     odds = {
         rival.chosen.cause.name: math.exp(min(0.0, -0.5 * (own.merit - rival.merit) / repeated)) for rival in rivals
     }
+    odds |= {rival.chosen.cause.name: 1.0 for rival in same}
     total = 1.0 + sum(odds.values())
     alternatives = tuple(name for name, likelihood in odds.items() if likelihood / total > UNDECIDED)
     rival = rivals[-1].chosen if alternatives else None

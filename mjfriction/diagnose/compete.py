@@ -9,7 +9,7 @@ import numpy as np
 from mjfriction.diagnose.as_known import as_known
 from mjfriction.diagnose.field import Field, size
 from mjfriction.diagnose.kin import fulfilled, plainer, with_kin
-from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.model import Chosen, Model, build_model, same_columns
 from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
 from mjfriction.diagnose.oscillations import new_oscillations
 from mjfriction.diagnose.refusal import proved, refused
@@ -81,7 +81,7 @@ def _one_more(model: Model, field: Field, count: int) -> tuple[Model | None, Fie
     while passing := _passing(model, field, count):
         trials = fairly(model, passing)
         while trials:
-            best = _best(field, trials)
+            best = _best(model, field, trials)
             more = build_model(model.gap, model.nuisance, (*model.chosen, best.chosen))
             if proved(more, best.chosen):
                 return _richer(model, best) or more, field
@@ -105,12 +105,17 @@ def _richer(model: Model, trial: Trial) -> Model | None:
     return None
 
 
-def _best(field: Field, trials: list[Trial]) -> Trial:
-    # The one of the largest merit, or the first in the field of those that come as near to it as makes no difference.
+def _best(model: Model, field: Field, trials: list[Trial]) -> Trial:
+    # The one of the largest merit, or the first in the field of those that come as near to it as makes no difference,
+    # or that are the same but for their name: a link that does but turn about its own upright joint, and the rotor.
     causes = [type(entrant.cause) for entrant in field]
-    most = max(trial.merit for trial in trials)
+    best = max(trials, key=lambda trial: trial.merit)
     return min(
-        (trial for trial in trials if trial.merit > most - NO_DIFFERENCE),
+        (
+            trial
+            for trial in trials
+            if trial.merit > best.merit - NO_DIFFERENCE or same_columns(model.gap, trial.chosen, best.chosen)
+        ),
         key=lambda trial: causes.index(type(trial.chosen.cause)),
     )
 

@@ -17,6 +17,7 @@ from mjfriction.identify.row_noise import least_noise, row_noise
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_levels
 
+SAME = 1e-9  # of one, that the cosine between two columns may fall short by for them to be the same
 PRIOR_SHARE = 100.0  # a cause's strength may be worth this many times the joint's effort: next to no restraint
 BACKWARD_COULOMB = 0.1  # of a joint's friction that its Coulomb level may seem to be negative by
 MOST_TAKEN = 1.25  # of a joint's Coulomb level, that its causes may move into laws of their own
@@ -201,6 +202,16 @@ def cause_block(gap: Gap, choice: Chosen) -> tuple[Columns, Floats]:
         size = np.where(shown, size, np.max(size))
     effort = np.sqrt(np.mean(np.square(gap.measured[:, seat(choice, columns)])))
     return columns, np.square(size / (PRIOR_SHARE * effort))
+
+
+def same_columns(gap: Gap, one: Chosen, other: Chosen) -> bool:
+    """Return whether two causes of one strength each do the same on this motion, at every joint."""
+    pair = [cause_block(gap, choice)[0] for choice in (one, other)]
+    if any(values.shape[1] != 1 for columns in pair for values in columns.values()):
+        return False
+    none = np.zeros((gap.chain.time.size, 1))
+    a, b = (np.concatenate([columns.get(joint, none) for joint in gap.examined])[:, 0] for columns in pair)
+    return bool(abs(a @ b) > (1.0 - SAME) * np.linalg.norm(a) * np.linalg.norm(b))
 
 
 def build_model(gap: Gap, nuisance: Nuisance, chosen: tuple[Chosen, ...]) -> Model:

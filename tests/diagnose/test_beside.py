@@ -13,15 +13,18 @@ from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.delay import JointDelay
 from mjfriction.diagnose.causes.encoder_offset import EncoderOffset
+from mjfriction.diagnose.causes.links import LinkScale
 from mjfriction.diagnose.causes.load import Load
-from mjfriction.diagnose.model import Chosen, build_model
+from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.model import Chosen, build_model, same_columns
 from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.refusal import _of_landings
 from mjfriction.identify.gap import Gap, gap_of, measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Payload, Spring, Wave
+from mjfriction.robot.schema import LinkInertia, Payload, Spring, Wave
 from tests.hidden.machine import Machine, write_case
 
 ELBOW = 2
@@ -77,3 +80,23 @@ def test_a_zero_that_is_off_moves_what_is_stated_along_the_stroke(tmp_path: Path
     np.testing.assert_allclose(drawn[away], difference[away], atol=0.01 * float(np.max(np.abs(difference))))
     without = EncoderOffset().columns(plain, Site(ELBOW))[ELBOW][:, 0]
     assert np.linalg.norm(without - difference) > 0.5 * np.linalg.norm(difference)
+
+
+@pytest.mark.parametrize("stated", [0.0, 1.0])
+def test_a_link_that_but_turns_about_its_upright_joint_is_a_rotor_for_all_it_shows(
+    stated: float, tmp_path: Path
+) -> None:
+    machine = Machine(noise=0.05, hidden={0: lambda i: (stated + 0.8) * i.a})
+    log, path = write_case(tmp_path, machine, seed=21, off=0.05)
+    robot = read_robot(path)
+    if stated:
+        own = LinkInertia(mass=3.7, com=(0.0, 0.0, 0.0), inertia=(stated, stated, stated, 0.0, 0.0, 0.0))
+        robot = Robot(robot.table.model_copy(update={"link_inertia": {"shoulder_pan_joint": own}}), robot.folder)
+    gap = measure_gap(read_log(log), robot)
+    assert same_columns(gap, Chosen(RotorInertia(), Site(0)), Chosen(LinkScale(), Site(0)))
+    assert not same_columns(gap, Chosen(RotorInertia(), Site(2)), Chosen(LinkScale(), Site(2)))
+    (finding,) = diagnose_log(read_log(log), robot).findings
+    assert (finding.cause, finding.joint) == ("drive.rotor_inertia", "shoulder_pan_joint")
+    # The UR5's own link would have to weigh a hundred times what is stated.
+    assert finding.alternatives == (("body.link_inertia",) if stated else ())
+    assert (finding.confidence > 0.5) is (not stated)
