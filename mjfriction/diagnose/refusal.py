@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.delay import JointDelay, late
 from mjfriction.diagnose.intervals import half_widths
-from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
+from mjfriction.diagnose.model import Chosen, Model, cause_block
 from mjfriction.identify.proof import measure_gain
 
 BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "friction.presliding", "friction.asymmetry"})
@@ -84,10 +82,7 @@ def _torn(model: Model) -> list[Chosen]:
         joints = gap.examined if choice.cause.whole_arm else (choice.site.joint,)
         delay, friction = float(strengths[0]), gap.known.effort.friction
         own = {joint: gap.reported(joint, late(gap, friction[:, joint], delay)[:, None]) for joint in joints}
-        # Both by their secants: a tangent says little of what is there without any delay.
-        secant = replace(choice, site=replace(choice.site, around=delay), tangent=None)
-        drawn = build_model(gap, model.nuisance, tuple(secant if one is choice else one for one in model.chosen))
-        normal = drawn.system.extended(own, np.zeros(1))
+        normal = model.system.extended(own, np.zeros(1))
         strengths = normal.strengths(np.ones(gap.blocks.count, dtype=bool))
         deviation = float(np.sqrt(normal.covariance(strengths, np.arange(gap.blocks.count))[-1, -1]))
         if abs(strengths[-1]) > max(APART * abs(delay), SURELY_APART * deviation):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import secrets
 import shutil
 import tempfile
 from collections.abc import Iterator
@@ -21,15 +22,10 @@ def whole_folder(target: Path) -> Iterator[Path]:
     target = target.absolute()
     if target.exists() and not target.is_dir():
         raise OutputError(f"{target}: is a file; give a folder to write the results to")
+    # The name is known before the folder is there, so that an interrupt at any moment finds what to take away.
+    draft = target.parent / f".{target.name}-{secrets.token_hex(8)}"
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        if target.is_dir() and not os.access(target, os.W_OK | os.X_OK):
-            raise PermissionError(13, "no permission to write there")
-        draft = Path(tempfile.mkdtemp(prefix=f".{target.name}-", dir=target.parent))
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise OutputError(f"{target}: cannot be written: {reason.lower()}; give another folder with --out") from None
-    try:
+        _make(draft, target)
         yield draft
         if target.is_dir():
             for entry in sorted(draft.iterdir()):
@@ -39,6 +35,17 @@ def whole_folder(target: Path) -> Iterator[Path]:
             os.replace(draft, target)
     finally:
         shutil.rmtree(draft, ignore_errors=True)
+
+
+def _make(draft: Path, target: Path) -> None:
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if target.is_dir() and not os.access(target, os.W_OK | os.X_OK):
+            raise PermissionError(13, "no permission to write there")
+        draft.mkdir(mode=0o700)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise OutputError(f"{target}: cannot be written: {reason.lower()}; give another folder with --out") from None
 
 
 @contextlib.contextmanager

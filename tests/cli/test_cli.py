@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
@@ -57,8 +58,12 @@ def test_ctrl_c_leaves_nothing_and_says_so(tmp_path: Path, good: tuple[dict[str,
     until = time.monotonic() + 60.0
     while len(list(tmp_path.iterdir())) < 3 and time.monotonic() < until:  # the folder being made, beside the two
         time.sleep(0.02)
-    os.killpg(running.pid, signal.SIGINT)
-    _, told = running.communicate(timeout=60.0)
+    # One that falls into a callback of a library is dropped by Python: a person presses the keys again.
+    told = None
+    while told is None:
+        os.killpg(running.pid, signal.SIGINT)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            _, told = running.communicate(timeout=2.0)
     assert running.returncode == 130
     assert told.strip() == "mjfriction: stopped; nothing was written"
     assert {path.name for path in tmp_path.iterdir()} == {log.name, robot.name}

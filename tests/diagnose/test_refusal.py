@@ -18,7 +18,6 @@ from mjfriction.diagnose.field import make_field, size
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.refusal import refused
-from mjfriction.diagnose.tangent import straightened
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.progress import silently
 from mjfriction.record.readers import read_log
@@ -57,7 +56,7 @@ def test_a_delay_of_which_only_friction_knows_is_none(part: str, tmp_path: Path)
 
     gap = gap_of_machine(tmp_path, Machine(hidden={ELBOW: hidden}))
     delay = Chosen(JointDelay(), Site(ELBOW, around=0.03))
-    model = straightened(build_model(gap, make_nuisance(gap), (delay,)))
+    model = build_model(gap, make_nuisance(gap), (delay,))
     assert model.strengths[-1] == pytest.approx(0.03, rel=0.3)
     assert [choice.key for choice in refused(model)] == ([] if part == "all" else [delay.key])
 

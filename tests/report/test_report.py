@@ -135,3 +135,17 @@ def test_a_place_that_cannot_be_written_is_named(tmp_path: Path) -> None:
             pass
     with pytest.raises(OutputError, match="cannot be written"), whole_file(tmp_path / "file" / "p.parquet"):
         pass
+
+
+def test_an_interrupt_as_the_folder_is_made_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    mkdir = Path.mkdir
+
+    def interrupted(path: Path, mode: int = 0o777, parents: bool = False, exist_ok: bool = False) -> None:
+        mkdir(path, mode, parents, exist_ok)
+        if path.parent == tmp_path:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(Path, "mkdir", interrupted)
+    with pytest.raises(KeyboardInterrupt), whole_folder(tmp_path / "out"):
+        pass
+    assert list(tmp_path.iterdir()) == []
