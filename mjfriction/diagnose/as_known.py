@@ -6,7 +6,6 @@ import numpy as np
 
 from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.diagnose.model import Model, build_model
-from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.shapes import reshaped
 from mjfriction.diagnose.tangent import straightened
 from mjfriction.identify.gap import Gap
@@ -30,7 +29,7 @@ def as_known(model: Model) -> Model:
         gap, nuisance, late, robot = model.gap, model.nuisance, _delays(model), _weighed(model)
         if np.max(np.abs(late - gap.late)) * gap.chain.band >= HEARD:
             gap = gap.heard_later(late)
-            nuisance = make_nuisance(gap, nuisance.sources)
+            nuisance = nuisance.along(gap, nuisance.sources)
         if _load_changes(gap, robot):
             gap = gap.beside(robot)
         if gap is model.gap:

@@ -10,7 +10,7 @@ from mjfriction.diagnose.as_known import as_known
 from mjfriction.diagnose.field import Field, size
 from mjfriction.diagnose.kin import fulfilled, plainer, with_kin
 from mjfriction.diagnose.model import Chosen, Model, build_model, same_columns
-from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
+from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.oscillations import new_oscillations
 from mjfriction.diagnose.refusal import proved, refused
 from mjfriction.diagnose.shapes import reshaped
@@ -42,7 +42,7 @@ def compete(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silently) -
         model = as_known(plainer(_pruned(_forward(gap, nuisance, asked, count, tell), count), asked))
         sources = new_oscillations(model)
         if sources:
-            nuisance = make_nuisance(gap, (*nuisance.sources, *sources))
+            nuisance = nuisance.along(gap, (*nuisance.sources, *sources))
             continue
         no_causes = refused(model)
         if not no_causes:

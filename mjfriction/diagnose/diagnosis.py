@@ -7,10 +7,11 @@ import numpy as np
 from mjfriction.diagnose.audit import find_faults
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.compete import compete
+from mjfriction.diagnose.exact import usual_nuisance
 from mjfriction.diagnose.extend import adjustments, extend_robot
 from mjfriction.diagnose.field import make_field
 from mjfriction.diagnose.findings import make_findings
-from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
+from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.diagnose.stated import settle
 from mjfriction.diagnose.stroke_curve import stroke_curves
@@ -37,7 +38,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     gap = measure_gap(log, robot)
     faults = tuple(find_faults(gap))
     field = make_field(gap, () if faults else STRUCTURAL)
-    nuisance = Nuisance((), ()) if faults else make_nuisance(gap)
+    nuisance = Nuisance((), (), ()) if faults else usual_nuisance(gap)
     settled = settle(*compete(gap, nuisance, field, tell))
     tell("proving what was found", PROVING)
     model, gap = settled.model, settled.model.gap

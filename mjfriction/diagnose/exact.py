@@ -12,6 +12,7 @@ from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LinkScale, LoneLink
 from mjfriction.diagnose.field import Field, size
 from mjfriction.diagnose.model import Model, build_model
+from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
 from mjfriction.diagnose.short_list import contenders, fairly
 from mjfriction.diagnose.tangent import straightened
 from mjfriction.identify.gap import Gap
@@ -33,6 +34,17 @@ def stated_exactly(model: Model) -> bool:
     """Return whether friction is as stated at nearly all joints, so that the rest may be believed to be so too."""
     changes = level_changes(model)
     return typical([changes.get(joint, 0.0) for joint in model.gap.examined]) < EXACT
+
+
+def usual_nuisance(gap: Gap) -> Nuisance:
+    """Return what is refitted with every candidate along a gap: of drives too, where friction is not stated exactly.
+
+    What data sheets say of drives is as right as friction is: levels that are off throughout are the mark of that.
+    """
+    nuisance = make_nuisance(gap)
+    if len(gap.examined) < FEWEST_JOINTS or stated_exactly(build_model(gap, nuisance, ())):
+        return nuisance
+    return make_nuisance(gap, drives=True)
 
 
 def held_links(model: Model, field: Field, changes: Mapping[int, float]) -> Model:

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mjfriction.diagnose.causes.cause import Cause, Quantity, Site
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Key, Model
 from mjfriction.diagnose.nuisance import PER_LINK
+from mjfriction.identify.gap import Gap
 from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import raised_levels, stated_levels
@@ -31,7 +33,7 @@ class Adjustment:
 
 
 def extend_robot(model: Model) -> Robot:
-    """Build a fitted model into the robot: levels, link scales, then the causes in the order they were found.
+    """Build a fitted model into the robot: levels, drives, links, then the causes in the order they were found.
 
     The fit adds everything at the sensor's output.  Where a joint's sensor gets a new scale 1 + ε, what lies before it
     is divided by that, so that the robot file says the same as the fit.
@@ -41,10 +43,17 @@ def extend_robot(model: Model) -> Robot:
     for choice, place in zip(model.chosen, model.places, strict=True):
         if choice.cause.name == TorqueConstant.name:
             sensor[choice.site.joint] *= 1.0 + strengths[place][0]
+    drives = list(zip(nuisance.drives, strengths[nuisance.of_drives].tolist(), strict=True))
+    for drive, change in drives:
+        if drive.cause.name == TorqueConstant.name:
+            sensor[drive.site.joint] *= 1.0 + change
     for level in nuisance.levels:
         joint = level.site.joint
         coulomb, viscous = strengths[nuisance.of_level(joint)] / sensor[joint]
         robot = raised_levels(robot, robot.joints[joint], float(coulomb), float(viscous))
+    for drive, change in drives:
+        before = sensor[drive.site.joint] if drive.cause.before_sensor else 1.0
+        robot = drive.cause.extend(robot, drive.site, np.array([drive.stated * change / before]))
     for link, (scale, *shift) in zip(nuisance.links, model.link_changes.tolist(), strict=True):
         robot = shifted_link(scaled_link(robot, link.name, 1.0 + scale), link.name, shift)
     for choice, place in zip(model.chosen, model.places, strict=True):
@@ -69,6 +78,10 @@ def adjustments(model: Model, untold: Collection[Key]) -> list[Adjustment]:
             unit = COULOMB_VISCOUS.parameter(name).unit_for(sliding=sliding)
             fitted = stated[k] + float(changes[k])
             out.append(Adjustment(name, gap.robot.joints[joint], unit, stated[k], fitted, float(spreads[k])))
+    changes, spreads = strengths[model.nuisance.of_drives], half[model.nuisance.of_drives]
+    for drive, change, spread in zip(model.nuisance.drives, changes, spreads, strict=True):
+        (quantity,) = drive.cause.quantities(gap, drive.site)
+        out.append(_moved(gap, drive.cause, drive.site, quantity, drive.stated * change, drive.stated * spread))
     of_links = half[model.nuisance.of_links].reshape(-1, PER_LINK)
     for link, change, own in zip(model.nuisance.links, model.link_changes, of_links, strict=True):
         out += _moved_link(gap.robot, link.name, change, own)
@@ -77,12 +90,15 @@ def adjustments(model: Model, untold: Collection[Key]) -> list[Adjustment]:
             continue
         quantities = choice.cause.quantities(gap, choice.site)
         for quantity, value, own in zip(quantities, strengths[place], width[: len(quantities)], strict=True):
-            change, spread = quantity.factor * float(value), abs(quantity.factor) * float(own)
-            unit = quantity.parameter.unit_for(sliding=gap.body.sliding[choice.site.joint])
-            where = "all joints" if choice.cause.whole_arm else gap.robot.joints[choice.site.joint]
-            entry = Adjustment(quantity.parameter.name, where, unit, quantity.shift, quantity.shift + change, spread)
-            out.append(entry)
+            out.append(_moved(gap, choice.cause, choice.site, quantity, float(value), float(own)))
     return out
+
+
+def _moved(gap: Gap, cause: Cause, site: Site, quantity: Quantity, value: float, half: float) -> Adjustment:
+    where = "all joints" if cause.whole_arm else gap.robot.joints[site.joint]
+    unit = quantity.parameter.unit_for(sliding=gap.body.sliding[site.joint])
+    change, spread = quantity.factor * value, abs(quantity.factor) * half
+    return Adjustment(quantity.parameter.name, where, unit, quantity.shift, quantity.shift + change, spread)
 
 
 def _moved_link(robot: Robot, name: str, change: Floats, half: Floats) -> list[Adjustment]:

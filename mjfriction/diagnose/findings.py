@@ -7,10 +7,11 @@ from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.field import Field
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.link_finding import link_finding
-from mjfriction.diagnose.model import Chosen, Model
+from mjfriction.diagnose.model import Chosen
 from mjfriction.diagnose.outcome import Finding
 from mjfriction.diagnose.separate import Experiment, design_experiment
 from mjfriction.diagnose.stated import Settled
+from mjfriction.diagnose.trial import shown_at
 from mjfriction.diagnose.untold import Untold, without_cause
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.gap import Gap
@@ -41,7 +42,8 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
     for choice, without, own, width in found:
         joint = choice.site.joint
         stands = standing(model, choice, field)
-        shown = _most_gained(model, without, heldout) if choice.cause.whole_arm else joint
+        before = without.heldout_residual(oscillations=True)
+        shown = shown_at(model, choice, before, heldout)
         if stands.rival is not None and choice in model.chosen and stands.rival.cause is not STATED_LEVELS:
             unsure.append((stands.confidence, choice, stands.rival))
         finding = Finding(
@@ -50,7 +52,7 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
             confidence=stands.confidence,
             alternatives=stands.alternatives,
             parameters=tuple(_fitted(model.gap, choice, own, width)),
-            gain=gain_at(model.gap, without.heldout_residual(oscillations=True), heldout, shown, seed),
+            gain=gain_at(model.gap, before, heldout, shown, seed),
             evidence=choice.cause.evidence(model.gap, choice.site, own),
             covariate=choice.cause.covariate,
             picture=choice.cause.picture,
@@ -65,13 +67,6 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
         _, choice, rival = min(unsure, key=lambda entry: entry[0])
         experiment = design_experiment(model, choice, rival)
     return sorted(findings, key=lambda finding: -finding.gain.reduction), experiment
-
-
-def _most_gained(model: Model, without: Model, heldout: Floats) -> int:
-    # Where a cause that all joints feel takes the largest share of the error away.
-    before = without.heldout_residual(oscillations=True)
-    gap = model.gap
-    return max(gap.examined, key=lambda j: gap.rms(before[:, j], j) / max(gap.rms(heldout[:, j], j), 1e-300))
 
 
 def _fitted(gap: Gap, choice: Chosen, strengths: Floats, half: Floats) -> list[Fitted]:

@@ -12,7 +12,8 @@ from mjfriction.diagnose.model import Chosen, Model, cause_block
 from mjfriction.identify.regression import Columns, System
 from mjfriction.record.log import Floats
 
-STEP = 1e-3  # relative step of a shape parameter for its tangent
+STEP = 0.05  # of a shape parameter's step when it is searched, for its tangent
+LEAST_KNOWN = 100.0  # of these steps, that a shape parameter is known to beforehand
 
 
 @dataclass(frozen=True)
@@ -52,13 +53,13 @@ def half_widths(model: Model) -> HalfWidths:
 
 
 def _tangents(model: Model, choice: Chosen, own: Columns, strengths: Floats) -> tuple[Columns, Floats]:
-    shape = choice.site.shape
+    shape, steps = choice.site.shape, choice.cause.shape_steps(model.gap, choice.site)
     parts: dict[int, list[Floats]] = {joint: [] for joint in own}
-    for i, value in enumerate(shape):
-        moved = tuple(v * (1.0 + STEP) if k == i else v for k, v in enumerate(shape))
-        columns = choice.cause.columns(model.gap, choice.site.shaped(moved))
+    for change in np.diag(STEP * np.array(steps)):
+        sites = [choice.site.shaped(tuple((np.array(shape) + sign * change).tolist())) for sign in (-1.0, 1.0)]
+        less, more = (choice.cause.columns(model.gap, site) for site in sites)
         for joint in own:
-            parts[joint].append((columns[joint] - own[joint]) @ strengths / (STEP * value))
+            parts[joint].append((more[joint] - less[joint]) @ strengths / (2.0 * float(np.sum(change))))
     rows = model.gap.blocks.row.size
     tangents = {joint: np.column_stack(found) if found else np.zeros((rows, 0)) for joint, found in parts.items()}
-    return tangents, np.array([1.0 / (10.0 * value) ** 2 for value in shape])
+    return tangents, np.array([1.0 / (LEAST_KNOWN * step) ** 2 for step in steps])

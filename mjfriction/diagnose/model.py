@@ -23,6 +23,7 @@ BACKWARD_COULOMB = 0.1  # of a joint's friction that its Coulomb level may seem 
 MOST_TAKEN = 1.25  # of a joint's Coulomb level, that its causes may move into laws of their own
 NOISE_ROUNDS, SETTLED = 8, 0.02  # at most, and the relative change of a noise at which they end
 UNMOVED = 1e-3  # relative change of a joint's noise below which its rows keep their weight
+FRICTIONLESS = 1e-12  # N·m or N: a joint without friction
 BACKWARD_VISCOUS = 0.3  # and its damping, which errors of the links' inertias reach too
 
 Key = tuple[str, int, int]  # a cause's name, its joint, and which of its kind it is there
@@ -69,7 +70,7 @@ class Model:
 
     @property
     def known_of_nuisance(self) -> Floats:
-        """What is known beforehand of the nuisances' strengths, those of links drawn tighter that would go too far."""
+        """What is known beforehand of the nuisances' strengths, those drawn tighter that would go too far."""
         return self.system.normal.precision[: self.nuisance.count]
 
     @property
@@ -84,6 +85,18 @@ class Model:
         for choice in self.chosen:
             ends.append(ends[-1] + len(choice.cause.quantities(self.gap, choice.site)))
         return [slice(a, b) for a, b in itertools.pairwise(ends)]
+
+    @functools.cached_property
+    def friction(self) -> dict[int, float]:
+        """The RMS Coulomb and viscous friction of each examined joint, as stated and refitted, N·m or N."""
+        gap, nuisance, strengths = self.gap, self.nuisance, self.strengths
+        refitted = {level.site.joint: strengths[nuisance.of_level(level.site.joint)] for level in nuisance.levels}
+        out = {}
+        for joint in gap.examined:
+            levels = np.array(stated_levels(gap.robot.table.joint[joint])) + refitted.get(joint, 0.0)
+            course = np.column_stack([gap.at_rows(name)[:, joint] for name in ("forward", "velocity")]) @ levels
+            out[joint] = max(float(np.sqrt(np.mean(np.square(course)))), FRICTIONLESS)
+        return out
 
     @functools.cached_property
     def heldout_errors(self) -> Floats:
@@ -122,6 +135,10 @@ class Model:
     def without_links(self) -> Model:
         """Return the model with every link as stated."""
         return build_model(self.gap, self.nuisance.without_links(), self.chosen)
+
+    def without_drives(self) -> Model:
+        """Return the model with every drive as stated."""
+        return build_model(self.gap, self.nuisance.without_drives(), self.chosen)
 
     def admissible(self) -> Model:
         """Return the model without causes that came out as nature does not allow: they explain nothing."""
@@ -239,7 +256,7 @@ def build_model(gap: Gap, nuisance: Nuisance, chosen: tuple[Chosen, ...]) -> Mod
         system = system.reweighted(_weighted_rows(gap, target, noise).weight, moved)
         if max(changes.values(), default=0.0) <= SETTLED:
             break
-    return Model(gap, nuisance, chosen, system.kept_within(nuisance.of_links, nuisance.link_reach))
+    return Model(gap, nuisance, chosen, system.kept_within(nuisance.of_bounded, nuisance.reach))
 
 
 def _weighted_rows(gap: Gap, target: Floats, noise: Floats) -> Rows:

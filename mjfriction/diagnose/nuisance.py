@@ -2,7 +2,9 @@
 
 Each joint's Coulomb and viscous level is free.  Each link's mass and inertia may scale by a few percent and its centre
 of mass lie some millimetres off, stated as a prior, so that a payload or a wrong torque constant is not swallowed by
-links of half the mass.  A steady tone at a joint, or a load that swings there, is free too: no robot file holds it.
+links of half the mass.  Where friction is a few percent off throughout, so may be what data sheets say of the drives:
+each rotor's inertia and each torque constant.  A steady tone at a joint, or a load that swings there, is free too: no
+robot file holds it.
 """
 
 from __future__ import annotations
@@ -14,7 +16,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
-from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.cause import Cause, Site
+from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
+from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.identify.swing import Swing
@@ -23,7 +27,8 @@ from mjfriction.record.log import Floats
 
 LINK_SCALE = 0.03  # one standard deviation of how far a stated link may be off
 LINK_SHIFT = 0.002  # m, and its centre of mass, along each axis
-FARTHEST = 3.0  # of these deviations, that a link goes at most
+ROTOR, CONSTANT = 0.04, 0.015  # relative, and a drive's rotor inertia and torque constant
+FARTHEST = 3.0  # of these deviations, that a link or a drive goes at most
 PER_LINK = 4  # a scale and three shifts
 LEVEL_SCALE = 10.0  # of the joint's RMS effort: next to no restraint
 
@@ -33,6 +38,19 @@ class Level:
     """The Coulomb and viscous level of one joint: two columns."""
 
     site: Site
+    columns: Columns
+    precision: Floats
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What a data sheet says of a joint's drive, off as ``cause`` has it: one column, per relative change of what is
+    stated, ``stated`` being the cause's strength of a change by the whole of it.
+    """
+
+    cause: Cause
+    site: Site
+    stated: float
     columns: Columns
     precision: Floats
 
@@ -60,34 +78,38 @@ class Oscillation:
     precision: Floats
 
 
-Part = Level | Link | Oscillation
+Part = Level | Drive | Link | Oscillation
 
 
 @dataclass(frozen=True)
 class Nuisance:
-    """What is refitted: stated levels first, then links, then oscillations, in the order of their columns."""
+    """What is refitted: stated levels first, then drives, links, and oscillations, in the order of their columns."""
 
     levels: tuple[Level, ...]
+    drives: tuple[Drive, ...]
     links: tuple[Link, ...]
     oscillations: tuple[Oscillation, ...] = ()
+
+    @property
+    def parts(self) -> list[Part]:
+        """All that is refitted, in order."""
+        return [*self.levels, *self.drives, *self.links, *self.oscillations]
 
     @functools.cached_property
     def columns(self) -> Columns:
         """All columns, in order."""
-        parts: list[Part] = [*self.levels, *self.links, *self.oscillations]
-        joints = dict.fromkeys(joint for part in parts for joint in part.columns)
-        return {joint: np.hstack([_of_joint(part, joint) for part in parts]) for joint in joints}
+        joints = dict.fromkeys(joint for part in self.parts for joint in part.columns)
+        return {joint: np.hstack([_of_joint(part, joint) for part in self.parts]) for joint in joints}
 
     @property
     def precision(self) -> Floats:
         """What is known beforehand of all strengths, in order, (count,)."""
-        parts: list[Part] = [*self.levels, *self.links, *self.oscillations]
-        return np.concatenate([part.precision for part in parts]) if parts else np.empty(0)
+        return np.concatenate([part.precision for part in self.parts]) if self.parts else np.empty(0)
 
     @property
-    def link_reach(self) -> Floats:
-        """How far the links' strengths go at most, in order."""
-        return FARTHEST / np.sqrt(self.precision[self.of_links])
+    def reach(self) -> Floats:
+        """How far the strengths of drives and links go at most, in order."""
+        return FARTHEST / np.sqrt(self.precision[self.of_bounded])
 
     @property
     def count(self) -> int:
@@ -103,10 +125,21 @@ class Nuisance:
         return slice(2 * i, 2 * i + 2)
 
     @property
+    def of_drives(self) -> slice:
+        """Where the drives' strengths stand, one for each."""
+        first = 2 * len(self.levels)
+        return slice(first, first + len(self.drives))
+
+    @property
     def of_links(self) -> slice:
         """Where the links' strengths stand, four for each."""
-        first = 2 * len(self.levels)
+        first = self.of_drives.stop
         return slice(first, first + PER_LINK * len(self.links))
+
+    @property
+    def of_bounded(self) -> slice:
+        """Where those strengths stand that stated values are not ever far off by: drives' and links'."""
+        return slice(self.of_drives.start, self.of_links.stop)
 
     @property
     def of_oscillations(self) -> slice:
@@ -126,9 +159,19 @@ class Nuisance:
         """Return the nuisances with every link as stated."""
         return replace(self, links=())
 
+    def without_drives(self) -> Nuisance:
+        """Return the nuisances with every drive as stated."""
+        return replace(self, drives=())
 
-def make_nuisance(gap: Gap, sources: Sequence[Source] = ()) -> Nuisance:
-    """Build the nuisance columns of a gap in which each of ``sources`` oscillates."""
+    def along(self, gap: Gap, sources: Sequence[Source]) -> Nuisance:
+        """Return the like nuisances of a gap in which each of ``sources`` oscillates."""
+        return make_nuisance(gap, sources, drives=bool(self.drives))
+
+
+def make_nuisance(gap: Gap, sources: Sequence[Source] = (), *, drives: bool = False) -> Nuisance:
+    """Build the nuisance columns of a gap in which each of ``sources`` oscillates; with ``drives``, these may be a
+    little off too.
+    """
     levels = []
     for site in STATED_LEVELS.sites(gap):
         effort = float(np.sqrt(np.mean(np.square(gap.measured[:, site.joint]))))
@@ -146,7 +189,18 @@ def make_nuisance(gap: Gap, sources: Sequence[Source] = ()) -> Nuisance:
         columns = source.columns(gap)
         precision = np.full(columns.shape[1], (LEVEL_SCALE * effort) ** -2.0)
         oscillations.append(Oscillation(source, {source.joint: columns}, precision))
-    return Nuisance(tuple(levels), tuple(links), tuple(oscillations))
+    return Nuisance(tuple(levels), tuple(_drives(gap) if drives else ()), tuple(links), tuple(oscillations))
+
+
+def _drives(gap: Gap) -> list[Drive]:
+    out = []
+    for joint in gap.examined:
+        rotor = gap.robot.table.joint[joint].actuator.reflected_inertia
+        for cause, stated, off in ((RotorInertia(), rotor, ROTOR), (TorqueConstant(), 1.0, CONSTANT)):
+            if stated > 0.0:
+                columns = {joint: stated * cause.columns(gap, Site(joint))[joint]}
+                out.append(Drive(cause, Site(joint), stated, columns, np.array([off**-2.0])))
+    return out
 
 
 def _of_joint(part: Part, joint: int) -> Floats:

@@ -9,7 +9,7 @@ from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.causes.spring import Spring
 from mjfriction.diagnose.model import Chosen, Model, build_model
-from mjfriction.diagnose.nuisance import Source, make_nuisance
+from mjfriction.diagnose.nuisance import Source
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
 from mjfriction.identify.swing import Swing, courses, shown_swings
@@ -101,7 +101,7 @@ def _readings(model: Model, joint: int) -> list[Model]:
     out = [model]
     if of_sensor:
         gap = model.gap.heard_later(np.where(np.arange(model.gap.late.size) == joint, 0.0, model.gap.late))
-        out.append(build_model(gap, make_nuisance(gap, model.nuisance.sources), _left_of(model, of_sensor)))
+        out.append(build_model(gap, model.nuisance.along(gap, model.nuisance.sources), _left_of(model, of_sensor)))
     if len(own) > len(of_sensor):
         out.append(build_model(out[-1].gap, out[-1].nuisance, _left_of(model, own)))
     return out
@@ -120,7 +120,7 @@ def _with_spring_and_rotor(model: Model, joint: int) -> Model:
 
 def _beside(model: Model, source: Source) -> Model:
     gap = model.gap
-    return build_model(gap, make_nuisance(gap, (*model.nuisance.sources, source)), model.chosen)
+    return build_model(gap, model.nuisance.along(gap, (*model.nuisance.sources, source)), model.chosen)
 
 
 def _loudest_tone(model: Model, joint: int) -> Tone | None:

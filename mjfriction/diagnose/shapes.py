@@ -25,17 +25,25 @@ def best_shape(model: Model, choice: Chosen) -> Chosen:
     if not bounds:
         return choice
 
-    def loss(logarithm: Floats) -> float:
-        return lost(choice.site.shaped(tuple(float(value) for value in np.exp(logarithm))))
+    relative = choice.cause.relative_shape
 
-    start = np.log(np.clip(choice.site.shape, *np.array(bounds).T))
-    limits = [(float(np.log(low)), float(np.log(high))) for low, high in bounds]
-    steps = np.log1p(np.divide(choice.cause.shape_steps(model.gap, choice.site), choice.site.shape))
+    def shape_at(x: Floats) -> tuple[float, ...]:
+        return tuple((np.exp(x) if relative else first + x).tolist())
+
+    def loss(x: Floats) -> float:
+        return lost(choice.site.shaped(shape_at(x)))
+
+    # A moment is counted from where its search begins: clocks may stand at any number of seconds.
+    first, limits = np.clip(choice.site.shape, *np.array(bounds).T), np.array(bounds)
+    steps = np.asarray(choice.cause.shape_steps(model.gap, choice.site))
+    if relative:
+        start, limits, steps = np.log(first), np.log(limits), np.log1p(steps / choice.site.shape)
+    else:
+        start, limits = np.zeros(first.size), limits - first[:, None]
     simplex = np.vstack([start, start + np.diag(steps)])
     options = {"maxfev": 60, "xatol": 1e-2 * float(np.min(steps)), "initial_simplex": simplex}
-    found = minimize(loss, start, method="Nelder-Mead", bounds=limits, options=options)
-    shape = tuple(float(value) for value in np.exp(found.x))
-    return Chosen(choice.cause, choice.site.shaped(shape)) if found.fun < loss(start) else choice
+    found = minimize(loss, start, method="Nelder-Mead", bounds=limits.tolist(), options=options)
+    return Chosen(choice.cause, choice.site.shaped(shape_at(found.x))) if found.fun < loss(start) else choice
 
 
 def reshaped(model: Model, joint: int | None = None) -> Model:

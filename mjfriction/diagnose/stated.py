@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
-from mjfriction.diagnose.causes.varying import Warming, WarmUpDrift
+from mjfriction.diagnose.causes.varying import Step, Warming, WarmUpDrift
 from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.exact import EXACT, held_links, level_changes, relative_change, typical
 from mjfriction.diagnose.field import Field, size
@@ -24,7 +24,7 @@ LEAST_CHANGE_ROUGH = 0.10  # that counts on a robot whose joints are all a littl
 OUTLYING = 3.0  # times the typical change that it must be there besides
 ALWAYS = 0.25  # of the stated friction: a quarter off is a finding whatever the others are
 MOMENTS = 61  # of a course, its own length before and after it included, of which stated levels may be
-LINK_BAR = 2.0  # standard errors by which free link scales must help on motion not fitted
+BAR = 2.0  # standard errors by which drives, or links, that are let go must help on motion not fitted
 
 
 @dataclass(frozen=True)
@@ -61,6 +61,8 @@ def settle(model: Model, field: Field) -> Settled:
                     findings.append(trial.chosen)
             else:
                 model = build_model(held.gap, held.nuisance, (*held.chosen, rival))
+    if model.nuisance.drives and not _helps(model, model.nuisance.of_drives):
+        model = model.without_drives()
     model = held_links(model, field, change) if _links_help(model) else model.without_links()
     # Holding levels moves what is left.
     return Settled(model.admissible(), tuple(findings))
@@ -78,15 +80,15 @@ def _bent(model: Model, joint: int) -> bool:
 
 
 def _of_another_time(model: Model, level: Level, bar: float) -> bool:
-    # Where friction follows temperature or settles, it is as stated at some moment, be it before or after the log: of
-    # which one the stated values are, warm or cold, is no error.
+    # Where friction follows temperature or settles, it is as stated at some moment, be it before or after the log, and
+    # where it steps, before or after that: of which one the stated values are, warm or cold, is no error.
     gap, joint = model.gap, level.site.joint
     change = model.strengths[model.nuisance.of_level(joint)]
     for choice, place in zip(model.chosen, model.places, strict=True):
-        if choice.site.joint == joint and isinstance(choice.cause, Warming | WarmUpDrift):
+        if choice.site.joint == joint and isinstance(choice.cause, Warming | WarmUpDrift | Step):
             course = choice.cause.course(gap, choice.site)
-            span = np.ptp(course)
-            moments = np.linspace(np.min(course) - span, np.max(course) + span, MOMENTS)
+            beyond = 0.0 if isinstance(choice.cause, Step) else np.ptp(course)
+            moments = np.linspace(np.min(course) - beyond, np.max(course) + beyond, MOMENTS)
             own = model.strengths[place]
             if min(relative_change(gap, level.site, change + moment * own) for moment in moments) <= bar:
                 return True
@@ -101,12 +103,16 @@ def _simpler(held: Model, own: Trial, field: Field) -> Chosen | None:
 
 
 def _links_help(model: Model) -> bool:
-    nuisance, normal = model.nuisance, model.system.normal
-    if not nuisance.links or np.any(np.abs(model.link_changes[:, 0]) > MOST_LINK_CHANGE):
+    if not model.nuisance.links or np.any(np.abs(model.link_changes[:, 0]) > MOST_LINK_CHANGE):
         return False
-    without = normal.without(list(range(nuisance.of_links.start, nuisance.of_links.stop)))
+    return _helps(model, model.nuisance.of_links)
+
+
+def _helps(model: Model, place: slice) -> bool:
+    # Whether letting go of stated values lowers the error on motion not fitted, beyond chance.
+    without = model.system.normal.without(list(range(place.start, place.stop)))
     gain = (without.heldout_errors(model.gap.blocks.folds) - model.heldout_errors).sum(axis=0)
-    return bool(np.mean(gain) > LINK_BAR * np.std(gain, ddof=1) / np.sqrt(gain.size))
+    return bool(np.mean(gain) > BAR * np.std(gain, ddof=1) / np.sqrt(gain.size))
 
 
 def _bar(change: dict[int, float], joint: int) -> float:

@@ -7,13 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import f as fisher
 
-from mjfriction.diagnose.model import Chosen, Model, cause_block, seat
-from mjfriction.identify.gap import Gap
+from mjfriction.diagnose.model import Chosen, Model, cause_block
+from mjfriction.identify.regression import Columns
 from mjfriction.record.log import Floats
 
 FALSE_ALARM = 0.01  # stated chance that a log without any cause yields one, from noise alone
 LEAST_SHARE = 0.01  # of a joint's remaining error that a cause must take away on motion not fitted
 LEAST_EFFECT = 0.005  # of the joint's RMS effort that a cause's own effort must reach
+MOST = 0.95  # of rows, on which an effort is less than it is at its most
+MOST_OF_SEVERAL = 0.995  # the same where several joints feel it
 
 
 @dataclass(frozen=True)
@@ -22,9 +24,10 @@ class Trial:
 
     ``improvement`` (blocks,) is the weighted squared error it takes off each block when fitted to the others,
     ``error`` (blocks,) what was there before, both at the joints it touches; ``relief`` is what it takes off the
-    refitted links' distance from what is stated, in the same unit; ``effect`` is its RMS effort relative to the
-    joint's.  ``wald`` is θᵀC⁻¹θ/k of its k = ``count`` strengths θ, C being their covariance, the larger of the one
-    clustered over blocks, which leave ``freedoms``, and the one for white noise.
+    refitted drives' and links' distance from what is stated, in the same unit.  At the joint that gains most,
+    ``effect`` is its RMS effort relative to the joint's, ``of_friction`` its most, relative to the joint's friction.
+    ``wald`` is θᵀC⁻¹θ/k of its k = ``count`` strengths θ, C being their covariance, the larger of the one clustered
+    over blocks, which leave ``freedoms``, and the one for white noise.
     """
 
     chosen: Chosen
@@ -32,6 +35,7 @@ class Trial:
     error: Floats
     relief: float
     effect: float
+    of_friction: float
     wald: float
     count: int
     freedoms: int
@@ -60,7 +64,10 @@ class Trial:
     def passes(self, candidates: int) -> bool:
         """Return whether the effect is beyond chance among so many candidates, and large enough to matter."""
         return (
-            self.chance < FALSE_ALARM / max(candidates, 1) and self.share > LEAST_SHARE and self.effect > LEAST_EFFECT
+            self.chance < FALSE_ALARM / max(candidates, 1)
+            and self.share > LEAST_SHARE
+            and self.effect > LEAST_EFFECT
+            and self.of_friction > self.chosen.cause.least_of_friction
         )
 
 
@@ -80,8 +87,8 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
         return None
     if not model.friction_is_physical(fitted, touched, choice):
         return None
-    before = model.heldout_errors[touched].sum(axis=0)
-    after = normal.heldout_errors(gap.blocks.folds)[touched].sum(axis=0)
+    before, after = model.heldout_errors[touched], normal.heldout_errors(gap.blocks.folds)[touched]
+    most = touched[int(np.argmax((before - after).sum(axis=1)))]
     groups = gap.blocks.group if repeating else np.arange(gap.blocks.count)
     covariances = [normal.covariance(fitted, groups)]
     if int(groups[-1]) + 1 == gap.blocks.count:
@@ -96,21 +103,44 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
     count = max(1, int(np.count_nonzero(shown)))
     wald = float(min(walds)) / count
     relief = _strain(model, model.strengths) - _strain(model, fitted)
-    own_effect = effect(gap, choice, strengths)
-    return Trial(choice, before - after, before, relief, own_effect, wald, count, int(groups[-1]))
+    size = effects(model, choice, strengths, most)
+    improvement, error = (before - after).sum(axis=0), before.sum(axis=0)
+    return Trial(choice, improvement, error, relief, *size, wald, count, int(groups[-1]))
 
 
-def effect(gap: Gap, choice: Chosen, strengths: Floats) -> float:
-    """Return the RMS effort that strengths of a cause make at its joint, relative to the joint's; of a cause of the
-    whole arm, at the joint where that is most.
+def effects(model: Model, choice: Chosen, strengths: Floats, joint: int) -> tuple[float, float]:
+    """Return the RMS effort that strengths of a cause make at a joint, relative to the joint's, and the most that it
+    makes relative to the joint's friction.
     """
-    columns, _ = cause_block(gap, choice)
-    joints = list(columns) if choice.cause.whole_arm else [seat(choice, columns)]
-    shares = [np.linalg.norm(columns[one] @ strengths) / np.linalg.norm(gap.measured[:, one]) for one in joints]
-    return float(max(shares))
+    columns, _ = cause_block(model.gap, choice)
+    made = columns[joint] @ strengths
+    of_effort = float(np.linalg.norm(made) / np.linalg.norm(model.gap.measured[:, joint]))
+    return of_effort, at_its_most(columns, made) / model.friction[joint]
+
+
+def at_its_most(columns: Columns, made: Floats) -> float:
+    """Return how large what a cause with such ``columns`` has ``made`` at a joint (rows,) gets.
+
+    What several joints feel is no unevenness of one joint's friction, and may show in few rows, as play does.
+    """
+    return float(np.quantile(np.abs(made), MOST if len(columns) == 1 else MOST_OF_SEVERAL))
+
+
+def negligible(model: Model, choice: Chosen, strengths: Floats, before: Floats, after: Floats) -> bool:
+    """Return whether strengths of a cause make too little of the effort, or of the friction, to be told, at the joint
+    where it shows most: ``before`` and ``after`` (rows, joints) are left without it and with it.
+    """
+    of_effort, of_friction = effects(model, choice, strengths, shown_at(model, choice, before, after))
+    return of_effort < LEAST_EFFECT or of_friction < choice.cause.least_of_friction
+
+
+def shown_at(model: Model, choice: Chosen, before: Floats, after: Floats) -> int:
+    """Return at which of the joints that feel it a cause takes the largest share of the error away."""
+    gap, (touched, _) = model.gap, cause_block(model.gap, choice)
+    return max(touched, key=lambda j: gap.rms(before[:, j], j) / max(gap.rms(after[:, j], j), 1e-300))
 
 
 def _strain(model: Model, strengths: Floats) -> float:
     # A link of half its stated mass fits as well as the cause it stands in for, but is as unlikely as its prior says.
-    links = model.nuisance.of_links
-    return float(np.sum(model.system.normal.precision[links] * np.square(strengths[links])))
+    bounded = model.nuisance.of_bounded
+    return float(np.sum(model.system.normal.precision[bounded] * np.square(strengths[bounded])))

@@ -13,7 +13,7 @@ from mjfriction.diagnose.links_off import links_far_off
 from mjfriction.diagnose.model import Chosen, Key, Model, build_model, cause_block, partners
 from mjfriction.diagnose.stated import Settled
 from mjfriction.diagnose.stroke_curve import StrokeCurve
-from mjfriction.diagnose.trial import LEAST_EFFECT, effect
+from mjfriction.diagnose.trial import effects, negligible
 from mjfriction.diagnose.verdict import beside_oscillations
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
@@ -65,18 +65,19 @@ def find_untold(
         if not choice.cause.noteworthy(gap, choice.site, strengths[place])
         or (choice.cause.usual(gap, choice.site, strengths[place]) and not exact)
     }
+    causes = (*model.chosen, *settled.levels)
+    before = {choice.key: without_cause(model, choice).heldout_residual() for choice in causes}
     small = {
         choice.key
         for choice, place in zip(model.chosen, model.places, strict=True)
-        if effect(gap, choice, strengths[place]) < LEAST_EFFECT
+        if negligible(model, choice, strengths[place], before[choice.key], heldout)
     }
     small |= _beside_larger_courses(model)
     bare = build_model(gap, model.nuisance, ()).heldout_residual()
-    for choice in (*model.chosen, *settled.levels):
-        if choice.key not in common | small:
-            before = without_cause(model, choice).heldout_residual()
-            if not shows(gap, before, heldout, cause_block(gap, choice)[0], left, bare):
-                small.add(choice.key)
+    for choice in causes:
+        columns, _ = cause_block(gap, choice)
+        if choice.key not in common | small and not shows(gap, before[choice.key], heldout, columns, left, bare):
+            small.add(choice.key)
     of_links = [choice for choice in model.chosen if isinstance(choice.cause, LinkScale | LinkCentre)]
     if any(choice.key not in common | small for choice in of_links) and not links_far_off(model):
         common |= {choice.key for choice in of_links}
@@ -91,8 +92,9 @@ def _beside_larger_courses(model: Model) -> set[Key]:
     sizes: dict[int, dict[Key, float]] = {}
     for choice, place in zip(model.chosen, model.places, strict=True):
         if choice.cause.name in COURSES:
-            own = effect(model.gap, choice, model.strengths[place])
-            sizes.setdefault(choice.site.joint, {})[choice.key] = own
+            joint = choice.site.joint
+            own, _ = effects(model, choice, model.strengths[place], joint)
+            sizes.setdefault(joint, {})[choice.key] = own
     return {key for own in sizes.values() for key, size in own.items() if size < LEAST_OF_COURSES * max(own.values())}
 
 

@@ -21,6 +21,7 @@ STRUCTURED = 0.1  # share of what is left that a smooth curve may predict before
 OUTWEIGHED = 0.5  # of what was explained that it must reach besides
 OUTWEIGHED_COURSE = 0.25  # of what was explained that it must reach besides
 LEAST_EFFORT = 0.01  # of a joint's RMS effort that either must reach
+LEAST_FRICTION = 0.05  # and of its friction: so much of it any machine's follows nothing, or a little of everything
 MUCH_LEFT = 0.1  # of a joint's effort; more than that left, and far above the noise, is never agreement
 FAR_ABOVE_NOISE = 5.0  # times the sensor's noise
 REFITTED = 0.8  # of an error that is left when refitted values are worth a word
@@ -39,7 +40,7 @@ def unexplained(
     spelt = {structure.joint for structure in out}
     for joint in model.gap.examined:
         if model.gap.robot.joints[joint] not in spelt:
-            out += _followed(model.gap, joint, after, heldout)
+            out += _followed(model, joint, after, heldout)
     return out
 
 
@@ -47,11 +48,12 @@ def beside_oscillations(model: Model, clean: Floats) -> dict[int, float]:
     """Return the share that is unexplained of what is left beside oscillations, ``clean`` (rows, joints), by joint."""
     joints = {source.joint for source in model.nuisance.sources}
     after = find_structure(model.gap, clean) if joints else []
-    return {joint: entry.share for joint in joints for entry in _followed(model.gap, joint, after, clean)}
+    return {joint: entry.share for joint in joints for entry in _followed(model, joint, after, clean)}
 
 
-def _followed(gap: Gap, joint: int, after: Sequence[Structure], heldout: Floats) -> list[Structure]:
+def _followed(model: Model, joint: int, after: Sequence[Structure], heldout: Floats) -> list[Structure]:
     # What is left at a joint follows most, where too much is left.
+    gap = model.gap
     name = gap.robot.joints[joint]
     curve = max((entry for entry in after if entry.joint == name), key=lambda entry: entry.share)
     course = Structure(name, NOTHING, coloured_share(gap, joint, heldout[:, joint]))
@@ -61,7 +63,9 @@ def _followed(gap: Gap, joint: int, after: Sequence[Structure], heldout: Floats)
     told = [
         entry
         for entry, least, outweighed in ((curve, STRUCTURED, OUTWEIGHED), (course, COLOURED, OUTWEIGHED_COURSE))
-        if entry.share >= least and np.sqrt(entry.share) * left > max(LEAST_EFFORT * effort, outweighed * explained)
+        if entry.share >= least
+        and np.sqrt(entry.share) * left
+        > max(LEAST_EFFORT * effort, LEAST_FRICTION * model.friction[joint], outweighed * explained)
     ]
     if left > max(MUCH_LEFT * effort, FAR_ABOVE_NOISE * float(gap.noise_floor[joint])):
         told = told or [curve, course]

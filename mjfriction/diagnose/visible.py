@@ -12,7 +12,7 @@ from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.field import make_field, size
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
 from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.trial import FALSE_ALARM, LEAST_EFFECT, LEAST_SHARE
+from mjfriction.diagnose.trial import FALSE_ALARM, LEAST_EFFECT, LEAST_SHARE, at_its_most
 from mjfriction.identify.gap import Gap
 from mjfriction.progress import Tell, counting, silently
 from mjfriction.record.log import Floats
@@ -44,7 +44,7 @@ def visible_causes(gap: Gap, tell: Tell = silently) -> tuple[Visible, ...]:
     # Coloured noise says less: as many rows as say the same thing count as one.
     left = model.residual()
     alike = {joint: redundancy(left[:, joint] * model.system.rows.weight[:, joint]) for joint in gap.examined}
-    # However sure, less than a share of the effort and of the error is not told.
+    # However sure, less than a share of the effort, of the error and of friction is not told.
     least_told = {
         joint: max(LEAST_EFFECT * _rms(gap.measured[:, joint]), np.sqrt(LEAST_SHARE) * _rms(left[:, joint]))
         for joint in gap.examined
@@ -57,7 +57,7 @@ def visible_causes(gap: Gap, tell: Tell = silently) -> tuple[Visible, ...]:
         if joint not in alike:
             continue
         choice = Chosen(entrant.cause, entrant.sites[len(entrant.sites) // 2])
-        effect = max(_least(model, choice, chance, alike[joint]), least_told[joint])
+        effect = max(_least(model, choice, chance, alike[joint]), least_told[joint], _of_friction(model, choice))
         name = None if entrant.cause.whole_arm else gap.robot.joints[joint]
         found = Visible(entrant.cause.name, name, effect, effect / max(_rms(gap.measured[:, joint]), 1e-300))
         key = (found.cause, found.joint)
@@ -72,6 +72,13 @@ def _least(model: Model, choice: Chosen, chance: float, alike: float) -> float:
     covariance = alike * model.with_candidate(choice).white_covariance()[-count:, -count:]
     power = own.T @ own / own.shape[0]
     return float(np.sqrt(chi2.isf(chance, count) * np.trace(power @ covariance) / count))
+
+
+def _of_friction(model: Model, choice: Chosen) -> float:
+    # How large the effect is that is as much of the joint's friction as has to be, at its most.
+    joint, (columns, _) = choice.site.joint, cause_block(model.gap, choice)
+    most = max(at_its_most(columns, own) / max(_rms(own), 1e-300) for own in columns[joint].T)
+    return choice.cause.least_of_friction * model.friction[joint] / max(most, 1e-300)
 
 
 def _rms(values: Floats) -> float:

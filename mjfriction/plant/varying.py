@@ -65,7 +65,7 @@ class Varying:
         now = self.time[k]
         change = np.zeros(2)
         if joint.warm_up is not None:
-            share = float(warmed(np.array([now]), joint.warm_up.time_constant)[0])
+            share = float(warmed(np.array([now - joint.warm_up.begin]), joint.warm_up.time_constant)[0])
             change += share * np.array([joint.warm_up.coulomb, joint.warm_up.viscous])
         for event in joint.events:
             if now >= event.time:

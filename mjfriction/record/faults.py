@@ -29,7 +29,9 @@ LONGER = 4.0  # times the longest ordinary run of equal samples, for a run to be
 MOVED = 0.3  # of a frozen stretch that the joint moves in: more than a rest with its run-down
 FEWEST_CLIPPED = 12  # samples at the same extreme, in runs
 CLIPPED_RUN = 4  # samples of one of them at least
-AT_THE_EDGE = 8.0  # times as many samples at the extreme as beside it
+AT_THE_EDGE = 8.0  # times the samples at the extreme must be more than those beside it
+BESIDE = 0.02  # of the range, that is beside the extreme
+QUANTA, OF_QUANTA = 2.5, 0.5  # the same of a channel whose steps are coarser than that, in steps
 
 
 @dataclass(frozen=True)
@@ -146,13 +148,15 @@ def clipped(values: Floats, moving: Mask) -> Mask:
     span = float(np.ptp(values))
     if span <= 0.0:
         return out
+    step = float(np.median(np.diff(np.unique(values))))
+    beyond, factor = (BESIDE * span, AT_THE_EDGE) if QUANTA * step < BESIDE * span else (QUANTA * step, OF_QUANTA)
     for extreme in (float(np.max(values)), float(np.min(values))):
         at = np.abs(values - extreme) <= 1e-9 * span
-        beside = (np.abs(values - extreme) <= 0.02 * span) & ~at
+        beside = (np.abs(values - extreme) <= beyond) & ~at
         runs = [(a, b) for a, b in _runs(at.astype(np.int64)) if at[a]]
         longest = max((b - a for a, b in runs), default=0)
         many = np.count_nonzero(at & moving) >= FEWEST_CLIPPED and longest >= CLIPPED_RUN
-        if many and np.count_nonzero(at) * AT_THE_EDGE > np.count_nonzero(beside):
+        if many and np.count_nonzero(at) * factor > np.count_nonzero(beside):
             out |= at
     return out
 

@@ -25,7 +25,7 @@ STILL = 1e-5  # rad or m; a joint that travels less does not move to speak of
 HELD = 0.01  # of the fastest joint's speed and of the farthest one's travel: what stays below both is held, and gives
 USUALLY = 0.98  # of the time, for a controller that takes hold may let a joint drop
 AGREEMENT = 0.03  # measured velocity is believed when its gain is within this of the derivative of position
-LATEST = 0.1  # periods of the cutoff by which it may come late
+LATEST = 0.1  # periods of the cutoff by which it may come late, as a drive's does that is filtered
 SLOWLY = 0.1  # of the cutoff, below which both are compared
 SURE = 3.0  # deviations of the velocity's noise beyond which the direction of motion is known
 LEAST_SPEED = 1e-12  # rad/s or m/s, for logs without any noise
@@ -132,7 +132,7 @@ def estimate_motion(log: Log, joints: Sequence[str], cutoff: float) -> Motion:
     Position is filtered forward and backward by a Butterworth low-pass of fourth order at ``cutoff`` (Hz) and
     differentiated by central differences of fourth order, piece by piece, so that nothing leaks across a gap or from
     one segment into the next.  Where the log has a measured velocity that is quieter than the derivative of position
-    and agrees with it, velocity and acceleration come from that instead.
+    and agrees with it, velocity and acceleration come from that instead, as early as position tells.
 
     Raises :class:`LogError` when no piece of the log is long enough.
     """
@@ -168,8 +168,10 @@ def estimate_motion(log: Log, joints: Sequence[str], cutoff: float) -> Motion:
         direct = log.channel(VELOCITY, joint)
         if direct is not None:
             direct_level = raw_noise(log, VELOCITY, joint, clock) * np.sqrt(2.0 * cutoff / rate)
-            if direct_level < level and velocity_agrees(log, joint, cutoff, clock):
-                rates, level = derivatives(on_clock(direct, smooth=True), 1), direct_level
+            late = velocity_lateness(log, joint, cutoff, clock) if direct_level < level else None
+            if late is not None:
+                prompt = [onto_grid(direct, log.time, grid, smooth=True, late=late) for grid in grids]
+                rates, level = derivatives(prompt, 1), direct_level
         position.append(np.concatenate(smooth))
         velocity.append(np.concatenate([piece[0] for piece in rates]))
         acceleration.append(np.concatenate([piece[1] for piece in rates]))
@@ -205,16 +207,17 @@ def estimate_motion(log: Log, joints: Sequence[str], cutoff: float) -> Motion:
     )
 
 
-def velocity_agrees(log: Log, joint: str, cutoff: float, clock: Clock) -> bool:
-    """Return whether a joint's measured velocity is that of its position: in gain, and in time by what a low-pass of
-    that ``cutoff`` (Hz) allows.
+def velocity_lateness(log: Log, joint: str, cutoff: float, clock: Clock) -> float | None:
+    """Return by how much (s) a joint's measured velocity comes after its position's: most drives filter theirs.
 
-    Both are compared slowly: where noise makes most of the acceleration, a velocity that comes late looks like none.
+    None where it is not the position's: another in gain, or in time by more than a low-pass of that ``cutoff`` (Hz)
+    allows.  Both are compared slowly: where noise makes most of the acceleration, a velocity that comes late looks like
+    none.
     """
     position, velocity = log.channel(POSITION, joint), log.channel(VELOCITY, joint)
     grids = _grids(log, clock)
     if position is None or velocity is None or not grids:
-        return False
+        return None
     rate = 1.0 / clock.step
     slow = butter(FILTER_ORDER, SLOWLY * min(cutoff, 0.45 * rate), fs=rate, output="sos")
     smooth = [
@@ -229,8 +232,8 @@ def velocity_agrees(log: Log, joint: str, cutoff: float, clock: Clock) -> bool:
     other = np.concatenate([(np.gradient(piece) * rate)[part] for piece, part in zip(smooth[0], inner, strict=True)])
     difference = other - own
     gain = np.mean(difference * own) / max(float(np.mean(np.square(own))), 1e-300)
-    lag = np.mean(difference * change) / max(float(np.mean(np.square(change))), 1e-300)
-    return bool(abs(gain) < AGREEMENT and abs(lag) < LATEST / cutoff)
+    late = np.mean(difference * change) / max(float(np.mean(np.square(change))), 1e-300)
+    return float(late) if abs(gain) < AGREEMENT and abs(late) < LATEST / cutoff else None
 
 
 def _grids(log: Log, clock: Clock) -> list[Grid]:

@@ -81,12 +81,15 @@ def even_grid(log: Log, clock: Clock, piece: tuple[int, int]) -> Grid:
     return Grid(slice(first, past), even if moved else time, moved)
 
 
-def onto_grid(values: Floats, log_time: Floats, grid: Grid, *, smooth: bool) -> Floats:
-    """Return a column of the log on the grid: by cubic spline where it is smooth (positions), else linearly."""
+def onto_grid(values: Floats, log_time: Floats, grid: Grid, *, smooth: bool, late: float = 0.0) -> Floats:
+    """Return a column of the log on the grid: by cubic spline where it is smooth (positions), else linearly.
+
+    One that was recorded ``late`` (s) is put to the time it belongs to.
+    """
     piece = values[grid.rows]
-    if not grid.moved:
+    if not grid.moved and late == 0.0:
         return piece
-    time = log_time[grid.rows]
+    time = log_time[grid.rows] - late
     if smooth and time.size >= 4:
         return np.asarray(CubicSpline(time, piece)(grid.time), dtype=np.float64)
     return np.interp(grid.time, time, piece)

@@ -8,7 +8,7 @@ from mjfriction.body.inverse import inertia_at
 from mjfriction.body.model import Body
 from mjfriction.errors import LogError
 from mjfriction.record.log import POSITION, VELOCITY, Floats, Log
-from mjfriction.record.motion import raw_noise, velocity_agrees
+from mjfriction.record.motion import raw_noise, velocity_lateness
 from mjfriction.record.resample import read_clock
 from mjfriction.robot.effort import effort_per_reported
 from mjfriction.robot.robot import Robot
@@ -51,7 +51,7 @@ def choose_cutoff(log: Log, robot: Robot, body: Body) -> float:
             continue
         per_reported = abs(effort_per_reported(joint, quantity, robot.name))
         position_noise = raw_noise(log, POSITION, joint.name, clock)
-        recorded = velocity_agrees(log, joint.name, highest, clock)
+        recorded = velocity_lateness(log, joint.name, highest, clock) is not None
         velocity_noise = raw_noise(log, VELOCITY, joint.name, clock) if recorded else None
         effort_noise = per_reported * raw_noise(log, quantity, joint.name, clock)
         level = per_reported * float(np.std(reported)) * EFFORT_SHARE

@@ -71,9 +71,7 @@ class Robot:
                 },
                 link_scale=self.table.link_scale,
                 link_shift=self.table.link_shift,
-                rotor_inertia=[
-                    joint.actuator.rotor_inertia * joint.actuator.gear_ratio**2 for joint in self.table.joint
-                ],
+                rotor_inertia=[joint.actuator.reflected_inertia for joint in self.table.joint],
             )
         except RobotError as error:
             raise RobotError(f"robot '{self.name}': {error}") from error

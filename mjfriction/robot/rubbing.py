@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mjfriction.laws.ambient import ROOM_TEMPERATURE, ambient
 from mjfriction.laws.friction import Friction
@@ -94,7 +95,7 @@ def varying_friction(joint: Joint, motion: Motion, index: int, forward: Floats) 
         warmer = motion.columns.get(f"temperature.{joint.name}", ROOM_TEMPERATURE) - thermal.reference_temperature
         level, rate = level + thermal.coulomb_per_kelvin * warmer, rate + thermal.viscous_per_kelvin * warmer
     if joint.warm_up is not None:
-        share = warmed(time, joint.warm_up.time_constant)
+        share = warmed(time - joint.warm_up.begin, joint.warm_up.time_constant)
         level, rate = level + joint.warm_up.coulomb * share, rate + joint.warm_up.viscous * share
     for event in joint.events:
         after = time >= event.time
@@ -107,7 +108,7 @@ def varying_friction(joint: Joint, motion: Motion, index: int, forward: Floats) 
 
 
 def warmed(time: Floats, time_constant: float) -> Floats:
-    """Return 1 − e^(−t/τ), the share of a warm-up that is over; none before time zero."""
+    """Return 1 − e^(−t/τ), the share of a warm-up that is over after a ``time`` (n,) of it; none before it begins."""
     return np.asarray(-np.expm1(-np.maximum(time, 0.0) / time_constant))
 
 
@@ -186,14 +187,18 @@ def direction(velocity: Floats, sure: Floats) -> tuple[Floats, Floats]:
         return np.full(velocity.size, 0.5), speed
     sample = np.arange(velocity.size)
     forward = np.interp(sample, known, (velocity[known] > 0.0).astype(np.float64), left=0.5, right=0.5)
-    for i in np.flatnonzero(np.diff(known) > 1):
-        unsure = slice(known[i] + 1, known[i + 1])
-        if _rests(velocity[unsure], sure[unsure]):
-            forward[unsure] = 0.5
+    gaps = np.flatnonzero(np.diff(known) > 1)
+    if gaps.size:
+        spans = np.column_stack([known[gaps] + 1, known[gaps + 1]])
+        for first, past in spans[_rests(velocity, sure, spans)]:
+            forward[first:past] = 0.5
     return forward, speed
 
 
-def _rests(velocity: Floats, sure: Floats) -> bool:
-    # One that turns at a steady acceleration strays by a quarter of Σ sure, one that passes on by more; what strays by
-    # less than half of that stays where it is.
-    return bool(np.ptp(np.cumsum(velocity)) < RESTING * 0.25 * np.sum(sure))
+def _rests(velocity: Floats, sure: Floats, spans: NDArray[np.intp]) -> NDArray[np.bool_]:
+    # Whether a joint rests within each of some spans (first sample, and the one past it).  One that turns at a steady
+    # acceleration strays by a quarter of Σ sure, one that passes on by more; what strays by less than half of that
+    # stays where it is.
+    travelled, ends = np.cumsum(velocity), spans.ravel()
+    strayed = (np.maximum.reduceat(travelled, ends) - np.minimum.reduceat(travelled, ends))[::2]
+    return np.asarray(strayed < RESTING * 0.25 * np.add.reduceat(sure, ends)[::2])

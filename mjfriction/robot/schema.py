@@ -54,6 +54,11 @@ class Actuator(Table):
     ripple: tuple[Wave, ...] = ()
 
     @property
+    def reflected_inertia(self) -> float:
+        """``rotor_inertia`` · ``gear_ratio``²: what the joint feels of the rotor, kg·m² or kg."""
+        return self.rotor_inertia * self.gear_ratio**2
+
+    @property
     def effort_per_ampere(self) -> float | None:
         """``gear_ratio`` · ``torque_constant``: effort at the joint for a current, N·m/A or N/A; none where not stated.
 
@@ -183,12 +188,13 @@ class Thermal(Table):
 
 class WarmUp(Table):
     """Friction that settles with running time t (s): (``coulomb`` · sgn q̇ + ``viscous`` · q̇) · (1 − e^(−t/τ)), τ the
-    ``time_constant``.
+    ``time_constant``, t counted from ``begin`` on the log's clock.
     """
 
     coulomb: Finite = 0.0
     viscous: Finite = 0.0
     time_constant: Positive
+    begin: Finite = 0.0
 
 
 class Event(Table):

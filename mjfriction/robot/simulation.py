@@ -42,7 +42,7 @@ def robot_spec(robot: Robot) -> Spec:
         link_inertia={name: LinkMass(own.mass, own.com, own.inertia) for name, own in table.link_inertia.items()},
         link_scale=table.link_scale,
         link_shift=table.link_shift,
-        rotor_inertia={j.name: j.actuator.rotor_inertia * j.actuator.gear_ratio**2 for j in table.joint},
+        rotor_inertia={j.name: j.actuator.reflected_inertia for j in table.joint},
     )
     add_springs(spec, {joint.name: coefficients(joint.spring) for joint in table.joint})
     return spec

@@ -83,7 +83,7 @@ def test_what_makes_too_little_is_listed_as_refitted_and_not_told(
 
     def offsets(least: float) -> tuple[list[str], list[float]]:
         # The bar of what is told alone; the competition keeps its own.
-        monkeypatch.setattr("mjfriction.diagnose.untold.effect", lambda *_: 1.0 if least == 0.0 else 0.0)
+        monkeypatch.setattr("mjfriction.diagnose.untold.negligible", lambda *_: least > 0.0)
         monkeypatch.setattr("mjfriction.diagnose.trial.Trial.passes", passes)
         found = diagnose_log(log, read_robot(tmp_path / "robot.toml"))
         listed = [entry.fitted for entry in found.adjustments if entry.what == "offset"]

@@ -94,7 +94,7 @@ def test_a_spring_over_a_short_stroke_is_told_by_the_asked_motion(robots: tuple[
 
 def test_play_that_the_load_never_crosses_is_a_zero_that_is_off() -> None:
     stated = noisy(read_robot("ur5"), 0.1)
-    loose = stated.table.joint[ELBOW].model_copy(update={"transmission": Transmission(backlash=0.04)})
+    loose = stated.table.joint[ELBOW].model_copy(update={"transmission": Transmission(backlash=0.06)})
     machine = stated.with_joint(loose)
     wide = excitation(stated.joints, HANGING, WIDE, np.full(6, 0.6), 40.0, seed=5)
     first = diagnosed(machine, stated, wide)

@@ -29,7 +29,8 @@ class Site:
     """A cause at a place: on one joint (its index), with values for its shape parameters.
 
     ``other`` is the joint that it comes from, where it comes from one; ``around`` the strength that a curved cause's
-    columns are drawn around, 0 for the stated robot; ``order`` counts those of its kind on the joint, from 0.
+    columns are drawn around, 0 for the stated robot; ``order`` counts those of its kind on the joint, from 0; ``begin``
+    is the moment (s, on the log's clock) from which a course of time is counted.
     """
 
     joint: int
@@ -37,6 +38,7 @@ class Site:
     other: int | None = None
     around: float = 0.0
     order: int = 0
+    begin: float = 0.0
 
     def shaped(self, shape: Shape) -> Site:
         """Return the same place with another shape."""
@@ -57,12 +59,14 @@ class Cause(ABC):
 
     name: ClassVar[str]
     shape_parameters: ClassVar[tuple[Parameter, ...]] = ()
+    relative_shape: ClassVar[bool] = True  # whether shapes are positive, and searched in steps relative to themselves
     covariate: ClassVar[str] = "velocity"
     picture: ClassVar[Picture] = "covariate"  # what shows it best
     whole_arm: ClassVar[bool] = False  # whether every joint feels it; its site is then where it shows most
     curved: ClassVar[bool] = False  # whether the effort bends with the strengths: then fitted on the real balance
     of_sensor: ClassVar[bool] = False  # whether it acts on whatever torques there are, those of other causes too
     of_body: ClassVar[bool] = False  # whether it changes the links' loads, with which effects of others grow
+    least_of_friction: ClassVar[float] = 0.04  # of the joint's friction, that it must be at its most to be told
     times: ClassVar[int] = 1  # how many of its kind a joint may have
     before_sensor: ClassVar[bool] = True  # whether the change passes the effort sensor's scale, as all torques do
     contains: ClassVar[tuple[str, ...]] = ()  # causes that are this one with a strength at zero: no rivals of theirs

@@ -42,6 +42,7 @@ class Presliding(JointCause):
 
     name = "friction.presliding"
     picture = "travel"
+    least_of_friction = 0.0  # of the level that builds up more is asked
     shape_parameters = (TRAVEL,)
 
     def sites(self, gap: Gap) -> list[Site]:

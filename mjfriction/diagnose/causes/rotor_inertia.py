@@ -50,8 +50,8 @@ class RotorInertia(JointCause):
 
     def _change(self, gap: Gap, site: Site, strengths: Floats) -> float:
         # Relative to what is stated.
-        actuator = gap.robot.table.joint[site.joint].actuator
-        return abs(float(strengths[0])) / max(actuator.rotor_inertia * actuator.gear_ratio**2, LEAST_STATED)
+        stated = gap.robot.table.joint[site.joint].actuator.reflected_inertia
+        return abs(float(strengths[0])) / max(stated, LEAST_STATED)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move the rotor inertia of the joint's actuator."""

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import final
 
 import numpy as np
@@ -40,6 +41,7 @@ class _Varying(JointCause):
 
     covariate = "time"
     picture = "turned"
+    least_of_friction = 0.035
 
     @abstractmethod
     def course(self, gap: Gap, site: Site) -> Floats:
@@ -124,7 +126,8 @@ class WarmUpDrift(_Varying):
             return []
         grid = np.geomspace(TIME_CONSTANTS[0] * duration, TIME_CONSTANTS[1] * duration, 5)
         joints = [site for site in super().sites(gap) if _temperature(gap, site.joint) is None]
-        return [site.shaped((float(tau),)) for site in joints for tau in grid]
+        begin = float(gap.motion.time[0])
+        return [replace(site, shape=(float(tau),), begin=begin) for site in joints for tau in grid]
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
         """Faster is an event, slower a straight line."""
@@ -132,13 +135,13 @@ class WarmUpDrift(_Varying):
         return [(TIME_CONSTANTS[0] * duration, TIME_CONSTANTS[1] * duration)]
 
     def course(self, gap: Gap, site: Site) -> Floats:
-        """The share of the warm-up that is over."""
-        return warmed(gap.motion.time, site.shape[0])
+        """The share of the warm-up that is over, begun with the log."""
+        return warmed(gap.motion.time - site.begin, site.shape[0])
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """State the warm-up."""
-        joint = robot.joints[site.joint]
-        warm = WarmUp(coulomb=float(strengths[0]), viscous=float(strengths[1]), time_constant=site.shape[0])
+        joint, (coulomb, viscous) = robot.joints[site.joint], strengths.tolist()
+        warm = WarmUp(coulomb=coulomb, viscous=viscous, time_constant=site.shape[0], begin=site.begin)
         return robot.with_joint(robot.joint(joint).model_copy(update={"warm_up": warm}))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
@@ -159,10 +162,11 @@ class Step(_Varying):
 
     name = "event.change"
     shape_parameters = (MOMENT,)
+    relative_shape = False
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every moving joint, with moments spread over the time it moves."""
-        if np.any(np.diff(gap.motion.time) < 0.0) or gap.motion.time[0] < 0.0:
+        if np.any(np.diff(gap.motion.time) < 0.0):
             return []
         spread = np.linspace(EDGE, 1.0 - EDGE, MOMENTS)
         return [site.shaped((float(t),)) for site in super().sites(gap) for t in np.quantile(_clear(gap, site), spread)]
@@ -170,7 +174,7 @@ class Step(_Varying):
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
         """Within the time that the joint moves."""
         low, high = np.quantile(_clear(gap, site), [EDGE, 1.0 - EDGE])
-        return [(max(float(low), 1e-3), float(high))]
+        return [(float(low), float(high))]
 
     def shape_steps(self, gap: Gap, site: Site) -> tuple[float, ...]:
         """Half of the distance between two moments."""
