@@ -11,19 +11,21 @@ from mjfriction.control.observe import OBSERVERS
 from mjfriction.diagnose.alike import ROOM
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOVED, LEAST_NOTED
+from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.presliding import LEAST_PART
 from mjfriction.diagnose.causes.stribeck import GONE_BY
-from mjfriction.diagnose.causes.varying import EDGE
+from mjfriction.diagnose.causes.varying import EDGE, Step
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
-from mjfriction.diagnose.exact import RIGHT
+from mjfriction.diagnose.exact import EXACT, FEWEST_JOINTS, MOST_JOINTS, RIGHT
 from mjfriction.diagnose.kin import LEAST_KIN_EFFECT
 from mjfriction.diagnose.link_finding import SURELY
-from mjfriction.diagnose.nuisance import FARTHEST, LINK_SCALE, LINK_SHIFT
+from mjfriction.diagnose.nuisance import CONSTANT, FARTHEST, LINK_SCALE, LINK_SHIFT, ROTOR
 from mjfriction.diagnose.oscillations import INSTEAD, LEAST_TOLD, QUIETER, RESONANT
 from mjfriction.diagnose.short_list import NEAR_BEST
 from mjfriction.diagnose.stated import OUTLYING
 from mjfriction.diagnose.trial import LEAST_EFFECT
 from mjfriction.diagnose.untold import DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
+from mjfriction.diagnose.verdict import LEAST_FRICTION
 from mjfriction.identify import choose, conclude
 from mjfriction.identify.colour import COLOURED
 from mjfriction.identify.swing import FASTEST, SLOWEST
@@ -84,6 +86,13 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"makes less than {100 * LEAST_EFFECT:g} % of the effort (one of the whole arm: at the joint where" in told
     assert f"or takes less than {100 * LEAST_SEEN:g} % of the mean square" in told
+    uneven = [100 * cause.least_of_friction for cause in (Offset, PositionFriction, Step)]
+    assert "has to be {:g} % of the joint's friction; {:g} % where it is waves".format(*uneven) in told
+    assert f"and {uneven[2]:g} % where it is a course over time" in told
+    assert f"either has to be {100 * LEAST_FRICTION:g} % of the joint's friction besides" in told
+    drives = [f"({100 * off:g} % as a rule, {100 * FARTHEST * off:g} % at most)" for off in (ROTOR, CONSTANT)]
+    assert "each rotor's inertia {} and each torque constant {}".format(*drives) in told
+    assert (EXACT, MOST_JOINTS, FEWEST_JOINTS) == (0.01, 0.75, 3), "the page says a percent, a quarter, three or more"
     assert f"as much as {100 * MISFIT:g} % of the mean square that they take" in told
     assert f"{100 * SURELY_SEEN:g} % of what is left is enough" in told
     assert (DROWNED, ROOM, COLOURED) == (1.0, 0.5, 0.5), "the page says as much, half of the effect, half of it"

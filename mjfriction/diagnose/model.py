@@ -88,15 +88,23 @@ class Model:
 
     @functools.cached_property
     def friction(self) -> dict[int, float]:
-        """The RMS Coulomb and viscous friction of each examined joint, as stated and refitted, N·m or N."""
+        """The RMS Coulomb and viscous friction of each examined joint that moves, as stated and refitted, N·m or N."""
         gap, nuisance, strengths = self.gap, self.nuisance, self.strengths
         refitted = {level.site.joint: strengths[nuisance.of_level(level.site.joint)] for level in nuisance.levels}
         out = {}
         for joint in gap.examined:
             levels = np.array(stated_levels(gap.robot.table.joint[joint])) + refitted.get(joint, 0.0)
             course = np.column_stack([gap.at_rows(name)[:, joint] for name in ("forward", "velocity")]) @ levels
-            out[joint] = max(float(np.sqrt(np.mean(np.square(course)))), FRICTIONLESS)
+            out[joint] = max(gap.rms(course, joint), FRICTIONLESS)
         return out
+
+    def beyond_levels(self, effort: Floats, joint: int) -> Floats:
+        """Return what refitted levels cannot make of an effort (rows,) at a joint, N·m or N."""
+        for level in self.nuisance.levels:
+            if level.site.joint == joint:
+                columns = level.columns[joint]
+                effort = effort - columns @ np.linalg.lstsq(columns, effort, rcond=None)[0]
+        return effort
 
     @functools.cached_property
     def heldout_errors(self) -> Floats:

@@ -25,9 +25,9 @@ class Trial:
     ``improvement`` (blocks,) is the weighted squared error it takes off each block when fitted to the others,
     ``error`` (blocks,) what was there before, both at the joints it touches; ``relief`` is what it takes off the
     refitted drives' and links' distance from what is stated, in the same unit.  At the joint that gains most,
-    ``effect`` is its RMS effort relative to the joint's, ``of_friction`` its most, relative to the joint's friction.
-    ``wald`` is θᵀC⁻¹θ/k of its k = ``count`` strengths θ, C being their covariance, the larger of the one clustered
-    over blocks, which leave ``freedoms``, and the one for white noise.
+    ``effect`` is its RMS effort relative to the joint's, ``of_friction`` its most beside levels, relative to the
+    joint's friction.  ``wald`` is θᵀC⁻¹θ/k of its k = ``count`` strengths θ, C being their covariance, the larger of
+    the one clustered over blocks, which leave ``freedoms``, and the one for white noise.
     """
 
     chosen: Chosen
@@ -110,20 +110,22 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
 
 def effects(model: Model, choice: Chosen, strengths: Floats, joint: int) -> tuple[float, float]:
     """Return the RMS effort that strengths of a cause make at a joint, relative to the joint's, and the most that it
-    makes relative to the joint's friction.
+    makes beside the joint's levels, relative to its friction.
     """
     columns, _ = cause_block(model.gap, choice)
     made = columns[joint] @ strengths
     of_effort = float(np.linalg.norm(made) / np.linalg.norm(model.gap.measured[:, joint]))
-    return of_effort, at_its_most(columns, made) / model.friction[joint]
+    return of_effort, at_its_most(model, columns, made, joint) / model.friction[joint]
 
 
-def at_its_most(columns: Columns, made: Floats) -> float:
-    """Return how large what a cause with such ``columns`` has ``made`` at a joint (rows,) gets.
+def at_its_most(model: Model, columns: Columns, made: Floats, joint: int) -> float:
+    """Return how large what a cause with such ``columns`` has ``made`` at a joint (rows,) gets, less what the joint's
+    refitted levels could make of it: friction that grows with the load is a higher level, and little besides.
 
     What several joints feel is no unevenness of one joint's friction, and may show in few rows, as play does.
     """
-    return float(np.quantile(np.abs(made), MOST if len(columns) == 1 else MOST_OF_SEVERAL))
+    share = MOST if len(columns) == 1 else MOST_OF_SEVERAL
+    return float(np.quantile(np.abs(model.beyond_levels(made, joint)), share))
 
 
 def negligible(model: Model, choice: Chosen, strengths: Floats, before: Floats, after: Floats) -> bool:

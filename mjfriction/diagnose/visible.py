@@ -77,7 +77,7 @@ def _least(model: Model, choice: Chosen, chance: float, alike: float) -> float:
 def _of_friction(model: Model, choice: Chosen) -> float:
     # How large the effect is that is as much of the joint's friction as has to be, at its most.
     joint, (columns, _) = choice.site.joint, cause_block(model.gap, choice)
-    most = max(at_its_most(columns, own) / max(_rms(own), 1e-300) for own in columns[joint].T)
+    most = max(at_its_most(model, columns, own, joint) / max(_rms(own), 1e-300) for own in columns[joint].T)
     return choice.cause.least_of_friction * model.friction[joint] / max(most, 1e-300)
 
 

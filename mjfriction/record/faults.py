@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-FEWEST_REPEATED = 8  # rows in a row, alike in every column, that no chance repeats
+FEWEST_REPEATED = 8  # rows, different ones, alike in every column, that no chance repeats in a row
 LONGEST_SINGLE = 2  # samples of a glitch
 WILD = 25.0  # times the usual departure from its neighbours' median from which on a sample is wild
 COMES_BACK = 0.3  # of a wild sample's height, that its neighbours may differ by
@@ -66,9 +66,9 @@ def repeated_rows(columns: Mapping[str, Floats]) -> Mask:
         lag[i] = i - last.get(own, i)
         last[own] = i
     for start, stop in _runs(lag):
-        # A resting machine repeats the row before; only rows that change among themselves were copied.
-        changing = np.any(number[start:stop] != number[start])
-        if lag[start] > 1 and stop - start >= FEWEST_REPEATED and changing:
+        # A resting machine repeats the row before, and one that reads coarsely few rows again and again: only rows that
+        # differ among themselves were copied.
+        if lag[start] > 1 and np.unique(number[start:stop]).size >= FEWEST_REPEATED:
             out[start:stop] = True
     return out
 

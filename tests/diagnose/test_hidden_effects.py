@@ -10,7 +10,8 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-import pyarrow.parquet
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 import mjfriction.diagnose.diagnosis as module
@@ -20,6 +21,7 @@ from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.record.readers import read_log
+from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.predict import predict_log
 from tests.hidden.closed_loop import record_closed_loop
@@ -245,7 +247,7 @@ def test_what_no_cause_fits_is_unexplained_and_placed(tmp_path: Path) -> None:
 def test_care_for_reversals_is_what_keeps_a_delay_away(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # A simulated arm whose elbow sticks and breaks loose; rows near that, believed like all others, look late.
     log = tmp_path / "log.parquet"
-    pyarrow.parquet.write_table(record_closed_loop(7, fading=2, excess=3.5, over=0.12), log)
+    pq.write_table(record_closed_loop(7, fading=2, excess=3.5, over=0.12), log)
 
     def found() -> Diagnosis:
         return diagnose_log(read_log(log), read_robot("ur5"))
@@ -469,6 +471,52 @@ def test_a_rotor_a_few_percent_off_is_a_finding_on_an_exact_robot_only(
     assert names(found(0.05)) == []
     monkeypatch.setattr("mjfriction.diagnose.causes.rotor_inertia.USUALLY_OFF", 0.0)
     assert finding in names(found(0.05))
+
+
+@pytest.mark.parametrize("begin", [-5.0, 1.7e9])
+def test_courses_of_time_are_found_on_any_clock(begin: float, tmp_path: Path) -> None:
+    def steps(i: Instant) -> np.ndarray:
+        return 2.0 * np.sign(i.v) * (i.time > 24.0)
+
+    def warms(i: Instant) -> np.ndarray:
+        return -3.0 * np.sign(i.v) * (1.0 - np.exp(-i.time / 15.0))
+
+    log, robot = write_case(tmp_path, Machine(noise=0.1, hidden={1: warms, 2: steps}), seed=21)
+    columns = pq.read_table(log)
+    moved = columns.set_column(0, "time", pa.array(columns["time"].to_numpy() + begin))
+    assert columns.column_names[0] == "time"
+    diagnosis = diagnose_log(log_from_table(moved, "log"), read_robot(robot))
+    found = {finding.cause: finding for finding in diagnosis.findings}
+    assert {(f.cause, f.joint) for f in diagnosis.findings} == {
+        ("event.change", "elbow_joint"),
+        ("friction.temperature", "shoulder_lift_joint"),
+    }
+    moment = next(own for own in found["event.change"].parameters if own.name == "time")
+    assert moment.value - begin == pytest.approx(24.0, abs=0.3)
+    assert moment.low <= begin + 24.0 <= moment.high
+    constant = next(own for own in found["friction.temperature"].parameters if own.name == "time_constant")
+    assert constant.value == pytest.approx(15.0, rel=0.2)
+    # The extended robot says so on the log's own clock.
+    predicted = predict_log(log_from_table(moved, "log"), diagnosis.robot)
+    missed = columns["effort.elbow_joint"].to_numpy() - predicted["effort.elbow_joint"]
+    assert np.sqrt(np.mean(np.square(missed))) < 1.3 * 0.1 * UR5_COULOMB[2]
+
+
+def test_friction_that_is_a_little_uneven_everywhere_is_no_finding(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def uneven(joint: int) -> Callable[[Instant], np.ndarray]:
+        level = 0.03 * UR5_COULOMB[joint]
+        return lambda i: level * np.cos((5.0 + joint) * i.q + joint) * np.sign(i.v)
+
+    machine = Machine(noise=0.03, hidden={joint: uneven(joint) for joint in range(6)})
+    plain = run(tmp_path / "as it is", machine, seed=21)
+    assert names(plain) == []
+    assert plain.verdict is Verdict.CONSISTENT
+    monkeypatch.setattr("mjfriction.diagnose.causes.waves.PositionFriction.least_of_friction", 0.0)
+    told = [cause for cause, _ in names(run(tmp_path / "told", machine, seed=21))]
+    assert set(told) == {"friction.position"}
+    assert len(told) >= 5
 
 
 def test_a_warm_up_of_two_time_constants_is_one_warm_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -91,7 +91,7 @@ def test_what_shows_only_beside_another_cause_is_asked_again_once_that_is_found(
         return 4.0 * np.sign(instant.v) * np.exp(-np.square(instant.v / 0.15))
 
     def loaded(instant: Instant) -> np.ndarray:
-        return 0.03 * np.abs(instant.rigid) * np.sign(instant.v)
+        return 0.05 * np.abs(instant.rigid) * np.sign(instant.v)
 
     gap = gap_of_machine(tmp_path, Machine(hidden={ELBOW: fading, SHOULDER: loaded}))
     field, asked = make_field(gap, (Load(), Stribeck())), []

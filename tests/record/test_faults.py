@@ -151,6 +151,14 @@ def test_clipped_samples_are_marked_and_the_rest_is_not() -> None:
     np.testing.assert_array_equal(log.unusable[EFFORT], columns[EFFORT] == columns[EFFORT].max())
 
 
+def test_a_coarse_reading_is_clipped_where_it_stands_at_its_extreme_more_than_beside_it() -> None:
+    columns = recording(encoder_bits=20, effort_step=0.4)
+    assert read(columns).unusable == {}
+    most = 0.8 * np.max(columns[EFFORT])
+    columns[EFFORT] = np.minimum(columns[EFFORT], np.round(most / 0.4) * 0.4)
+    np.testing.assert_array_equal(read(columns).unusable[EFFORT], columns[EFFORT] == columns[EFFORT].max())
+
+
 def test_a_quick_start_from_rest_is_no_stuck_sensor() -> None:
     columns = recording()
     time = columns["time"]

@@ -41,7 +41,7 @@ class _Varying(JointCause):
 
     covariate = "time"
     picture = "turned"
-    least_of_friction = 0.035
+    least_of_friction = 0.0175  # a step of twice that, half of which levels take
 
     @abstractmethod
     def course(self, gap: Gap, site: Site) -> Floats:

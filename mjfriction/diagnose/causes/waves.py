@@ -98,7 +98,7 @@ class PositionFriction(_Waves):
 
     name = "friction.position"
     picture = "turned_spectrum"
-    least_of_friction = 0.06  # no machine's friction is more even than that along its stroke
+    least_of_friction = 0.05  # no machine's friction is more even than that along its stroke
     times = 2
     turns = True
 
