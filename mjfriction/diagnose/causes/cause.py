@@ -66,7 +66,7 @@ class Cause(ABC):
     curved: ClassVar[bool] = False  # whether the effort bends with the strengths: then fitted on the real balance
     of_sensor: ClassVar[bool] = False  # whether it acts on whatever torques there are, those of other causes too
     of_body: ClassVar[bool] = False  # whether it changes the links' loads, with which effects of others grow
-    least_of_friction: ClassVar[float] = 0.03  # of the joint's friction, that it must be at its most beside levels
+    least_of_friction: ClassVar[float] = 0.04  # of the joint's friction, that it must be at its most beside levels
     times: ClassVar[int] = 1  # how many of its kind a joint may have
     before_sensor: ClassVar[bool] = True  # whether the change passes the effort sensor's scale, as all torques do
     contains: ClassVar[tuple[str, ...]] = ()  # causes that are this one with a strength at zero: no rivals of theirs
