@@ -24,6 +24,7 @@ from mjfriction.diagnose.oscillations import INSTEAD, LEAST_TOLD, QUIETER, RESON
 from mjfriction.diagnose.short_list import NEAR_BEST
 from mjfriction.diagnose.stated import OUTLYING
 from mjfriction.diagnose.trial import LEAST_EFFECT
+from mjfriction.diagnose.unevenness import EVENEST, UNEVEN
 from mjfriction.diagnose.untold import DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
 from mjfriction.diagnose.verdict import LEAST_FRICTION
 from mjfriction.identify import choose, conclude
@@ -87,8 +88,10 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert f"makes less than {100 * LEAST_EFFECT:g} % of the effort (one of the whole arm: at the joint where" in told
     assert f"or takes less than {100 * LEAST_SEEN:g} % of the mean square" in told
     uneven = [100 * cause.least_of_friction for cause in (Offset, PositionFriction, Step)]
+    assert f"waves of {100 * UNEVEN:g} % and more at two joints or more" in told
     assert "has to be {:g} % of the joint's friction; {:g} % where it is waves".format(*uneven) in told
     assert f"and {uneven[2]:g} % where it is a course over time" in told
+    assert EVENEST == 0.25, "the page says a quarter"
     assert f"either has to be {100 * LEAST_FRICTION:g} % of the joint's friction besides" in told
     drives = [f"({100 * off:g} % as a rule, {100 * FARTHEST * off:g} % at most)" for off in (ROTOR, CONSTANT)]
     assert "each rotor's inertia {} and each torque constant {}".format(*drives) in told

@@ -15,6 +15,7 @@ from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.diagnose.stated import settle
 from mjfriction.diagnose.stroke_curve import stroke_curves
+from mjfriction.diagnose.unevenness import with_unevenness
 from mjfriction.diagnose.untold import find_untold
 from mjfriction.diagnose.verdict import faults_in_words, reach_verdict, summarize, unexplained
 from mjfriction.identify.effort_bandwidth import find_bandwidths, with_bandwidths
@@ -38,7 +39,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     gap = measure_gap(log, robot)
     faults = tuple(find_faults(gap))
     field = make_field(gap, () if faults else STRUCTURAL)
-    nuisance = Nuisance((), (), ()) if faults else usual_nuisance(gap)
+    nuisance = Nuisance((), (), ()) if faults else with_unevenness(gap, usual_nuisance(gap))
     settled = settle(*compete(gap, nuisance, field, tell))
     tell("proving what was found", PROVING)
     model, gap = settled.model, settled.model.gap

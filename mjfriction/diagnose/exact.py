@@ -10,6 +10,7 @@ import numpy as np
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LinkScale, LoneLink
+from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.field import Field, size
 from mjfriction.diagnose.model import Model, build_model
 from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
@@ -17,6 +18,7 @@ from mjfriction.diagnose.short_list import contenders, fairly
 from mjfriction.diagnose.tangent import straightened
 from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats
+from mjfriction.robot.friction import stated_levels
 
 MOST_JOINTS = 0.75  # share of joints whose changes are typical
 EXACT = 0.01  # of the stated friction: typical change of the other joints up to which a robot is stated exactly
@@ -75,12 +77,19 @@ def _as_good(alone: Model, model: Model) -> bool:
 
 
 def level_changes(model: Model) -> dict[int, float]:
-    """Return by how much each joint's friction is refitted, relative to what is stated, by joint."""
-    full = model.strengths
-    return {
-        level.site.joint: relative_change(model.gap, level.site, full[model.nuisance.of_level(level.site.joint)])
-        for level in model.nuisance.levels
-    }
+    """Return by how much each joint's friction is refitted, relative to what is stated, by joint.
+
+    A torque constant that is refitted along scales friction too: what counts is what the drive reports of it.
+    """
+    nuisance, strengths, table = model.nuisance, model.strengths, model.gap.robot.table.joint
+    pairs = zip(nuisance.drives, strengths[nuisance.of_drives], strict=True)
+    scale = {drive.site.joint: change for drive, change in pairs if drive.cause.name == TorqueConstant.name}
+    out = {}
+    for level in nuisance.levels:
+        joint = level.site.joint
+        own = strengths[nuisance.of_level(joint)] + scale.get(joint, 0.0) * np.array(stated_levels(table[joint]))
+        out[joint] = relative_change(model.gap, level.site, own)
+    return out
 
 
 def relative_change(gap: Gap, site: Site, strengths: Floats) -> float:

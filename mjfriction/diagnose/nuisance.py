@@ -83,12 +83,17 @@ Part = Level | Drive | Link | Oscillation
 
 @dataclass(frozen=True)
 class Nuisance:
-    """What is refitted: stated levels first, then drives, links, and oscillations, in the order of their columns."""
+    """What is refitted: stated levels first, then drives, links, and oscillations, in the order of their columns.
+
+    ``uneven`` is how uneven the machine is, 1 for one that is as uneven as real ones are: a cause has to be larger than
+    that.
+    """
 
     levels: tuple[Level, ...]
     drives: tuple[Drive, ...]
     links: tuple[Link, ...]
     oscillations: tuple[Oscillation, ...] = ()
+    uneven: float = 1.0
 
     @property
     def parts(self) -> list[Part]:
@@ -165,7 +170,7 @@ class Nuisance:
 
     def along(self, gap: Gap, sources: Sequence[Source]) -> Nuisance:
         """Return the like nuisances of a gap in which each of ``sources`` oscillates."""
-        return make_nuisance(gap, sources, drives=bool(self.drives))
+        return replace(make_nuisance(gap, sources, drives=bool(self.drives)), uneven=self.uneven)
 
 
 def make_nuisance(gap: Gap, sources: Sequence[Source] = (), *, drives: bool = False) -> Nuisance:

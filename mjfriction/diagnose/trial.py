@@ -26,8 +26,9 @@ class Trial:
     ``error`` (blocks,) what was there before, both at the joints it touches; ``relief`` is what it takes off the
     refitted drives' and links' distance from what is stated, in the same unit.  At the joint that gains most,
     ``effect`` is its RMS effort relative to the joint's, ``of_friction`` its most beside levels, relative to the
-    joint's friction.  ``wald`` is θᵀC⁻¹θ/k of its k = ``count`` strengths θ, C being their covariance, the larger of
-    the one clustered over blocks, which leave ``freedoms``, and the one for white noise.
+    joint's friction, of which it has to be ``least_of_friction``.  ``wald`` is θᵀC⁻¹θ/k of its k = ``count`` strengths
+    θ, C being their covariance, the larger of the one clustered over blocks, which leave ``freedoms``, and the one for
+    white noise.
     """
 
     chosen: Chosen
@@ -36,6 +37,7 @@ class Trial:
     relief: float
     effect: float
     of_friction: float
+    least_of_friction: float
     wald: float
     count: int
     freedoms: int
@@ -67,7 +69,7 @@ class Trial:
             self.chance < FALSE_ALARM / max(candidates, 1)
             and self.share > LEAST_SHARE
             and self.effect > LEAST_EFFECT
-            and self.of_friction > self.chosen.cause.least_of_friction
+            and self.of_friction > self.least_of_friction
         )
 
 
@@ -105,7 +107,8 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
     relief = _strain(model, model.strengths) - _strain(model, fitted)
     size = effects(model, choice, strengths, most)
     improvement, error = (before - after).sum(axis=0), before.sum(axis=0)
-    return Trial(choice, improvement, error, relief, *size, wald, count, int(groups[-1]))
+    least = least_of_friction(model, choice)
+    return Trial(choice, improvement, error, relief, *size, least, wald, count, int(groups[-1]))
 
 
 def effects(model: Model, choice: Chosen, strengths: Floats, joint: int) -> tuple[float, float]:
@@ -133,7 +136,12 @@ def negligible(model: Model, choice: Chosen, strengths: Floats, before: Floats, 
     where it shows most: ``before`` and ``after`` (rows, joints) are left without it and with it.
     """
     of_effort, of_friction = effects(model, choice, strengths, shown_at(model, choice, before, after))
-    return of_effort < LEAST_EFFECT or of_friction < choice.cause.least_of_friction
+    return of_effort < LEAST_EFFECT or of_friction < least_of_friction(model, choice)
+
+
+def least_of_friction(model: Model, choice: Chosen) -> float:
+    """Return how much of a joint's friction a cause has to be on this machine."""
+    return model.nuisance.uneven * choice.cause.least_of_friction
 
 
 def shown_at(model: Model, choice: Chosen, before: Floats, after: Floats) -> int:

@@ -21,7 +21,7 @@ STRUCTURED = 0.1  # share of what is left that a smooth curve may predict before
 OUTWEIGHED = 0.5  # of what was explained that it must reach besides
 OUTWEIGHED_COURSE = 0.25  # of what was explained that it must reach besides
 LEAST_EFFORT = 0.01  # of a joint's RMS effort that either must reach
-LEAST_FRICTION = 0.05  # and of its friction: so much of it any machine's follows nothing, or a little of everything
+LEAST_FRICTION = 0.05  # and of its friction, on a machine as uneven as real ones are
 MUCH_LEFT = 0.1  # of a joint's effort; more than that left, and far above the noise, is never agreement
 FAR_ABOVE_NOISE = 5.0  # times the sensor's noise
 REFITTED = 0.8  # of an error that is left when refitted values are worth a word
@@ -65,7 +65,11 @@ def _followed(model: Model, joint: int, after: Sequence[Structure], heldout: Flo
         for entry, least, outweighed in ((curve, STRUCTURED, OUTWEIGHED), (course, COLOURED, OUTWEIGHED_COURSE))
         if entry.share >= least
         and np.sqrt(entry.share) * left
-        > max(LEAST_EFFORT * effort, LEAST_FRICTION * model.friction[joint], outweighed * explained)
+        > max(
+            LEAST_EFFORT * effort,
+            LEAST_FRICTION * model.nuisance.uneven * model.friction[joint],
+            outweighed * explained,
+        )
     ]
     if left > max(MUCH_LEFT * effort, FAR_ABOVE_NOISE * float(gap.noise_floor[joint])):
         told = told or [curve, course]

@@ -12,7 +12,8 @@ from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.field import make_field, size
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
 from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.trial import FALSE_ALARM, LEAST_EFFECT, LEAST_SHARE, at_its_most
+from mjfriction.diagnose.trial import FALSE_ALARM, LEAST_EFFECT, LEAST_SHARE, at_its_most, least_of_friction
+from mjfriction.diagnose.unevenness import with_unevenness
 from mjfriction.identify.gap import Gap
 from mjfriction.progress import Tell, counting, silently
 from mjfriction.record.log import Floats
@@ -39,7 +40,7 @@ def visible_causes(gap: Gap, tell: Tell = silently) -> tuple[Visible, ...]:
     ``tell`` hears each cause.
     """
     field = make_field(gap, STRUCTURAL)
-    model = build_model(gap, make_nuisance(gap), ())
+    model = build_model(gap, with_unevenness(gap, make_nuisance(gap)), ())
     chance = FALSE_ALARM / max(size(field), 1)
     # Coloured noise says less: as many rows as say the same thing count as one.
     left = model.residual()
@@ -78,7 +79,7 @@ def _of_friction(model: Model, choice: Chosen) -> float:
     # How large the effect is that is as much of the joint's friction as has to be, at its most.
     joint, (columns, _) = choice.site.joint, cause_block(model.gap, choice)
     most = max(at_its_most(model, columns, own, joint) / max(_rms(own), 1e-300) for own in columns[joint].T)
-    return choice.cause.least_of_friction * model.friction[joint] / max(most, 1e-300)
+    return least_of_friction(model, choice) * model.friction[joint] / max(most, 1e-300)
 
 
 def _rms(values: Floats) -> float:

@@ -513,7 +513,10 @@ def test_friction_that_is_a_little_uneven_everywhere_is_no_finding(
     plain = run(tmp_path / "as it is", machine, seed=21)
     assert names(plain) == []
     assert plain.verdict is Verdict.CONSISTENT
-    monkeypatch.setattr("mjfriction.diagnose.causes.waves.PositionFriction.least_of_friction", 0.0)
+    # A single wave as small on a machine that is even is one.
+    one = Machine(noise=0.03, hidden={2: uneven(2)})
+    assert names(run(tmp_path / "one", one, seed=21)) == [("friction.position", "elbow_joint")]
+    monkeypatch.setattr("mjfriction.diagnose.unevenness.UNEVEN", np.inf)
     told = [cause for cause, _ in names(run(tmp_path / "told", machine, seed=21))]
     assert set(told) == {"friction.position"}
     assert len(told) >= 5

@@ -105,7 +105,7 @@ def test_two_tones_at_one_joint_are_both_named(tmp_path: Path) -> None:
 
 
 def test_a_cause_under_a_louder_hum_is_found_and_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    machine = Machine(hidden={ELBOW: lambda i: hum(i) + 0.2 * cogging(i)})
+    machine = Machine(hidden={ELBOW: lambda i: hum(i) + 0.13 * cogging(i)})
     found = diagnosed(tmp_path, machine)
     assert [(one.cause, one.joint) for one in found.findings] == [("drive.cogging", "elbow_joint")]
     assert found.verdict is Verdict.UNEXPLAINED

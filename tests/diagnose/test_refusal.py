@@ -18,6 +18,7 @@ from mjfriction.diagnose.field import make_field, size
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.refusal import refused
+from mjfriction.diagnose.unevenness import with_unevenness
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.progress import silently
 from mjfriction.record.readers import read_log
@@ -91,10 +92,11 @@ def test_what_shows_only_beside_another_cause_is_asked_again_once_that_is_found(
         return 4.0 * np.sign(instant.v) * np.exp(-np.square(instant.v / 0.15))
 
     def loaded(instant: Instant) -> np.ndarray:
-        return 0.05 * np.abs(instant.rigid) * np.sign(instant.v)
+        return 0.03 * np.abs(instant.rigid) * np.sign(instant.v)
 
     gap = gap_of_machine(tmp_path, Machine(hidden={ELBOW: fading, SHOULDER: loaded}))
     field, asked = make_field(gap, (Load(), Stribeck())), []
+    known = with_unevenness(gap, make_nuisance(gap))
     larger, lesser = ("friction.stribeck", ELBOW), ("friction.load", SHOULDER)
 
     def found(is_proved: Callable[[set[tuple[str, int]], str], bool]) -> list[tuple[str, int]]:
@@ -104,7 +106,7 @@ def test_what_shows_only_beside_another_cause_is_asked_again_once_that_is_found(
 
         asked.clear()
         monkeypatch.setattr(compete, "proved", judged)
-        return [one.key[:2] for one in compete._forward(gap, make_nuisance(gap), field, size(field), silently).chosen]
+        return [one.key[:2] for one in compete._forward(gap, known, field, size(field), silently).chosen]
 
     assert found(lambda chosen, name: True)[:2] == [larger, lesser]
     assert found(lambda chosen, name: name != larger[0] or lesser in chosen)[:2] == [lesser, larger]

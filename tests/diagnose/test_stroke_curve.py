@@ -27,7 +27,7 @@ def diagnosed(folder: Path, effect: Effect) -> Diagnosis:
 def test_a_soft_stop_is_left_open(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def stop(i):  # type: ignore[no-untyped-def]
         begin = np.max(i.q) - 0.5 * np.ptp(i.q)
-        return 16.0 * np.maximum(i.q - begin, 0.0)
+        return 4.0 * np.maximum(i.q - begin, 0.0)
 
     found = diagnosed(tmp_path / "as it is", stop)
     assert found.verdict is Verdict.UNEXPLAINED
