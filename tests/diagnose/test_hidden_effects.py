@@ -502,6 +502,14 @@ def test_courses_of_time_are_found_on_any_clock(begin: float, tmp_path: Path) ->
     assert np.sqrt(np.mean(np.square(missed))) < 1.3 * 0.1 * UR5_COULOMB[2]
 
 
+def test_the_stated_level_may_be_that_of_after_a_step(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    machine = Machine(noise=0.1, hidden={2: lambda i: 3.0 * np.sign(i.v) * (i.time < 24.0)})
+    step, level = ("event.change", "elbow_joint"), ("friction.coulomb_viscous", "elbow_joint")
+    assert names(run(tmp_path / "as it is", machine, seed=21)) == [step]
+    monkeypatch.setattr("mjfriction.diagnose.stated._of_another_time", lambda *_: False)
+    assert set(names(run(tmp_path / "told", machine, seed=21))) == {step, level}
+
+
 def test_friction_that_is_a_little_uneven_everywhere_is_no_finding(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from mjfriction.record.faults import frozen, glitches, stuck
+from mjfriction.record.faults import frozen, glitches, repeated_rows, stuck
 from mjfriction.record.log import Log
 from mjfriction.record.readers.table import log_from_table
 
@@ -149,6 +149,15 @@ def test_clipped_samples_are_marked_and_the_rest_is_not() -> None:
     columns = clip(recording())
     log = read(columns)
     np.testing.assert_array_equal(log.unusable[EFFORT], columns[EFFORT] == columns[EFFORT].max())
+
+
+def test_few_coarse_rows_that_recur_are_no_copy_and_many_are() -> None:
+    rng = np.random.default_rng(0)
+    way = np.arange(40.0)
+    coarse = np.concatenate([way, np.tile([40.0, 41.0], 6), way + 50.0, np.tile([40.0, 41.0], 6)])
+    assert not np.any(repeated_rows({"a": coarse}))
+    fine = rng.normal(size=40)
+    np.testing.assert_array_equal(repeated_rows({"a": np.r_[fine, fine[5:20]]}), np.arange(55) >= 40)
 
 
 def test_a_coarse_reading_is_clipped_where_it_stands_at_its_extreme_more_than_beside_it() -> None:
