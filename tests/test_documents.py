@@ -16,17 +16,19 @@ from mjfriction.diagnose.causes.presliding import LEAST_PART
 from mjfriction.diagnose.causes.stribeck import GONE_BY
 from mjfriction.diagnose.causes.varying import EDGE, Step
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
+from mjfriction.diagnose.compete import KEPT
 from mjfriction.diagnose.exact import EXACT, FEWEST_JOINTS, MOST_JOINTS, RIGHT
+from mjfriction.diagnose.free_links import BAR, FEWEST_GAINING, LEAST_GAINED, MANY, STRAINED
 from mjfriction.diagnose.kin import LEAST_KIN_EFFECT
 from mjfriction.diagnose.link_finding import SURELY
-from mjfriction.diagnose.nuisance import CONSTANT, FARTHEST, LINK_SCALE, LINK_SHIFT, ROTOR
+from mjfriction.diagnose.nuisance import CONSTANT, FARTHEST, LET_GO, LINK_SCALE, LINK_SHIFT, ROTOR
 from mjfriction.diagnose.oscillations import INSTEAD, LEAST_TOLD, QUIETER, RESONANT
 from mjfriction.diagnose.short_list import NEAR_BEST
 from mjfriction.diagnose.stated import OUTLYING
 from mjfriction.diagnose.trial import LEAST_EFFECT
 from mjfriction.diagnose.unevenness import EVENEST, UNEVEN
 from mjfriction.diagnose.untold import DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
-from mjfriction.diagnose.verdict import LEAST_FRICTION
+from mjfriction.diagnose.verdict import LEAST_FRICTION, MUCH_COLOURED
 from mjfriction.identify import choose, conclude
 from mjfriction.identify.colour import COLOURED
 from mjfriction.identify.swing import FASTEST, SLOWEST
@@ -113,6 +115,10 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert f"at least {100 * LEAST_KIN_EFFECT:g} % of the joint's effort" in told
     assert f"first or last {100 * EDGE:g} %" in told
     assert (GONE_BY, LEAST_PART, OUTLYING) == (0.7, 0.1, 3.0), "the page says seven tenths, a tenth and three times"
+    assert f"near what is stated only by {100 * LET_GO:g} %" in told
+    assert FARTHEST * 2.0 == STRAINED * 3.0, "the page says two thirds"
+    assert (BAR, FEWEST_GAINING, MANY, LEAST_GAINED) == (2.0, 2, 2, 0.1), "the page says two, two, two and a tenth"
+    assert (KEPT, MUCH_COLOURED) == (10, 0.3), "the page says a tenth of that number, and three tenths"
     assert (Cogging.times, PositionFriction.times) == (3, 2), "the page says three waves of cogging and two of friction"
 
 

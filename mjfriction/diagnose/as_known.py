@@ -40,7 +40,9 @@ def as_known(model: Model) -> Model:
 
 def _weighed(model: Model) -> Robot:
     # The stated robot with the body that was found, where it was found to be.
-    robot = model.gap.robot
+    robot, inertias = model.gap.robot, model.nuisance.inertias
+    if inertias is not None:
+        robot = inertias.applied(robot, model.strengths[model.nuisance.of_inertias])
     for choice, place in zip(model.chosen, model.places, strict=True):
         strengths = model.strengths[place]
         if choice.cause.of_body and choice.cause.admissible(model.gap, choice.site, strengths):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -21,11 +22,25 @@ from mjfriction.identify.gap import Gap
 from mjfriction.progress import Tell, silently
 
 MOST_CAUSES = 12
+KEPT = 10  # times likelier by chance, that a cause may be to be kept than to be chosen: what is as good stays
 NO_DIFFERENCE = 1.0  # of merit: the data are then but 1.6 times as likely under one as under the other
 SEARCHED, FURTHER = 0.8, 0.7  # of a diagnosis, that is search; of what is left of it, that each cause found leaves
 
 
-def compete(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silently) -> tuple[Model, Field]:
+def never(_: Model) -> bool:
+    """Return that no model is enough yet."""
+    return False
+
+
+def compete(
+    gap: Gap,
+    nuisance: Nuisance,
+    field: Field,
+    tell: Tell = silently,
+    *,
+    begin: tuple[Chosen, ...] = (),
+    enough: Callable[[Model], bool] = never,
+) -> tuple[Model, Field]:
     """Choose the causes that the log shows, strongest first; return them with what of the field was not refused.
 
     Forward: of the candidates whose strengths are beyond chance (Wald's test with block-clustered covariance, at a
@@ -33,13 +48,17 @@ def compete(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silently) -
     that takes most is chosen, until none is left.  Backward: causes that the later ones have made needless are dropped.
     Proof: where a steady tone or a load that swings is heard, all compete anew beside it; what
     :func:`~mjfriction.diagnose.refusal.refused` names is refused, and the others compete anew without it.  Where
-    nothing competes, nothing is listened for.
+    nothing competes, nothing is listened for.  Causes that were found already may be there from the ``begin``; as soon
+    as a model is ``enough`` it is returned as it is.
     """
     if not field:
         return build_model(gap, nuisance, ()), field
     asked, count = field, size(field)
     while True:
-        model = as_known(plainer(_pruned(_forward(gap, nuisance, asked, count, tell), count), asked))
+        model = _forward(_with_found(gap, nuisance, begin), asked, count, tell, enough)
+        if enough(model):
+            return model, asked
+        model = as_known(plainer(_pruned(model, count), asked))
         sources = new_oscillations(model)
         if sources:
             nuisance = nuisance.along(gap, (*nuisance.sources, *sources))
@@ -48,6 +67,12 @@ def compete(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silently) -
         if not no_causes:
             return straightened(with_kin(fulfilled(model), field)), asked
         asked = _narrowed(asked, no_causes)
+        begin = tuple(choice for choice in begin if choice.key not in {one.key for one in no_causes})
+
+
+def _with_found(gap: Gap, nuisance: Nuisance, begin: tuple[Chosen, ...]) -> Model:
+    model = build_model(gap, nuisance, tuple(replace(choice, tangent=None) for choice in begin))
+    return as_known(straightened(reshaped(model))) if begin else model
 
 
 def _narrowed(field: Field, no_causes: list[Chosen]) -> Field:
@@ -60,11 +85,11 @@ def _narrowed(field: Field, no_causes: list[Chosen]) -> Field:
     return tuple(out)
 
 
-def _forward(gap: Gap, nuisance: Nuisance, field: Field, count: int, tell: Tell) -> Model:
+def _forward(model: Model, field: Field, count: int, tell: Tell, enough: Callable[[Model], bool]) -> Model:
     # What shows only while joints rest is set aside, and asked again when no other is left: every contact yields a
     # little at a reversal, at every joint.
-    model, asked, anew = build_model(gap, nuisance, ()), field, True
-    while len(model.chosen) < MOST_CAUSES:
+    asked, anew = field, True
+    while len(model.chosen) < MOST_CAUSES and not enough(model):
         tell(f"searching for causes, {len(model.chosen)} so far", SEARCHED * (1.0 - FURTHER ** (1 + len(model.chosen))))
         more, left = _one_more(model, asked, count)
         if more is not None:
@@ -142,4 +167,4 @@ def _pruned(model: Model, count: int) -> Model:
 
 
 def _stays(trial: Trial | None, count: int) -> bool:
-    return trial is not None and trial.passes(count)
+    return trial is not None and trial.passes(count // KEPT)

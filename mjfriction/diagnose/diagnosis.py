@@ -6,11 +6,11 @@ import numpy as np
 
 from mjfriction.diagnose.audit import find_faults
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
-from mjfriction.diagnose.compete import compete
 from mjfriction.diagnose.exact import usual_nuisance
 from mjfriction.diagnose.extend import adjustments, extend_robot
 from mjfriction.diagnose.field import make_field
 from mjfriction.diagnose.findings import make_findings
+from mjfriction.diagnose.free_links import compete_for_links
 from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.diagnose.stated import settle
@@ -40,10 +40,10 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     faults = tuple(find_faults(gap))
     field = make_field(gap, () if faults else STRUCTURAL)
     nuisance = Nuisance((), (), ()) if faults else with_unevenness(gap, usual_nuisance(gap))
-    settled = settle(*compete(gap, nuisance, field, tell))
+    settled = settle(*compete_for_links(gap, nuisance, field, tell))
     tell("proving what was found", PROVING)
     model, gap = settled.model, settled.model.gap
-    left, heldout = model.residual(oscillations=True), model.heldout_residual(oscillations=True)
+    left, heldout = model.residual(oscillations=True, built=True), model.heldout_residual(oscillations=True)
     clean = model.heldout_residual()
     after = tuple(find_structure(gap, heldout))
     curves = stroke_curves(model, clean)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mjfriction.diagnose.base_changes import base_changes
 from mjfriction.diagnose.causes.cause import Cause, Quantity, Site
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.intervals import half_widths
@@ -38,7 +39,7 @@ def extend_robot(model: Model) -> Robot:
     The fit adds everything at the sensor's output.  Where a joint's sensor gets a new scale 1 + ε, what lies before it
     is divided by that, so that the robot file says the same as the fit.
     """
-    robot, nuisance, strengths = model.gap.robot, model.nuisance, model.strengths
+    robot, nuisance, strengths = model.gap.robot, model.nuisance, model.built
     sensor = np.ones(len(robot.joints))
     for choice, place in zip(model.chosen, model.places, strict=True):
         if choice.cause.name == TorqueConstant.name:
@@ -56,6 +57,8 @@ def extend_robot(model: Model) -> Robot:
         robot = drive.cause.extend(robot, drive.site, np.array([drive.stated * change / before]))
     for link, (scale, *shift) in zip(nuisance.links, model.link_changes.tolist(), strict=True):
         robot = shifted_link(scaled_link(robot, link.name, 1.0 + scale), link.name, shift)
+    if nuisance.inertias is not None:
+        robot = nuisance.inertias.applied(robot, strengths[nuisance.of_inertias])
     for choice, place in zip(model.chosen, model.places, strict=True):
         joint = choice.site.joint
         before = sensor[joint] if choice.cause.before_sensor else 1.0
@@ -85,6 +88,9 @@ def adjustments(model: Model, untold: Collection[Key]) -> list[Adjustment]:
     of_links = half[model.nuisance.of_links].reshape(-1, PER_LINK)
     for link, change, own in zip(model.nuisance.links, model.link_changes, of_links, strict=True):
         out += _moved_link(gap.robot, link.name, change, own)
+    for before, now in base_changes(model, widths).off:
+        what, name = now.name.split(".", 1)
+        out.append(Adjustment(what, name, now.unit, before, now.value, now.high - now.value))
     for choice, place, width in zip(model.chosen, model.places, widths.causes, strict=True):
         if choice.key not in untold:
             continue

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from mjfriction.diagnose.alike import standing
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
+from mjfriction.diagnose.causes.links import LinkScale
+from mjfriction.diagnose.causes.whole_arm import Payload
 from mjfriction.diagnose.field import Field
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.link_finding import link_finding
@@ -17,6 +21,8 @@ from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.proof import gain_at
 from mjfriction.record.log import Floats
+
+EVEN = 0.5  # the confidence of one of two that nothing tells apart
 
 
 def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> tuple[list[Finding], Experiment | None]:
@@ -59,14 +65,23 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
             shown_at=model.gap.robot.joints[shown],
         )
         findings.append(finding)
-    links = link_finding(model, widths.nuisance, untold, field, seed)
+    links = link_finding(model, widths, untold, field, seed)
     if links is not None:
         findings.append(links)
+    findings = [_beside_links(finding, findings) for finding in findings]
     experiment = None
     if unsure:
         _, choice, rival = min(unsure, key=lambda entry: entry[0])
         experiment = design_experiment(model, choice, rival)
     return sorted(findings, key=lambda finding: -finding.gain.reduction), experiment
+
+
+def _beside_links(finding: Finding, findings: list[Finding]) -> Finding:
+    # What is held at the flange is a part of the last link: beside links that are off it may be that this one is too.
+    off = any(one.cause == LinkScale.name for one in findings)
+    if finding.cause != Payload.name or finding.alternatives or not off:
+        return finding
+    return replace(finding, alternatives=(LinkScale.name,), confidence=min(finding.confidence, EVEN))
 
 
 def _fitted(gap: Gap, choice: Chosen, strengths: Floats, half: Floats) -> list[Fitted]:

@@ -20,10 +20,14 @@ LEAST_KNOWN = 100.0  # of these steps, that a shape parameter is known to before
 class HalfWidths:
     """Half-widths of 95 % intervals: of the nuisances' strengths, and for every chosen cause of its strengths and then
     its shape parameters.
+
+    They are ``quantile`` deviations; ``covariance`` is that of the nuisances' strengths.
     """
 
     nuisance: Floats
     causes: tuple[Floats, ...]
+    covariance: Floats
+    quantile: float
 
 
 def half_widths(model: Model) -> HalfWidths:
@@ -43,13 +47,15 @@ def half_widths(model: Model) -> HalfWidths:
         sizes.append(precision.size + tangent_precision.size)
     full = System(model.system.rows, columns, precisions).normal
     fitted = full.strengths(np.ones(gap.blocks.count, dtype=bool))
-    deviation = np.sqrt(np.maximum(np.diag(full.covariance(fitted, gap.blocks.group)), 0.0))
-    half = deviation * float(student.ppf(0.975, gap.blocks.groups - 1))
+    covariance, quantile = full.covariance(fitted, gap.blocks.group), float(student.ppf(0.975, gap.blocks.groups - 1))
+    half = quantile * np.sqrt(np.maximum(np.diag(covariance), 0.0))
     ends = nuisance.count + np.cumsum([0, *sizes])
     for choice, end in zip(model.chosen, ends[1:], strict=True):
         finest = choice.cause.shape_resolution(gap, choice.site)
         half[end - len(finest) : end] = np.maximum(half[end - len(finest) : end], finest)
-    return HalfWidths(half[: nuisance.count], tuple(half[a:b] for a, b in itertools.pairwise(ends)))
+    of_causes = tuple(half[a:b] for a, b in itertools.pairwise(ends))
+    count = nuisance.count
+    return HalfWidths(half[:count], of_causes, covariance[:count, :count], quantile)
 
 
 def _tangents(model: Model, choice: Chosen, own: Columns, strengths: Floats) -> tuple[Columns, Floats]:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from mjfriction.diagnose.alike import MOST_CONFIDENT, Standing, standing
+from mjfriction.diagnose.base_changes import base_changes
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LEAST_NOTED, LinkScale
 from mjfriction.diagnose.field import Field
+from mjfriction.diagnose.intervals import HalfWidths
 from mjfriction.diagnose.links_off import links_far_off
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import PER_LINK
@@ -15,24 +19,19 @@ from mjfriction.diagnose.outcome import Finding
 from mjfriction.diagnose.untold import Untold, shows
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.proof import gain_at
-from mjfriction.record.log import Floats
 
 SURELY = 0.05  # of a link's stated mass and inertia, that the whole interval of its change must be off by
+MOST_LISTED = 12  # combinations of inertias, that a finding lists
 
 
-def link_finding(model: Model, half: Floats, untold: Untold, field: Field, seed: int) -> Finding | None:
-    """Return the links' inertias as a finding when some are off by more than a stated inertia ever is.
-
-    ``half`` are the half-widths of the nuisances' 95 % intervals.
-    """
-    gap, nuisance = model.gap, model.nuisance
-    changes = model.link_changes[:, 0]
+def link_finding(model: Model, widths: HalfWidths, untold: Untold, field: Field, seed: int) -> Finding | None:
+    """Return the links' inertias as a finding when some are off by more than a stated inertia ever is."""
+    gap = model.gap
     named = [choice for choice in model.chosen if choice.cause.name == LinkScale.name]
-    if not changes.size or any(choice.key not in untold.keys for choice in named):
+    if any(choice.key not in untold.keys for choice in named):
         return None  # a link was named on its own; the others' few percent are refitted along
-    widths = half[nuisance.of_links].reshape(-1, PER_LINK)[:, 0]
-    noted = (np.abs(changes) > LEAST_NOTED) & (np.abs(changes) - widths > SURELY)
-    if not np.any(noted) or not links_far_off(model):
+    off = _let_go(model, widths) if model.nuisance.inertias else _scaled(model, widths, field)
+    if off is None or not links_far_off(model):
         return None
     without = model.without_links()
     if not shows(gap, without.heldout_residual(), model.heldout_residual(), gap.examined, untold.left, untold.bare):
@@ -40,9 +39,35 @@ def link_finding(model: Model, half: Floats, untold: Untold, field: Field, seed:
     before, heldout = without.heldout_residual(oscillations=True), model.heldout_residual(oscillations=True)
     gains = {joint: gain_at(gap, before, heldout, joint, seed) for joint in gap.examined}
     joint = max(gains, key=lambda place: gains[place].reduction)
-    most = nuisance.links[int(np.argmax(np.abs(changes) * noted))].name
-    stands = _link_standing(model, most, field)
-    scales = [
+    return Finding(
+        cause=LinkScale.name,
+        joint=None,
+        confidence=off.standing.confidence,
+        alternatives=off.standing.alternatives,
+        parameters=off.parameters,
+        gain=gains[joint],
+        evidence=off.evidence,
+        covariate=LinkScale.covariate,
+        picture=LinkScale.picture,
+        shown_at=gap.robot.joints[joint],
+    )
+
+
+@dataclass(frozen=True)
+class _Off:
+    parameters: tuple[Fitted, ...]
+    standing: Standing
+    evidence: str
+
+
+def _scaled(model: Model, widths: HalfWidths, field: Field) -> _Off | None:
+    # The links whose scale is off.
+    nuisance, changes = model.nuisance, model.link_changes[:, 0]
+    half = widths.nuisance[nuisance.of_links].reshape(-1, PER_LINK)[:, 0]
+    noted = (np.abs(changes) > LEAST_NOTED) & (np.abs(changes) - half > SURELY)
+    if not np.any(noted):
+        return None
+    scales = tuple(
         Fitted(
             f"link_scale.{link.name}",
             "mass and inertia of the link that the joint moves, relative to what is stated",
@@ -51,21 +76,25 @@ def link_finding(model: Model, half: Floats, untold: Untold, field: Field, seed:
             1.0 + float(change - width),
             1.0 + float(change + width),
         )
-        for link, change, width, own in zip(nuisance.links, changes, widths, noted, strict=True)
+        for link, change, width, own in zip(nuisance.links, changes, half, noted, strict=True)
         if own
-    ]
-    return Finding(
-        cause=LinkScale.name,
-        joint=None,
-        confidence=stands.confidence,
-        alternatives=stands.alternatives,
-        parameters=tuple(scales),
-        gain=gains[joint],
-        evidence="masses and inertias of the links do not fit the efforts of all joints at once as they are stated",
-        covariate=LinkScale.covariate,
-        picture=LinkScale.picture,
-        shown_at=gap.robot.joints[joint],
     )
+    most = nuisance.links[int(np.argmax(np.abs(changes) * noted))].name
+    evidence = "masses and inertias of the links do not fit the efforts of all joints at once as they are stated"
+    return _Off(scales, _link_standing(model, most, field), evidence)
+
+
+def _let_go(model: Model, widths: HalfWidths) -> _Off | None:
+    # Whatever few causes could stand for all links has lost against them already.
+    changes = base_changes(model, widths)
+    if not changes.off:
+        return None
+    evidence = (
+        "the efforts of all joints at once ask for other masses, centres and moments of the links than are stated: "
+        f"of {changes.shown} combinations of these that the motion shows, {len(changes.off)} are off"
+    )
+    most = tuple(fitted for _, fitted in changes.off[:MOST_LISTED])
+    return _Off(most, Standing((), MOST_CONFIDENT), evidence)
 
 
 def _link_standing(model: Model, link: str, field: Field) -> Standing:

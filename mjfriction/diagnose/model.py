@@ -12,6 +12,7 @@ import numpy as np
 from mjfriction.diagnose.causes.cause import Cause, Site
 from mjfriction.diagnose.nuisance import PER_LINK, Nuisance
 from mjfriction.identify.gap import Gap
+from mjfriction.identify.link_inertias import nearest_physical
 from mjfriction.identify.regression import UNSEEN, Columns, Normal, Rows, System
 from mjfriction.identify.row_noise import least_noise, row_noise
 from mjfriction.record.log import Floats
@@ -78,6 +79,22 @@ class Model:
         """How far each refitted link is from what is stated: its scale, relative, and its centre, m, (links, 4)."""
         return self.strengths[self.nuisance.of_links].reshape(-1, PER_LINK)
 
+    @functools.cached_property
+    def built(self) -> Floats:
+        """The strengths as they can be built into the robot: where links were let go, the nearest of those that bodies
+        can have, and what is fitted beside these.
+        """
+        inertias, place, normal, fitted = (
+            self.nuisance.inertias,
+            self.nuisance.of_inertias,
+            self.system.normal,
+            self.strengths,
+        )
+        if inertias is None or inertias.physical(fitted[place]):
+            return fitted
+        gram = normal.gram.sum(axis=(0, 1)) + np.diag(normal.precision)
+        return nearest_physical(gram, normal.moment.sum(axis=(0, 1)), place, inertias.stated)
+
     @property
     def places(self) -> list[slice]:
         """Where the strengths of each chosen cause stand."""
@@ -111,12 +128,13 @@ class Model:
         """The weighted squared error (joints, blocks), each block predicted by a fit that has not seen it."""
         return self.system.normal.heldout_errors(self.gap.blocks.folds)
 
-    def residual(self, *, oscillations: bool = False) -> Floats:
+    def residual(self, *, oscillations: bool = False, built: bool = False) -> Floats:
         """Return what the model, fitted on everything, leaves: (rows, joints), N·m or N.
 
-        With ``oscillations``, those that are refitted along are left too, since no robot file holds them.
+        With ``oscillations``, those that are refitted along are left too, since no robot file holds them; with
+        ``built``, it is left as it can be built into the robot.
         """
-        return self._left(self.strengths, oscillations=oscillations)
+        return self._left(self.built if built else self.strengths, oscillations=oscillations)
 
     def heldout_residual(self, *, oscillations: bool = False) -> Floats:
         """Return what the model leaves, every row predicted by a fit that has not seen it: (rows, joints).
@@ -230,13 +248,19 @@ def cause_block(gap: Gap, choice: Chosen) -> tuple[Columns, Floats]:
 
 
 def same_columns(gap: Gap, one: Chosen, other: Chosen) -> bool:
-    """Return whether two causes of one strength each do the same on this motion, at every joint."""
-    pair = [cause_block(gap, choice)[0] for choice in (one, other)]
-    if any(values.shape[1] != 1 for columns in pair for values in columns.values()):
+    """Return whether two causes, of one strength each that this motion shows, do the same on it at every joint."""
+    a, b = (_shown_columns(gap, choice) for choice in (one, other))
+    if a.shape[1] != 1 or b.shape[1] != 1:
         return False
-    none = np.zeros((gap.chain.time.size, 1))
-    a, b = (np.concatenate([columns.get(joint, none) for joint in gap.examined])[:, 0] for columns in pair)
-    return bool(abs(a @ b) > (1.0 - SAME) * np.linalg.norm(a) * np.linalg.norm(b))
+    return bool(abs(a[:, 0] @ b[:, 0]) > (1.0 - SAME) * np.linalg.norm(a) * np.linalg.norm(b))
+
+
+def _shown_columns(gap: Gap, choice: Chosen) -> Floats:
+    # Those columns of a cause that are not zero, all joints beneath one another.
+    columns, precision = cause_block(gap, choice)
+    none = np.zeros((gap.chain.time.size, precision.size))
+    whole = np.concatenate([columns.get(joint, none) for joint in gap.examined])
+    return whole[:, np.any(whole != 0.0, axis=0)]
 
 
 def build_model(gap: Gap, nuisance: Nuisance, chosen: tuple[Chosen, ...]) -> Model:

@@ -3,7 +3,8 @@
 Each joint's Coulomb and viscous level is free.  Each link's mass and inertia may scale by a few percent and its centre
 of mass lie some millimetres off, stated as a prior, so that a payload or a wrong torque constant is not swallowed by
 links of half the mass.  Where friction is a few percent off throughout, so may be what data sheets say of the drives:
-each rotor's inertia and each torque constant.  A steady tone at a joint, or a load that swings there, is free too: no
+each rotor's inertia and each torque constant.  Where that is not enough, links are let go altogether, in all ten
+numbers of each.  A steady tone at a joint, or a load that swings there, is free too: no
 robot file holds it.
 """
 
@@ -20,6 +21,7 @@ from mjfriction.diagnose.causes.cause import Cause, Site
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.identify.gap import Gap
+from mjfriction.identify.link_inertias import LinkInertias, link_inertias
 from mjfriction.identify.regression import Columns
 from mjfriction.identify.swing import Swing
 from mjfriction.identify.tone import Tone
@@ -29,6 +31,7 @@ LINK_SCALE = 0.03  # one standard deviation of how far a stated link may be off
 LINK_SHIFT = 0.002  # m, and its centre of mass, along each axis
 ROTOR, CONSTANT = 0.04, 0.015  # relative, and a drive's rotor inertia and torque constant
 FARTHEST = 3.0  # of these deviations, that a link or a drive goes at most
+LET_GO = 1.5  # by which a link that is let go may be off in each of its ten numbers, relative to what is stated
 PER_LINK = 4  # a scale and three shifts
 LEVEL_SCALE = 10.0  # of the joint's RMS effort: next to no restraint
 
@@ -78,13 +81,14 @@ class Oscillation:
     precision: Floats
 
 
-Part = Level | Drive | Link | Oscillation
+Part = Level | Drive | Link | LinkInertias | Oscillation
 
 
 @dataclass(frozen=True)
 class Nuisance:
     """What is refitted: stated levels first, then drives, links, and oscillations, in the order of their columns.
 
+    Links are within what stated ones are ever off by (``links``), or let go (``inertias``), not both.
     ``uneven`` is how uneven the machine is, 1 for one that is as uneven as real ones are: a cause has to be larger than
     that.
     """
@@ -92,13 +96,15 @@ class Nuisance:
     levels: tuple[Level, ...]
     drives: tuple[Drive, ...]
     links: tuple[Link, ...]
+    inertias: LinkInertias | None = None
     oscillations: tuple[Oscillation, ...] = ()
     uneven: float = 1.0
 
     @property
     def parts(self) -> list[Part]:
         """All that is refitted, in order."""
-        return [*self.levels, *self.drives, *self.links, *self.oscillations]
+        links = self.links if self.inertias is None else (self.inertias,)
+        return [*self.levels, *self.drives, *links, *self.oscillations]
 
     @functools.cached_property
     def columns(self) -> Columns:
@@ -142,6 +148,17 @@ class Nuisance:
         return slice(first, first + PER_LINK * len(self.links))
 
     @property
+    def of_inertias(self) -> slice:
+        """Where the strengths of links that were let go stand, ten for each."""
+        first = self.of_links.stop
+        return slice(first, first + (self.inertias.precision.size if self.inertias else 0))
+
+    @property
+    def of_stated(self) -> slice:
+        """Where those strengths stand of which it is known how far they usually are off: drives' and links'."""
+        return slice(self.of_drives.start, self.of_inertias.stop)
+
+    @property
     def of_bounded(self) -> slice:
         """Where those strengths stand that stated values are not ever far off by: drives' and links'."""
         return slice(self.of_drives.start, self.of_links.stop)
@@ -149,7 +166,7 @@ class Nuisance:
     @property
     def of_oscillations(self) -> slice:
         """Where the strengths of oscillations stand: last."""
-        return slice(self.of_links.stop, self.count)
+        return slice(self.of_inertias.stop, self.count)
 
     @property
     def sources(self) -> tuple[Source, ...]:
@@ -162,7 +179,11 @@ class Nuisance:
 
     def without_links(self) -> Nuisance:
         """Return the nuisances with every link as stated."""
-        return replace(self, links=())
+        return replace(self, links=(), inertias=None)
+
+    def with_links_let_go(self, gap: Gap) -> Nuisance:
+        """Return the nuisances of a gap with all links let go that are felt."""
+        return replace(self, links=(), inertias=link_inertias(gap, LET_GO))
 
     def without_drives(self) -> Nuisance:
         """Return the nuisances with every drive as stated."""
@@ -170,7 +191,8 @@ class Nuisance:
 
     def along(self, gap: Gap, sources: Sequence[Source]) -> Nuisance:
         """Return the like nuisances of a gap in which each of ``sources`` oscillates."""
-        return replace(make_nuisance(gap, sources, drives=bool(self.drives)), uneven=self.uneven)
+        like = replace(make_nuisance(gap, sources, drives=bool(self.drives)), uneven=self.uneven)
+        return like if self.inertias is None else like.with_links_let_go(gap)
 
 
 def make_nuisance(gap: Gap, sources: Sequence[Source] = (), *, drives: bool = False) -> Nuisance:
@@ -194,7 +216,8 @@ def make_nuisance(gap: Gap, sources: Sequence[Source] = (), *, drives: bool = Fa
         columns = source.columns(gap)
         precision = np.full(columns.shape[1], (LEVEL_SCALE * effort) ** -2.0)
         oscillations.append(Oscillation(source, {source.joint: columns}, precision))
-    return Nuisance(tuple(levels), tuple(_drives(gap) if drives else ()), tuple(links), tuple(oscillations))
+    drives_off = tuple(_drives(gap)) if drives else ()
+    return Nuisance(tuple(levels), drives_off, tuple(links), oscillations=tuple(oscillations))
 
 
 def _drives(gap: Gap) -> list[Drive]:

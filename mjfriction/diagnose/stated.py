@@ -9,7 +9,7 @@ import numpy as np
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.varying import Step, Warming, WarmUpDrift
 from mjfriction.diagnose.causes.waves import PositionFriction
-from mjfriction.diagnose.exact import EXACT, held_links, level_changes, relative_change, typical
+from mjfriction.diagnose.exact import AS_GOOD, EXACT, held_links, level_changes, relative_change, typical
 from mjfriction.diagnose.field import Field, size
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Level
@@ -97,12 +97,20 @@ def _of_another_time(model: Model, level: Level, bar: float) -> bool:
 
 def _simpler(held: Model, own: Trial, field: Field) -> Chosen | None:
     here = tuple(entrant for entrant in field if entrant.joint == own.chosen.site.joint)
-    rivals = [trial for trial in contenders(held, here) if trial.passes(size(field))]
+    rivals = [trial for trial in contenders(held, here) if trial.passes(size(field)) and trial.merit > own.merit]
     best = max(rivals, key=lambda trial: trial.merit, default=None)
-    return best.chosen if best is not None and best.merit > own.merit else None
+    return best.chosen if best is not None and _left_with(held, best) < AS_GOOD * _left_with(held, own) else None
+
+
+def _left_with(held: Model, trial: Trial) -> float:
+    # At the joint whose levels are asked for: what takes more off others' errors is no reason to leave its own.
+    model, joint = build_model(held.gap, held.nuisance, (*held.chosen, trial.chosen)), trial.chosen.site.joint
+    return held.gap.rms(model.heldout_residual()[:, joint], joint)
 
 
 def _links_help(model: Model) -> bool:
+    if model.nuisance.inertias is not None:
+        return _helps(model, model.nuisance.of_inertias)
     if not model.nuisance.links or np.any(np.abs(model.link_changes[:, 0]) > MOST_LINK_CHANGE):
         return False
     return _helps(model, model.nuisance.of_links)

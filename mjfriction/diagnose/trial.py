@@ -8,7 +8,7 @@ import numpy as np
 from scipy.stats import f as fisher
 
 from mjfriction.diagnose.model import Chosen, Model, cause_block
-from mjfriction.identify.regression import Columns
+from mjfriction.identify.regression import Columns, Normal
 from mjfriction.record.log import Floats
 
 FALSE_ALARM = 0.01  # stated chance that a log without any cause yields one, from noise alone
@@ -27,7 +27,7 @@ class Trial:
     refitted drives' and links' distance from what is stated, in the same unit.  At the joint that gains most,
     ``effect`` is its RMS effort relative to the joint's, ``of_friction`` its most beside levels, relative to the
     joint's friction, of which it has to be ``least_of_friction``.  ``wald`` is θᵀC⁻¹θ/k of its k = ``count`` strengths
-    θ, C being their covariance, the larger of the one clustered over blocks, which leave ``freedoms``, and the one for
+    θ, C being their covariance, the larger of the one clustered over blocks, which leave ``spare``, and the one for
     white noise.
     """
 
@@ -40,7 +40,7 @@ class Trial:
     least_of_friction: float
     wald: float
     count: int
-    freedoms: int
+    spare: int
 
     @property
     def gain(self) -> float:
@@ -48,10 +48,14 @@ class Trial:
         return float(np.sum(self.improvement)) + self.relief
 
     @property
+    def freedoms(self) -> int:
+        """How many numbers were fitted, the searched shape included."""
+        return self.count + len(self.chosen.site.shape)
+
+    @property
     def merit(self) -> float:
-        """The gain less what every freedom, the searched shape included, is worth on noise alone."""
-        fitted = self.count + len(self.chosen.site.shape)
-        return self.gain - fitted * float(np.log(self.improvement.size))
+        """The gain less what every freedom is worth on noise alone."""
+        return self.gain - self.freedoms * float(np.log(self.improvement.size))
 
     @property
     def share(self) -> float:
@@ -61,7 +65,7 @@ class Trial:
     @property
     def chance(self) -> float:
         """The probability of strengths so far from zero if there is no such effect (F test)."""
-        return float(fisher.sf(self.wald, self.count, max(1, self.freedoms - self.count + 1)))
+        return float(fisher.sf(self.wald, self.count, max(1, self.spare - self.count + 1)))
 
     def passes(self, candidates: int) -> bool:
         """Return whether the effect is beyond chance among so many candidates, and large enough to matter."""
@@ -90,14 +94,15 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
     if not model.friction_is_physical(fitted, touched, choice):
         return None
     before, after = model.heldout_errors[touched], normal.heldout_errors(gap.blocks.folds)[touched]
-    most = touched[int(np.argmax((before - after).sum(axis=1)))]
+    gained = dict(zip(touched, (before - after).sum(axis=1).tolist(), strict=True))
+    most = max(_feeling(columns), key=lambda joint: gained[joint])
     groups = gap.blocks.group if repeating else np.arange(gap.blocks.count)
     covariances = [normal.covariance(fitted, groups)]
     if int(groups[-1]) + 1 == gap.blocks.count:
         # Where few blocks carry most of the information the clustered covariance is too small; where noise is coloured
         # the one for white noise is.  The effect must stand out against both.  (Over repetitions there is no second:
         # white noise would count in what they leave alike.)
-        covariances.append(normal.white_covariance())
+        covariances.append(normal.white_covariance(_left_of_noise(model, normal, fitted)))
     own = slice(-precision.size, None)
     walds = [strengths @ np.linalg.pinv(covariance[own, own]) @ strengths for covariance in covariances]
     # What no motion shows, three of a payload's four numbers on a sliding axis, is no freedom.
@@ -146,11 +151,25 @@ def least_of_friction(model: Model, choice: Chosen) -> float:
 
 def shown_at(model: Model, choice: Chosen, before: Floats, after: Floats) -> int:
     """Return at which of the joints that feel it a cause takes the largest share of the error away."""
-    gap, (touched, _) = model.gap, cause_block(model.gap, choice)
-    return max(touched, key=lambda j: gap.rms(before[:, j], j) / max(gap.rms(after[:, j], j), 1e-300))
+    gap, (columns, _) = model.gap, cause_block(model.gap, choice)
+    return max(_feeling(columns), key=lambda j: gap.rms(before[:, j], j) / max(gap.rms(after[:, j], j), 1e-300))
+
+
+def _feeling(columns: Columns) -> list[int]:
+    # The joints that feel a cause itself.  Others may gain too: links that stood in for it are as stated again.
+    felt = [joint for joint, values in columns.items() if np.any(values)]
+    return felt or list(columns)
+
+
+def _left_of_noise(model: Model, normal: Normal, fitted: Floats) -> Floats:
+    # Rows are weighed by what the model leaves without the candidate: what it explains is no noise, (joints,).
+    everything = np.ones(model.gap.blocks.count, dtype=bool)
+    without, beside = model.system.normal.errors(model.strengths, everything), normal.errors(fitted, everything)
+    without, beside = without.sum(axis=1), beside.sum(axis=1)
+    return np.asarray(np.divide(beside, without, out=np.ones_like(beside), where=without > 0.0))
 
 
 def _strain(model: Model, strengths: Floats) -> float:
     # A link of half its stated mass fits as well as the cause it stands in for, but is as unlikely as its prior says.
-    bounded = model.nuisance.of_bounded
-    return float(np.sum(model.system.normal.precision[bounded] * np.square(strengths[bounded])))
+    stated = model.nuisance.of_stated
+    return float(np.sum(model.system.normal.precision[stated] * np.square(strengths[stated])))

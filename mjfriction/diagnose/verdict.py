@@ -23,6 +23,7 @@ OUTWEIGHED_COURSE = 0.25  # of what was explained that it must reach besides
 LEAST_EFFORT = 0.01  # of a joint's RMS effort that either must reach
 LEAST_FRICTION = 0.05  # and of its friction, on a machine as uneven as real ones are
 MUCH_LEFT = 0.1  # of a joint's effort; more than that left, and far above the noise, is never agreement
+MUCH_COLOURED = 0.3  # share of that, which is no noise
 FAR_ABOVE_NOISE = 5.0  # times the sensor's noise
 REFITTED = 0.8  # of an error that is left when refitted values are worth a word
 
@@ -71,8 +72,9 @@ def _followed(model: Model, joint: int, after: Sequence[Structure], heldout: Flo
             outweighed * explained,
         )
     ]
-    if left > max(MUCH_LEFT * effort, FAR_ABOVE_NOISE * float(gap.noise_floor[joint])):
-        told = told or [curve, course]
+    if not told and left > max(MUCH_LEFT * effort, FAR_ABOVE_NOISE * float(gap.noise_floor[joint])):
+        # What a drive's low-pass made of its noise is no course, however little noise is left beyond the pass band.
+        told = [entry for entry, least in ((curve, STRUCTURED), (course, MUCH_COLOURED)) if entry.share >= least]
     return [max(told, key=lambda entry: entry.share)] if told else []
 
 

@@ -33,6 +33,7 @@ from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import LinkInertia
 
+KEPT = "inertias of all links"
 FELT = 1e-6  # of the effort, below which a link is not felt
 THINNEST = 1e-3  # of what is stated: the least spread of mass that a fit may leave along any direction
 PRECISELY, MOST_ROUNDS = 1e-9, 200  # of the search for the nearest links that are physical
@@ -101,9 +102,13 @@ def link_inertias(gap: Gap, spread: float) -> LinkInertias | None:
     pseudo = pseudo_inertias(body.model)
     factor = factors(pseudo)
     weight = parameters_per_number(factor)
-    rows = gap.rows_of(
-        lambda own: weighed_links(body, linked.position[own], linked.velocity[own], linked.acceleration[own], weight)
-    )
+    if KEPT not in gap.kept:
+        gap.kept[KEPT] = gap.rows_of(
+            lambda own: weighed_links(
+                body, linked.position[own], linked.velocity[own], linked.acceleration[own], weight
+            )
+        )
+    rows = gap.kept[KEPT]
     size = float(np.sqrt(np.mean(np.square(np.nan_to_num(gap.measured)))))
     felt = [k for k in range(len(body.links)) if any(np.max(np.abs(own[:, k])) > FELT * size for own in rows.values())]
     if not felt:

@@ -104,15 +104,25 @@ class Normal:
         Biometrika 73, 1986), with the small-sample factor groups/(groups − 1).
         """
         gram, moment = self._of_all_joints
-        inverse = self.white_covariance()
+        inverse = self._inverse
         by_block = moment - gram @ strengths
         count = int(groups[-1]) + 1
         score = np.zeros((count, self.count))
         np.add.at(score, groups, by_block)
         return np.asarray(inverse @ (score.T @ score) @ inverse * (count / (count - 1.0)))
 
-    def white_covariance(self) -> Floats:
-        """Return the covariance (p, p) of the strengths if the weighted rows carry white noise of deviation 1."""
+    def white_covariance(self, variance: Floats | None = None) -> Floats:
+        """Return the covariance (p, p) of the strengths if a joint's weighted rows carry white noise of ``variance``
+        (joints,), by default of 1.
+        """
+        inverse = self._inverse
+        if variance is None:
+            return inverse
+        noisy = np.einsum("j,jpq->pq", variance, self.gram.sum(axis=1)) + np.diag(self.precision)
+        return np.asarray(inverse @ noisy @ inverse)
+
+    @functools.cached_property
+    def _inverse(self) -> Floats:
         return _solve(self._of_all_joints[0].sum(axis=0) + np.diag(self.precision), np.eye(self.count))
 
     def without(self, columns: list[int]) -> Normal:

@@ -106,7 +106,10 @@ def test_what_shows_only_beside_another_cause_is_asked_again_once_that_is_found(
 
         asked.clear()
         monkeypatch.setattr(compete, "proved", judged)
-        return [one.key[:2] for one in compete._forward(gap, known, field, size(field), silently).chosen]
+        return [
+            one.key[:2]
+            for one in compete._forward(build_model(gap, known, ()), field, size(field), silently, compete.never).chosen
+        ]
 
     assert found(lambda chosen, name: True)[:2] == [larger, lesser]
     assert found(lambda chosen, name: name != larger[0] or lesser in chosen)[:2] == [lesser, larger]

@@ -1,0 +1,161 @@
+"""Robots whose links are wrong everywhere: told as that, with what is hidden besides; a single link is not."""
+
+from __future__ import annotations
+
+import functools
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from mjfriction.diagnose import diagnosis as whole
+from mjfriction.diagnose import free_links
+from mjfriction.diagnose.base_changes import base_changes
+from mjfriction.diagnose.causes.catalog import STRUCTURAL
+from mjfriction.diagnose.compete import compete
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.exact import usual_nuisance
+from mjfriction.diagnose.field import make_field
+from mjfriction.diagnose.free_links import compete_for_links
+from mjfriction.diagnose.intervals import half_widths
+from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.identify.gap import measure_gap
+from mjfriction.record.log import Log
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from mjfriction.robot.predict import predict_log
+from mjfriction.robot.schema import LinkInertia
+from tests.hidden.machine import UR5, UR5_COULOMB, UR5_JOINTS, UR5_VISCOUS, Machine, mujoco_model, write_case
+
+ELBOW, WRIST = 2, 4
+NOISE = 0.1
+
+
+def other_links(model: mujoco.MjModel) -> None:
+    """Make every link that moves as much as a third heavier or lighter, its centre centimetres off."""
+    rng = np.random.default_rng(3)
+    for body in range(2, model.nbody):
+        factor = np.exp(rng.normal(0.0, 0.3))
+        model.body_mass[body] *= factor
+        model.body_inertia[body] *= factor * np.exp(rng.normal(0.0, 0.3))
+        model.body_ipos[body] += rng.normal(0.0, 0.02, 3)
+
+
+def one_link(model: mujoco.MjModel) -> None:
+    body = model.body("forearm_link").id
+    model.body_mass[body] *= 1.4
+    model.body_inertia[body] *= 1.4
+
+
+def true_links() -> dict[str, LinkInertia]:
+    """Return the links that the machine has, in the joints' frames, as a robot file states them."""
+    model = mujoco_model(UR5)
+    other_links(model)
+    out = {}
+    for joint in UR5_JOINTS:
+        body = model.jnt_bodyid[model.joint(joint).id]
+        turned = np.empty(9)
+        mujoco.mju_quat2Mat(turned, model.body_iquat[body])
+        axes = turned.reshape(3, 3)
+        moments = axes @ np.diag(model.body_inertia[body]) @ axes.T
+        x, y, z = model.body_ipos[body].tolist()
+        six = [float(moments[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+        out[joint] = LinkInertia(mass=float(model.body_mass[body]), com=(x, y, z), inertia=tuple(six))
+    return out
+
+
+ASYMMETRIC = {ELBOW: lambda at: 0.25 * UR5_VISCOUS[ELBOW] * np.abs(at.v)}
+EVERYWHERE = Machine(change=other_links, hidden=ASYMMETRIC, noise=NOISE)
+
+
+def diagnosed(folder: Path, machine: Machine, seed: int = 5) -> Diagnosis:
+    log, robot = write_case(folder, machine, seed)
+    return diagnose_log(read_log(log), read_robot(robot))
+
+
+@functools.cache
+def everywhere() -> Diagnosis:
+    """Diagnose the robot that is wrong everywhere, once for all tests."""
+    with tempfile.TemporaryDirectory() as folder:
+        return diagnosed(Path(folder), EVERYWHERE)
+
+
+def names(diagnosis: Diagnosis) -> set[tuple[str, str | None]]:
+    return {(finding.cause, finding.joint) for finding in diagnosis.findings}
+
+
+def another_motion(folder: Path) -> Log:
+    return read_log(write_case(folder, EVERYWHERE, 77)[0])
+
+
+def errors(diagnosis: Diagnosis, log: Log) -> list[float]:
+    """Return the RMS error on each joint, relative to the noise, over what moves well."""
+    predicted = predict_log(log, diagnosis.robot)
+    left = [log.columns[f"effort.{name}"] - predicted[f"effort.{name}"] for name in UR5_JOINTS]
+    # Reversals, where a filtered velocity blurs the direction of friction, are left out by the median.
+    return [
+        float(np.median(np.abs(own))) * 1.4826 / (NOISE * level) for own, level in zip(left, UR5_COULOMB, strict=True)
+    ]
+
+
+def test_links_that_are_wrong_everywhere_are_one_cause_and_the_other_is_found_beside_them() -> None:
+    diagnosis = everywhere()
+    assert names(diagnosis) == {("body.link_inertia", None), ("friction.asymmetry", UR5_JOINTS[ELBOW])}
+    assert diagnosis.verdict is Verdict.EXPLAINED
+    asymmetry = next(finding for finding in diagnosis.findings if finding.cause == "friction.asymmetry")
+    assert asymmetry.parameters[0].low < 0.25 * UR5_VISCOUS[ELBOW] < asymmetry.parameters[0].high
+
+
+def test_the_extended_robot_predicts_another_motion_to_the_noise(tmp_path: Path) -> None:
+    assert max(errors(everywhere(), another_motion(tmp_path))) < 1.05
+
+
+def test_within_what_is_usual_many_links_would_be_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(whole, "compete_for_links", compete)
+    held = diagnosed(tmp_path, EVERYWHERE)
+    assert len(held.findings) > len(everywhere().findings)
+    assert not held.robot.table.link_inertia
+
+
+def test_links_that_are_built_in_are_bodies() -> None:
+    robot = everywhere().robot
+    assert set(robot.table.link_inertia) == set(UR5_JOINTS)
+    # Reading it again checks masses and moments.
+    assert robot.body().model.nv == len(UR5_JOINTS)
+
+
+def test_the_intervals_of_combinations_hold_the_truth(tmp_path: Path) -> None:
+    log, robot = (
+        read(path) for read, path in zip((read_log, read_robot), write_case(tmp_path, EVERYWHERE, 5), strict=True)
+    )
+    gap = measure_gap(log, robot)
+    model, _ = compete_for_links(gap, usual_nuisance(gap), make_field(gap, STRUCTURAL))
+    widths, place, inertias = half_widths(model), model.nuisance.of_inertias, model.nuisance.inertias
+    assert inertias is not None
+    gram, covariance = model.system.normal.gram.sum(axis=(0, 1))[place, place], widths.covariance[place, place]
+    truth = robot.table.model_copy(update={"link_inertia": true_links()})
+    fitted, true = (
+        inertias.fitted(one, gram, covariance, widths.quantile)
+        for one in (inertias.applied(robot, model.built[place]), replace(robot, table=truth))
+    )
+    held = [one.low < other.value < one.high for one, other in zip(fitted, true, strict=True)]
+    assert len(held) > 20
+    assert np.mean(held) > 0.85
+    # What is told are those that the stated robot is outside of.
+    off = base_changes(model, widths)
+    assert off.shown == len(held)
+    assert 10 < len(off.off) < off.shown
+
+
+def test_a_single_link_is_no_robot_that_is_wrong_everywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    machine = Machine(change=one_link, noise=NOISE)
+    found = diagnosed(tmp_path / "one", machine)
+    assert names(found) == {("body.link_inertia", None)}
+    assert [fitted.name for fitted in found.findings[0].parameters] == [f"link_scale.{UR5_JOINTS[ELBOW]}"]
+    assert not found.robot.table.link_inertia
+    # Without the price of freedoms it would be.
+    monkeypatch.setattr(free_links, "_pays", lambda *_: True)
+    assert diagnosed(tmp_path / "all", machine).robot.table.link_inertia
