@@ -12,16 +12,21 @@ import numpy as np
 import pytest
 
 from mjfriction.diagnose import diagnosis as whole
-from mjfriction.diagnose import free_links
+from mjfriction.diagnose import free_links, trial
 from mjfriction.diagnose.base_changes import base_changes
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.links import LinkScale
 from mjfriction.diagnose.compete import compete
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.exact import usual_nuisance
 from mjfriction.diagnose.field import make_field
 from mjfriction.diagnose.free_links import compete_for_links
 from mjfriction.diagnose.intervals import half_widths
+from mjfriction.diagnose.model import Chosen, build_model, cause_block
+from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.diagnose.trial import try_out
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log
@@ -159,3 +164,27 @@ def test_a_single_link_is_no_robot_that_is_wrong_everywhere(tmp_path: Path, monk
     # Without the price of freedoms it would be.
     monkeypatch.setattr(free_links, "_pays", lambda *_: True)
     assert diagnosed(tmp_path / "all", machine).robot.table.link_inertia
+
+
+def test_a_link_is_judged_where_it_is_felt(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stouter(model: mujoco.MjModel) -> None:
+        body = model.body("upper_arm_link").id
+        model.body_mass[body] *= 1.25
+        model.body_inertia[body] *= 1.25
+
+    log, robot = write_case(tmp_path, Machine(change=stouter), seed=5)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    model = build_model(gap, make_nuisance(gap), ())
+    heavier = Chosen(LinkScale(), Site(1))
+    judged = try_out(model, heavier)
+    assert judged is not None
+    assert judged.passes(1000)
+    # The elbow does not feel the upper arm, but gains most: its links had been bent to what the shoulder asks for.
+    columns, _ = cause_block(gap, heavier)
+    assert not np.any(columns[ELBOW])
+    gained = model.heldout_errors - model.with_candidate(heavier).heldout_errors(gap.blocks.folds)
+    assert int(np.argmax(gained.sum(axis=1))) == ELBOW
+    monkeypatch.setattr(trial, "_feeling", list)
+    unfelt = try_out(model, heavier)
+    assert unfelt is not None
+    assert not unfelt.passes(1000)

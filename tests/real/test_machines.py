@@ -115,6 +115,24 @@ def test_a_ur10_that_is_wrong_everywhere_is_predicted_on_motion_not_fitted(
     assert relative_errors(rest, sharp)[0] > 10.0
 
 
+def test_a_ur10_is_told_to_be_wrong_everywhere_and_what_is_told_of_it_holds_on_the_rest(
+    ur10_parts: tuple[Log, Log], data: Path
+) -> None:
+    first, rest = ur10_parts
+    diagnosis = diagnose_log(first, read_robot(data / "ur10/robot.toml"))
+    found = {(finding.cause, finding.joint) for finding in diagnosis.findings}
+    assert ("body.link_inertia", None) in found
+    assert {joint for cause, joint in found if cause == "friction.coulomb_viscous"} >= {
+        "shoulder_pan_joint",
+        "shoulder_lift_joint",
+        "wrist_1_joint",
+        "wrist_2_joint",
+        "wrist_3_joint",
+    }
+    # Base parameters with Coulomb and viscous friction at every joint, as others fitted them to this part.
+    assert np.all(relative_errors(rest, diagnosis.robot) < [15.2, 6.2, 5.4, 11.6, 12.6, 32.4])
+
+
 def test_the_efforts_of_the_ur10_are_compared_below_their_filter(data: Path) -> None:
     diagnosis = diagnose_log(read_log(data / "ur10/exciting.parquet"), read_robot(data / "ur10/robot.toml"))
     assert diagnosis.gap.chain.band < 3.0  # its efforts hold nothing above some 2 Hz
