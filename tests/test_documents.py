@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from mjfriction.control.observe import OBSERVERS
-from mjfriction.diagnose.alike import ROOM
+from mjfriction.diagnose.alike import AT_THE_BAR, MOST_CONFIDENT, ROOM
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOVED, LEAST_NOTED
 from mjfriction.diagnose.causes.offset import Offset
@@ -26,7 +26,7 @@ from mjfriction.diagnose.oscillations import INSTEAD, LEAST_TOLD, QUIETER, RESON
 from mjfriction.diagnose.short_list import NEAR_BEST
 from mjfriction.diagnose.stated import OUTLYING
 from mjfriction.diagnose.trial import LEAST_EFFECT
-from mjfriction.diagnose.unevenness import EVENEST, UNEVEN
+from mjfriction.diagnose.unevenness import EVENEST, TOLD_BY, UNEVEN
 from mjfriction.diagnose.untold import DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
 from mjfriction.diagnose.verdict import LEAST_FRICTION, MUCH_COLOURED
 from mjfriction.identify import choose, conclude
@@ -118,6 +118,7 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert f"near what is stated only by {100 * LET_GO:g} %" in told
     assert FARTHEST * 2.0 == STRAINED * 3.0, "the page says two thirds"
     assert (BAR, FEWEST_GAINING, MANY, LEAST_GAINED) == (2.0, 2, 2, 0.1), "the page says two, two, two and a tenth"
+    assert (MOST_CONFIDENT, AT_THE_BAR, TOLD_BY) == (0.9, 0.5, 2), "the page says 0.9, half, all but one"
     assert (KEPT, MUCH_COLOURED) == (10, 0.3), "the page says a tenth of that number, and three tenths"
     assert (Cogging.times, PositionFriction.times) == (3, 2), "the page says three waves of cogging and two of friction"
 

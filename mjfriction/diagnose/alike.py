@@ -20,7 +20,8 @@ UNDECIDED = 0.05  # probability of a rival from which on it is named beside the 
 AS_GOOD = 1.25  # times the error that the chosen cause leaves, which a rival may leave
 ROOM = 0.5  # of an effect, that what a wider cause has besides may make up for within its 95 % interval
 SHARED = 1e-6  # of a column, beyond what it shares with a narrower cause's, from which on it is another
-MOST_CONFIDENT = 0.95  # no finding is surer: so many of the benchmark's were right that nothing spoke against
+MOST_CONFIDENT = 0.9  # no finding is surer: of those that nothing spoke against, so many were right
+AT_THE_BAR = 0.5  # of this, for what is just large enough to be told: about half of these were right there
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
         return Standing((), 0.5)
     if partners(target, rest):
         # The other half of a cause was asked for by name; nothing else stood for its place.
-        return Standing((), min(MOST_CONFIDENT, 1.0 - own.chance))
+        return Standing((), min(MOST_CONFIDENT, 1.0 - own.chance) * _clearly(own))
     here = tuple(
         entrant
         for entrant in field
@@ -75,7 +76,13 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
     total = 1.0 + sum(odds.values())
     alternatives = tuple(name for name, likelihood in odds.items() if likelihood / total > UNDECIDED)
     rival = rivals[-1].chosen if alternatives else None
-    return Standing(alternatives, min(MOST_CONFIDENT, (1.0 - own.chance) / total), rival)
+    return Standing(alternatives, min(MOST_CONFIDENT, (1.0 - own.chance) / total) * _clearly(own), rival)
+
+
+def _clearly(own: Trial) -> float:
+    # How far a cause is above the size it has to have: what is just above may be a machine's unevenness after all.
+    beyond = own.of_friction / own.least_of_friction if own.least_of_friction > 0.0 else math.inf
+    return 1.0 - (1.0 - AT_THE_BAR) * math.exp(1.0 - max(beyond, 1.0))
 
 
 def _has_room(without: Model, target: Chosen, wider: Entrant) -> bool:
@@ -103,6 +110,7 @@ def redundancy(weighted: Floats) -> float:
 
 
 def _is_rival(rival: Trial, own: Trial, number: int) -> bool:
-    # What would not pass in the place of the chosen cause is no explanation, however little that one explains.
-    left = [float(np.sum(trial.error)) - trial.gain for trial in (own, rival)]
-    return rival.passes(number) and left[1] < AS_GOOD * left[0]
+    # What would not pass in the place of the chosen cause is no explanation, however little that explains.  What one
+    # leaves more than the other is the difference of their gains, whichever joints each of them touches.
+    left = float(np.sum(own.error)) - own.gain
+    return rival.passes(number) and own.gain - rival.gain < (AS_GOOD - 1.0) * left

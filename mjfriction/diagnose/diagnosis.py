@@ -15,7 +15,7 @@ from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.diagnose.stated import settle
 from mjfriction.diagnose.stroke_curve import stroke_curves
-from mjfriction.diagnose.unevenness import with_unevenness
+from mjfriction.diagnose.unevenness import as_uneven, with_unevenness
 from mjfriction.diagnose.untold import find_untold
 from mjfriction.diagnose.verdict import faults_in_words, reach_verdict, summarize, unexplained
 from mjfriction.identify.effort_bandwidth import find_bandwidths, with_bandwidths
@@ -40,7 +40,8 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     faults = tuple(find_faults(gap))
     field = make_field(gap, () if faults else STRUCTURAL)
     nuisance = Nuisance((), (), ()) if faults else with_unevenness(gap, usual_nuisance(gap))
-    settled = settle(*compete_for_links(gap, nuisance, field, tell))
+    found, asked = compete_for_links(gap, nuisance, field, tell)
+    settled = settle(as_uneven(found), asked)
     tell("proving what was found", PROVING)
     model, gap = settled.model, settled.model.gap
     left, heldout = model.residual(oscillations=True, built=True), model.heldout_residual(oscillations=True)

@@ -65,7 +65,15 @@ class Trial:
     @property
     def chance(self) -> float:
         """The probability of strengths so far from zero if there is no such effect (F test)."""
-        return float(fisher.sf(self.wald, self.count, max(1, self.spare - self.count + 1)))
+        return float(fisher.sf(self.wald, *self._freedoms_of_chance))
+
+    def least_seen(self, chance: float) -> float:
+        """Return how much of the joint's friction such an effect would be if it were just beyond a ``chance``."""
+        return self.of_friction * float(np.sqrt(fisher.isf(chance, *self._freedoms_of_chance) / max(self.wald, 1e-300)))
+
+    @property
+    def _freedoms_of_chance(self) -> tuple[int, int]:
+        return self.count, max(1, self.spare - self.count + 1)
 
     def passes(self, candidates: int) -> bool:
         """Return whether the effect is beyond chance among so many candidates, and large enough to matter."""

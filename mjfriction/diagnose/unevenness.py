@@ -9,13 +9,14 @@ import numpy as np
 from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.exact import FEWEST_JOINTS
 from mjfriction.diagnose.field import make_field, size
-from mjfriction.diagnose.model import Model, build_model
+from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.short_list import ranked
 from mjfriction.diagnose.trial import FALSE_ALARM, try_out
 from mjfriction.identify.gap import Gap
 
 UNEVEN = 0.015  # of a joint's friction, that waves along its stroke are at on a machine as uneven as real ones
+TOLD_BY = 2  # joints, that must be able to show so much for the machine to be known
 EVENEST = 0.25  # of what is asked on such a machine, that is asked on the most even one
 
 
@@ -31,11 +32,33 @@ def with_unevenness(gap: Gap, nuisance: Nuisance) -> Nuisance:
     return replace(nuisance, uneven=float(np.clip(share, EVENEST, 1.0)))
 
 
+def as_uneven(model: Model) -> Model:
+    """Return a model with how much a cause has to be on a machine as uneven as it is seen to be beside all that was
+    found: what links that are wrong leave hides waves.
+    """
+    if not model.chosen or len(model.gap.examined) < FEWEST_JOINTS:
+        return model
+    level = model
+    for choice in model.chosen:
+        if choice.cause.name == PositionFriction.name:
+            level = level.without(choice)
+    share = min(unevenness(level) / UNEVEN, 1.0)
+    return replace(model, nuisance=replace(model.nuisance, uneven=max(share, model.nuisance.uneven)))
+
+
 def unevenness(model: Model) -> float:
     """Return how large waves of the friction level along their strokes are at two joints at least, relative to the
-    joints' friction; one alone may be a cause.  What may be chance is none.
+    joints' friction; one alone may be a cause.
+
+    Joints count that show waves, or would show those of an uneven machine.  Where fewer than two do, nothing is known,
+    and the machine is as uneven as real ones are.
     """
     field = make_field(model.gap, (PositionFriction(),))
-    trials = [try_out(model, choice) for choice in ranked(model, field)]
-    waves = [trial.of_friction for trial in trials if trial and trial.chance < FALSE_ALARM / size(field)]
-    return sorted([0.0, 0.0, *waves])[-2]
+    chance = FALSE_ALARM / size(field)
+    best = {choice.site.joint: choice for choice in ranked(model, field)}
+    waves = []
+    for entrant in field:
+        trial = try_out(model, best.get(entrant.joint, Chosen(entrant.cause, entrant.sites[len(entrant.sites) // 2])))
+        if trial is not None and (trial.chance < chance or trial.least_seen(chance) < UNEVEN):
+            waves.append(trial.of_friction)
+    return sorted(waves)[-2] if len(waves) >= TOLD_BY else UNEVEN

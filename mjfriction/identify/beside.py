@@ -75,17 +75,17 @@ def beside_of(system: System, joint: int, shared: int, strengths: Floats) -> Bes
     power, turned = np.linalg.eigh(known * scale[:, None] * scale)
     turned = turned * scale[:, None]
     covariance = (turned / np.maximum(power, LEAST * power.max(initial=0.0))) @ turned.T
-    base, weight = system.base[joint][:, :shared], system.rows.weight[:, [joint]]
-    columns = np.divide(base, weight, out=np.zeros_like(base), where=weight > 0.0)
     # What this joint does not feel is as the others say.
-    felt = np.flatnonzero(np.any(columns != 0.0, axis=0))
+    of_many = system.felt[joint] < shared
+    felt, base, weight = system.felt[joint][of_many], system.base[joint][:, of_many], system.rows.weight[:, [joint]]
+    columns = np.divide(base, weight, out=np.zeros_like(base), where=weight > 0.0)
     own = covariance[np.ix_(felt, felt)]
     size = np.sqrt(np.diag(own))
     power, turned = np.linalg.eigh(own / size[:, None] / size)
     turned = turned * size[:, None]
     power = np.maximum(power, LEAST * power.max(initial=0.0))
     return Beside(
-        columns=columns[:, felt] @ turned,
+        columns=columns @ turned,
         expected=np.linalg.solve(turned, (covariance @ told)[felt]) if felt.size else np.empty(0),
         precision=1.0 / power,
     )

@@ -147,23 +147,32 @@ def _solve(gram: Floats, right: Floats) -> Floats:
 
 
 class System:
-    """Rows with the regressors that are in the model so far; further ones can be tried against it."""
+    """Rows with the regressors that are in the model so far; further ones can be tried against it.
+
+    ``felt`` holds, for each joint, which of all regressors it feels, and ``base`` these, weighted, (rows, felt).
+    """
 
     def __init__(self, rows: Rows, columns: list[Columns], precisions: list[Floats]) -> None:
         """Set up the equations; ``precisions`` holds one array (k,) for each block of columns."""
         self.rows = rows
-        self.base = [
-            _joint_columns(rows, columns, precisions, joint) * rows.weight[:, [joint]] for joint in range(rows.joints)
-        ]
+        precision = np.concatenate(precisions) if precisions else np.empty(0)
+        self.count = precision.size
+        # A joint feels few of all regressors: only those that it does are kept, weighted.
+        felt = [_joint_columns(rows, columns, precisions, joint) for joint in range(rows.joints)]
+        self.felt = [place for place, _ in felt]
+        self.base = [own * rows.weight[:, [joint]] for joint, (_, own) in enumerate(felt)]
         self.target = rows.target * rows.weight
         parts = [self._products_of(joint) for joint in range(rows.joints)]
         gram, moment, power = (np.stack(of_joints) for of_joints in zip(*parts, strict=True))
-        self.normal = Normal(gram, moment, power, np.concatenate(precisions) if precisions else np.empty(0))
+        self.normal = Normal(gram, moment, power, precision)
 
     def _products_of(self, joint: int) -> tuple[Floats, Floats, Floats]:
-        base, target = self.base[joint], self.target[:, [joint]]
-        moment, power = self.rows.products(base, target), self.rows.products(target, target)
-        return self.rows.products(base, base), moment[:, :, 0], power[:, 0, 0]
+        base, felt, target = self.base[joint], self.felt[joint], self.target[:, [joint]]
+        gram = np.zeros((self.rows.blocks, self.count, self.count))
+        moment = np.zeros((self.rows.blocks, self.count))
+        gram[:, felt[:, None], felt] = self.rows.products(base, base)
+        moment[:, felt] = self.rows.products(base, target)[:, :, 0]
+        return gram, moment, self.rows.products(target, target)[:, 0, 0]
 
     def reweighted(self, weight: Floats, joints: Iterable[int]) -> System:
         """Return the system with the rows of some ``joints`` counted by another ``weight`` (rows, joints)."""
@@ -203,7 +212,8 @@ class System:
 
     def residual(self, strengths: Floats) -> Floats:
         """Return what given strengths leave of the target, unweighted, (rows, joints); 0 where nothing is measured."""
-        left = np.column_stack([self.target[:, j] - base @ strengths for j, base in enumerate(self.base)])
+        pairs = zip(self.base, self.felt, strict=True)
+        left = np.column_stack([self.target[:, j] - base @ strengths[felt] for j, (base, felt) in enumerate(pairs)])
         weight = self.rows.weight
         return np.divide(left, weight, out=np.zeros_like(left), where=weight > 0.0)
 
@@ -222,7 +232,7 @@ class System:
         for joint, columns in block.items():
             weighted = columns * self.rows.weight[::every, joint, None, None] * np.sqrt(every)
             flat = weighted.reshape(weighted.shape[0], -1)
-            cross += np.sqrt(every) * self.base[joint][::every].T @ flat
+            cross[self.felt[joint]] += np.sqrt(every) * self.base[joint][::every].T @ flat
             own += np.einsum("nki,nkj->kij", weighted, weighted, optimize=True)
             moment += np.sqrt(every) * (self.target[::every, joint] @ flat).reshape(number, count)
         gram, fitted = self._thinned(every)
@@ -247,10 +257,10 @@ class System:
         # would be lost in a difference, and what it leaves would look like more.
         if every not in self._kept:
             gram, moment = np.diag(self.normal.precision), np.zeros(self.normal.count)
-            for joint, base in enumerate(self.base):
+            for joint, (base, felt) in enumerate(zip(self.base, self.felt, strict=True)):
                 thin = base[::every]
-                gram = gram + every * thin.T @ thin
-                moment = moment + every * thin.T @ self.target[::every, joint]
+                gram[np.ix_(felt, felt)] += every * thin.T @ thin
+                moment[felt] += every * thin.T @ self.target[::every, joint]
             self._kept[every] = gram, _solve(gram, moment)
         return self._kept[every]
 
@@ -268,7 +278,8 @@ class System:
         moment[:, :, :width] = old.moment
         for joint, columns in candidate.items():
             weighted = columns * self.rows.weight[:, [joint]]
-            cross = self.rows.products(self.base[joint], weighted)
+            cross = np.zeros((blocks, width, count))
+            cross[:, self.felt[joint]] = self.rows.products(self.base[joint], weighted)
             gram[joint, :, :width, width:] = cross
             gram[joint, :, width:, :width] = np.swapaxes(cross, 1, 2)
             gram[joint, :, width:, width:] = self.rows.products(weighted, weighted)
@@ -276,9 +287,13 @@ class System:
         return Normal(gram, moment, old.power, np.concatenate([old.precision, precision]))
 
 
-def _joint_columns(rows: Rows, blocks: list[Columns], precisions: list[Floats], joint: int) -> Floats:
-    parts = [
-        block.get(joint, np.zeros((rows.block.size, precision.size)))
-        for block, precision in zip(blocks, precisions, strict=True)
-    ]
-    return np.concatenate(parts, axis=1) if parts else np.zeros((rows.block.size, 0))
+def _joint_columns(rows: Rows, blocks: list[Columns], precisions: list[Floats], joint: int) -> tuple[Integers, Floats]:
+    # Which of all regressors a joint feels, and these, (rows, felt).
+    places, parts, end = [np.empty(0, dtype=np.int64)], [np.empty((rows.block.size, 0))], 0
+    for block, precision in zip(blocks, precisions, strict=True):
+        start, end = end, end + precision.size
+        if joint in block:
+            shown = np.any(block[joint], axis=0)
+            places.append(start + np.flatnonzero(shown))
+            parts.append(block[joint][:, shown])
+    return np.concatenate(places), np.concatenate(parts, axis=1)

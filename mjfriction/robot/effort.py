@@ -240,15 +240,29 @@ def later(joint: Joint, delay: float) -> Joint:
 
 
 def delayed(effort: Floats, motion: Motion, delay: float) -> Floats:
-    """Return what was there so much earlier (s) of (n, ...) along a motion, its pieces apart."""
+    """Return what was there so much earlier (s) of (n, ...) along a motion, its pieces apart.
+
+    Between samples it runs straight, before the first of a piece and after the last it stays as it was there.
+    """
     if delay == 0.0:
         return effort
-    columns = effort.reshape(effort.shape[0], -1)
-    out = np.empty_like(columns)
+    whole, between = divmod(delay * motion.rate, 1.0)
+    out = np.empty_like(effort)
     for own in motion.pieces:
-        for k in range(columns.shape[1]):
-            out[own, k] = np.interp(motion.time[own] - delay, motion.time[own], columns[own, k])
-    return out.reshape(effort.shape)
+        first, last = np.flatnonzero(own)[[0, -1]].tolist()
+        course = effort[first : last + 1]
+        later_still = _moved(course, int(whole) + 1) if between else course
+        out[first : last + 1] = (1.0 - between) * _moved(course, int(whole)) + between * later_still
+    return out
+
+
+def _moved(course: Floats, samples: int) -> Floats:
+    # A course (n, ...) so many samples later, or earlier, held at its ends.
+    if samples == 0:
+        return course
+    count = min(abs(samples), course.shape[0])
+    held = np.broadcast_to(course[0 if samples > 0 else -1], (count, *course.shape[1:]))
+    return np.concatenate([held, course[:-count]] if samples > 0 else [course[count:], held])
 
 
 def reported_unit(quantity: str | None, sliding: bool) -> str:

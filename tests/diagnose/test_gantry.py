@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import mujoco
+import numpy as np
 import pytest
 
 from mjfriction.diagnose.causes.cause import Site
@@ -42,18 +44,22 @@ def heavier(model: mujoco.MjModel) -> None:
     model.body_mass[model.body("ram").id] += 8.0
 
 
-def diagnosed(folder: Path) -> Diagnosis:
+def tilted(model: mujoco.MjModel) -> None:
+    model.opt.gravity[:] = [0.3, 0.0, -np.sqrt(9.81**2 - 0.3**2)]
+
+
+def diagnosed(folder: Path, change: Callable[[mujoco.MjModel], None]) -> Diagnosis:
     model = folder / "gantry.xml"
     model.write_text(GANTRY, encoding="utf-8")
     machine = Machine(
-        model=model, joints=("x", "y", "z"), coulomb=(60.0, 30.0, 20.0), viscous=(80.0, 40.0, 30.0), change=heavier
+        model=model, joints=("x", "y", "z"), coulomb=(60.0, 30.0, 20.0), viscous=(80.0, 40.0, 30.0), change=change
     )
     log, robot = write_case(folder, machine, seed=4)
     return diagnose_log(read_log(log), read_robot(robot))
 
 
 def test_a_load_and_a_heavier_ram_cannot_be_told_apart(tmp_path: Path) -> None:
-    found = diagnosed(tmp_path)
+    found = diagnosed(tmp_path, heavier)
     assert found.verdict is Verdict.AMBIGUOUS
     (finding,) = found.findings
     assert {finding.cause, *finding.alternatives} == {"body.payload", "body.link_inertia"}
@@ -64,3 +70,10 @@ def test_a_load_and_a_heavier_ram_cannot_be_told_apart(tmp_path: Path) -> None:
     load, ram, carriage = (Chosen(Payload(), Site(2)), Chosen(LinkScale(), Site(2)), Chosen(LinkScale(), Site(1)))
     assert same_columns(found.gap, load, ram)
     assert not same_columns(found.gap, load, carriage)
+
+
+def test_a_tilted_base_and_an_offset_cannot_be_told_apart_where_one_axis_feels_it(tmp_path: Path) -> None:
+    found = diagnosed(tmp_path, tilted)
+    assert found.verdict is Verdict.AMBIGUOUS
+    (finding,) = found.findings
+    assert {finding.cause, *finding.alternatives} == {"drive.offset", "body.gravity_direction"}

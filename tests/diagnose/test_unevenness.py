@@ -1,0 +1,55 @@
+"""How uneven a machine is: what its friction shows along the strokes, and full measure where nothing could show."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from mjfriction.diagnose.causes.catalog import STRUCTURAL
+from mjfriction.diagnose.exact import usual_nuisance
+from mjfriction.diagnose.field import make_field
+from mjfriction.diagnose.free_links import compete_for_links
+from mjfriction.diagnose.unevenness import EVENEST, as_uneven, with_unevenness
+from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import UR5_COULOMB, Array, Instant, Machine, write_case
+
+
+def wave(joint: int, share: float) -> Callable[[Instant], Array]:
+    return lambda at: share * UR5_COULOMB[joint] * np.cos((5.0 + joint) * at.q + joint) * np.sign(at.v)
+
+
+def gap_of_machine(folder: Path, machine: Machine) -> Gap:
+    log, robot = write_case(folder, machine, seed=21)
+    return measure_gap(read_log(log), read_robot(robot))
+
+
+def unevenness_of(gap: Gap) -> float:
+    return with_unevenness(gap, usual_nuisance(gap)).uneven
+
+
+def test_a_quiet_log_of_an_even_machine_says_that_it_is_even(tmp_path: Path) -> None:
+    assert unevenness_of(gap_of_machine(tmp_path, Machine(noise=0.03))) == EVENEST
+
+
+def test_what_noise_hides_is_not_taken_to_be_absent(tmp_path: Path) -> None:
+    assert unevenness_of(gap_of_machine(tmp_path, Machine(noise=1.0))) == 1.0
+
+
+def test_waves_that_wrong_links_hide_are_seen_once_the_links_are_right(tmp_path: Path) -> None:
+    def stouter(model: mujoco.MjModel) -> None:
+        body = model.body("upper_arm_link").id
+        model.body_mass[body] *= 2.0
+        model.body_inertia[body] *= 2.0
+
+    machine = Machine(noise=0.03, change=stouter, hidden={joint: wave(joint, 0.03) for joint in (1, 2)})
+    gap = gap_of_machine(tmp_path, machine)
+    before = with_unevenness(gap, usual_nuisance(gap))
+    found, _ = compete_for_links(gap, before, make_field(gap, STRUCTURAL))
+    after = as_uneven(found).nuisance.uneven
+    assert before.uneven < 0.7
+    assert after == 1.0
