@@ -90,7 +90,7 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert f"makes less than {100 * LEAST_EFFECT:g} % of the effort (one of the whole arm: at the joint where" in told
     assert f"or takes less than {100 * LEAST_SEEN:g} % of the mean square" in told
     uneven = [100 * cause.least_of_friction for cause in (Offset, PositionFriction, Step)]
-    assert f"waves of {100 * UNEVEN:g} % and more at two joints or more" in told
+    assert f"of {100 * UNEVEN:g} % of friction and more at two joints or more" in told
     assert "has to be {:g} % of the joint's friction; {:g} % where it is waves".format(*uneven) in told
     assert f"and {uneven[2]:g} % where it is a course over time" in told
     assert EVENEST == 0.25, "the page says a quarter"

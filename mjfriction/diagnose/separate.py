@@ -11,15 +11,17 @@ from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.protocol import candidate_motions, difference, motion_along
 from mjfriction.plant.trajectory import Trajectory
+from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 
 TOLD = 3.0  # times the noise, from which on two explanations are told apart
+QUIETEST = 1e-9  # N·m or N
 FASTER = 1.5  # times the speed that the log reached
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """A motion, and how far the two explanations lie apart on it and on the log, in units of the sensor's noise."""
+    """A motion, and how far the two explanations lie apart on it and on the log, in units of the noise."""
 
     trajectory: Trajectory
     joint: str
@@ -50,7 +52,8 @@ def design_experiment(model: Model, target: Chosen, rival: Chosen) -> Experiment
     if rival.key not in [choice.key for choice in other.chosen]:
         return None
     robots = [extend_robot(model), extend_robot(other)]
-    on_log, _ = _apart(gap, robots, None)
+    noise = _noise(model)
+    on_log, _ = _apart(gap, robots, noise, None)
     best: Experiment | None = None
     top = FASTER * np.max(np.abs(gap.motion.velocity), axis=0)
     for side in (0.0, -1.0, 1.0):
@@ -58,7 +61,7 @@ def design_experiment(model: Model, target: Chosen, rival: Chosen) -> Experiment
             gap.robot.joints, gap.body, top, target.site.joint, all_joints=side == 0.0, side=side
         )
         for trajectory in motions:
-            apart, joint = _apart(gap, robots, trajectory)
+            apart, joint = _apart(gap, robots, noise, trajectory)
             if apart > on_log and (best is None or apart > best.apart):
                 between = (target.cause.name, rival.cause.name)
                 best = Experiment(trajectory, gap.robot.joints[joint], apart, on_log, between)
@@ -67,9 +70,15 @@ def design_experiment(model: Model, target: Chosen, rival: Chosen) -> Experiment
     return best
 
 
-def _apart(gap: Gap, robots: list[Robot], trajectory: Trajectory | None) -> tuple[float, int]:
+def _noise(model: Model) -> Floats:
+    # Of each examined joint's samples: the sensor's, or what is left, where a drive has taken the noise away.
+    gap, left = model.gap, model.residual()
+    rows = [max(float(gap.noise_floor[joint]), gap.rms(left[:, joint], joint)) for joint in gap.examined]
+    return np.maximum(np.array(rows) / gap.chain.noise_gain, QUIETEST)
+
+
+def _apart(gap: Gap, robots: list[Robot], noise: Floats, trajectory: Trajectory | None) -> tuple[float, int]:
     motion = gap.motion if trajectory is None else motion_along(gap.robot, trajectory)
     size = difference(robots, motion)[list(gap.examined)]
-    noise = np.maximum(gap.noise_floor[list(gap.examined)] / gap.chain.noise_gain, 1e-9)
     worst = int(np.argmax(size / noise))
     return float((size / noise)[worst]), gap.examined[worst]

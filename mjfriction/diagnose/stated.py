@@ -22,6 +22,7 @@ MOST_LINK_CHANGE = 0.8  # past which a scaled link is no link any more, and the 
 LEAST_CHANGE = 0.04  # that counts on a robot stated exactly
 LEAST_CHANGE_ROUGH = 0.10  # that counts on a robot whose joints are all a little off, or that has too few to compare
 OUTLYING = 3.0  # times the typical change that it must be there besides
+AS_MUCH = 1.0  # of the stated friction: no way of writing a curve down makes up for that
 ALWAYS = 0.25  # of the stated friction: a quarter off is a finding whatever the others are
 MOMENTS = 61  # of a course, its own length before and after it included, of which stated levels may be
 BAR = 2.0  # standard errors by which drives, or links, that are let go must help on motion not fitted
@@ -57,7 +58,8 @@ def settle(model: Model, field: Field) -> Settled:
         elif trial.passes(field_size) and change[joint] > _bar(change, joint):
             rival = _simpler(held, trial, field)
             if rival is None:
-                if not _bent(model, joint) and not _of_another_time(model, level, _bar(change, joint)):
+                bent = _bent(model, joint) and change[joint] < AS_MUCH
+                if not bent and not _of_another_time(model, level, _bar(change, joint)):
                     findings.append(trial.chosen)
             else:
                 model = build_model(held.gap, held.nuisance, (*held.chosen, rival))

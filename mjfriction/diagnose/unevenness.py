@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mjfriction.diagnose.causes.waves import PositionFriction
+from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.exact import FEWEST_JOINTS
 from mjfriction.diagnose.field import make_field, size
 from mjfriction.diagnose.model import Chosen, Model, build_model
@@ -15,6 +15,7 @@ from mjfriction.diagnose.short_list import ranked
 from mjfriction.diagnose.trial import FALSE_ALARM, try_out
 from mjfriction.identify.gap import Gap
 
+WAVES = (PositionFriction(), Cogging())
 UNEVEN = 0.015  # of a joint's friction, that waves along its stroke are at on a machine as uneven as real ones
 TOLD_BY = 2  # joints, that must be able to show so much for the machine to be known
 EVENEST = 0.25  # of what is asked on such a machine, that is asked on the most even one
@@ -40,25 +41,25 @@ def as_uneven(model: Model) -> Model:
         return model
     level = model
     for choice in model.chosen:
-        if choice.cause.name == PositionFriction.name:
+        if isinstance(choice.cause, PositionFriction | Cogging):
             level = level.without(choice)
     share = min(unevenness(level) / UNEVEN, 1.0)
     return replace(model, nuisance=replace(model.nuisance, uneven=max(share, model.nuisance.uneven)))
 
 
 def unevenness(model: Model) -> float:
-    """Return how large waves of the friction level along their strokes are at two joints at least, relative to the
-    joints' friction; one alone may be a cause.
+    """Return how large waves along their strokes are, of the friction level or of a torque, at two joints at least,
+    relative to the joints' friction; one alone may be a cause.
 
     Joints count that show waves, or would show those of an uneven machine.  Where fewer than two do, nothing is known,
     and the machine is as uneven as real ones are.
     """
-    field = make_field(model.gap, (PositionFriction(),))
+    field = make_field(model.gap, WAVES)
     chance = FALSE_ALARM / size(field)
-    best = {choice.site.joint: choice for choice in ranked(model, field)}
-    waves = []
+    best = {choice.key[:2]: choice for choice in ranked(model, field)}
+    waves: dict[int, float] = {}
     for entrant in field:
-        trial = try_out(model, best.get(entrant.joint, Chosen(entrant.cause, entrant.sites[len(entrant.sites) // 2])))
+        trial = try_out(model, best.get(entrant.key, Chosen(entrant.cause, entrant.sites[len(entrant.sites) // 2])))
         if trial is not None and (trial.chance < chance or trial.least_seen(chance) < UNEVEN):
-            waves.append(trial.of_friction)
-    return sorted(waves)[-2] if len(waves) >= TOLD_BY else UNEVEN
+            waves[entrant.joint] = max(trial.of_friction, waves.get(entrant.joint, 0.0))
+    return sorted(waves.values())[-2] if len(waves) >= TOLD_BY else UNEVEN
