@@ -37,6 +37,7 @@ from tests.hidden.machine import UR5, UR5_COULOMB, UR5_JOINTS, UR5_VISCOUS, Mach
 
 ELBOW, WRIST = 2, 4
 NOISE = 0.1
+SECONDS = 20.0
 
 
 def other_links(model: mujoco.MjModel) -> None:
@@ -77,7 +78,7 @@ EVERYWHERE = Machine(change=other_links, hidden=ASYMMETRIC, noise=NOISE)
 
 
 def diagnosed(folder: Path, machine: Machine, seed: int = 5) -> Diagnosis:
-    log, robot = write_case(folder, machine, seed)
+    log, robot = write_case(folder, machine, seed, seconds=SECONDS)
     return diagnose_log(read_log(log), read_robot(robot))
 
 
