@@ -119,6 +119,7 @@ def test_the_extended_robot_predicts_another_motion_to_the_noise(tmp_path: Path)
     assert max(errors(everywhere(), another_motion(tmp_path))) < 1.05
 
 
+@pytest.mark.bench
 def test_within_what_is_usual_many_links_would_be_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(whole, "compete_for_links", compete)
     held = diagnosed(tmp_path, EVERYWHERE)

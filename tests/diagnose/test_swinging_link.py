@@ -51,6 +51,7 @@ def test_a_link_that_swings_on_its_transmission_is_one_that_gives() -> None:
     assert (again.verdict, again.findings) == (Verdict.CONSISTENT, ())
 
 
+@pytest.mark.bench
 def test_following_its_load_at_once_it_is_not_explained(monkeypatch: pytest.MonkeyPatch) -> None:
     rest = tuple(cause for cause in STRUCTURAL if not isinstance(cause, SwingingElasticity))
     monkeypatch.setattr(module, "STRUCTURAL", rest)
