@@ -121,9 +121,10 @@ def test_the_extended_robot_predicts_another_motion_to_the_noise(tmp_path: Path)
 
 @pytest.mark.bench
 def test_within_what_is_usual_many_links_would_be_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    free = everywhere()
     monkeypatch.setattr(whole, "compete_for_links", compete)
     held = diagnosed(tmp_path, EVERYWHERE)
-    assert len(held.findings) > len(everywhere().findings)
+    assert len(held.findings) > len(free.findings)
     assert not held.robot.table.link_inertia
 
 
