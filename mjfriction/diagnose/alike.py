@@ -20,8 +20,8 @@ UNDECIDED = 0.05  # probability of a rival from which on it is named beside the 
 AS_GOOD = 1.25  # times the error that the chosen cause leaves, which a rival may leave
 ROOM = 0.5  # of an effect, that what a wider cause has besides may make up for within its 95 % interval
 SHARED = 1e-6  # of a column, beyond what it shares with a narrower cause's, from which on it is another
-MOST_CONFIDENT = 0.9  # no finding is surer: of those that nothing spoke against, so many were right
-AT_THE_BAR = 0.5  # of this, for what is just large enough to be told: about half of these were right there
+MOST_CONFIDENT = 0.9  # no finding is surer: what nobody thought of cannot be tried
+AT_THE_BAR = 0.5  # of this, for what is just large enough to be told: it may be unevenness after all
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from mjfriction.diagnose.intervals import HalfWidths
 from mjfriction.diagnose.model import Model
 from mjfriction.identify.fitted import Fitted
@@ -26,8 +28,11 @@ def base_changes(model: Model, widths: HalfWidths) -> BaseChanges:
     robot, inertias, place = model.gap.robot, model.nuisance.inertias, model.nuisance.of_inertias
     if inertias is None:
         return BaseChanges((), 0)
-    gram = model.system.normal.gram.sum(axis=(0, 1))[place, place]
-    covariance = widths.covariance[place, place]
+    normal = model.system.normal
+    gram = normal.gram.sum(axis=(0, 1))[place, place]
+    # What is known beforehand draws links to what is stated, by as much as that is off: no noise shows it.
+    drawn = normal.white_covariance(np.zeros(normal.gram.shape[0]))
+    covariance = (widths.covariance + drawn[: model.nuisance.count, : model.nuisance.count])[place, place]
     stated, fitted = (
         inertias.fitted(one, gram, covariance, widths.quantile)
         for one in (robot, inertias.applied(robot, model.built[place]))

@@ -68,7 +68,7 @@ def extend_robot(model: Model) -> Robot:
 
 def adjustments(model: Model, untold: Collection[Key]) -> list[Adjustment]:
     """List the stated values that the fit moved, those of causes that are no findings (``untold``) too."""
-    gap, strengths, widths = model.gap, model.strengths, half_widths(model)
+    gap, strengths, widths = model.gap, model.built, half_widths(model)
     half = widths.nuisance
     out = []
     for level in model.nuisance.levels:

@@ -32,7 +32,7 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
     """
     model = settled.model
     heldout = model.heldout_residual(oscillations=True)
-    strengths, widths = model.strengths, half_widths(model)
+    strengths, widths = model.built, half_widths(model)
     found = []
     for choice, place, width in zip(model.chosen, model.places, widths.causes, strict=True):
         if choice.key in untold.keys:

@@ -49,7 +49,10 @@ def compete_for_links(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = s
     let_go = compete(gap, beside, rest, tell, begin=_others(model))
     if not np.any(_left(let_go[0]) > (1.0 + LEAST_GAINED) * _left(model)):
         return let_go
-    return compete(gap, nuisance, field, tell) if _named(model) >= MANY else (model, asked)
+    if _named(model) < MANY:
+        return model, asked
+    # That search may have been broken off: it goes on from there.
+    return compete(gap, nuisance, field, tell, begin=model.chosen)
 
 
 def _named(model: Model) -> int:

@@ -48,14 +48,10 @@ class Trial:
         return float(np.sum(self.improvement)) + self.relief
 
     @property
-    def freedoms(self) -> int:
-        """How many numbers were fitted, the searched shape included."""
-        return self.count + len(self.chosen.site.shape)
-
-    @property
     def merit(self) -> float:
-        """The gain less what every freedom is worth on noise alone."""
-        return self.gain - self.freedoms * float(np.log(self.improvement.size))
+        """The gain less what every freedom, the searched shape included, is worth on noise alone."""
+        fitted = self.count + len(self.chosen.site.shape)
+        return self.gain - fitted * float(np.log(self.improvement.size))
 
     @property
     def share(self) -> float:

@@ -53,3 +53,14 @@ def test_waves_that_wrong_links_hide_are_seen_once_the_links_are_right(tmp_path:
     after = as_uneven(found).nuisance.uneven
     assert before.uneven < 0.7
     assert after == 1.0
+
+
+def test_waves_of_a_torque_tell_it_as_waves_of_the_level_do(tmp_path: Path) -> None:
+    def cogs(joint: int) -> Callable[[Instant], Array]:
+        level = 0.03 * UR5_COULOMB[joint]
+        return lambda at: level * np.cos((9.0 + joint) * at.q)
+
+    two = Machine(noise=0.03, hidden={1: wave(1, 0.03), 2: cogs(2)})
+    assert unevenness_of(gap_of_machine(tmp_path / "two", two)) == 1.0
+    # One alone may be a cause.
+    assert unevenness_of(gap_of_machine(tmp_path / "one", Machine(noise=0.03, hidden={2: cogs(2)}))) == EVENEST

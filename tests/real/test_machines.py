@@ -122,6 +122,7 @@ def test_a_ur10_is_told_to_be_wrong_everywhere_and_what_is_told_of_it_holds_on_t
     diagnosis = diagnose_log(first, read_robot(data / "ur10/robot.toml"))
     found = {(finding.cause, finding.joint) for finding in diagnosis.findings}
     assert ("body.link_inertia", None) in found
+    assert ("body.payload", None) not in found
     assert {joint for cause, joint in found if cause == "friction.coulomb_viscous"} >= {
         "shoulder_pan_joint",
         "shoulder_lift_joint",

@@ -1,0 +1,46 @@
+"""What chance and size have to say of a cause: when it stays, and how sure it is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import f as fisher
+
+from mjfriction.diagnose.alike import AT_THE_BAR, _clearly
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.offset import Offset
+from mjfriction.diagnose.compete import KEPT, _stays
+from mjfriction.diagnose.model import Chosen
+from mjfriction.diagnose.trial import FALSE_ALARM, Trial
+
+CANDIDATES, SPARE = 1000, 40
+
+
+def trial(chance: float) -> Trial:
+    """Return a trial that is large in everything, so likely by chance."""
+    wald = float(fisher.isf(chance, 1, SPARE))
+    return Trial(Chosen(Offset(), Site(0)), np.full(41, 2.0), np.full(41, 3.0), 0.0, 0.5, 0.3, 0.04, wald, 1, SPARE)
+
+
+@pytest.mark.parametrize(("times", "chosen", "kept"), [(0.5, True, True), (2.0, False, True), (20.0, False, False)])
+def test_what_was_chosen_stays_where_it_would_barely_not_be_chosen_anew(times: float, chosen: bool, kept: bool) -> None:
+    own = trial(times * FALSE_ALARM / CANDIDATES)
+    assert own.passes(CANDIDATES) is chosen
+    assert _stays(own, CANDIDATES) is kept
+    assert KEPT < 20
+
+
+def test_an_effect_that_is_just_beyond_a_chance_is_as_large_as_the_least_seen() -> None:
+    assert trial(1e-5).least_seen(1e-5) == pytest.approx(0.3)
+    assert trial(1e-9).least_seen(1e-5) < 0.3
+
+
+def test_the_larger_a_cause_is_over_what_it_has_to_be_the_surer_it_is() -> None:
+    sure = [_clearly(replace(trial(1e-9), of_friction=0.04 * times)) for times in (1.0, 1.5, 2.0, 3.0, 10.0)]
+    assert sure[0] == pytest.approx(AT_THE_BAR)
+    assert np.all(np.diff(sure) > 0.0)
+    assert sure[3] > 0.9
+    assert sure[4] == pytest.approx(1.0, abs=1e-3)
+    assert _clearly(replace(trial(1e-9), least_of_friction=0.0)) == 1.0
