@@ -9,10 +9,10 @@ import numpy as np
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.exchange import for_place_of, in_place_of
 from mjfriction.diagnose.field import Entrant, Field, size
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, partners, same_columns
-from mjfriction.diagnose.short_list import contenders, fairly
 from mjfriction.diagnose.trial import Trial, try_out
 from mjfriction.record.log import Floats
 
@@ -21,6 +21,7 @@ AS_GOOD = 1.25  # times the error that the chosen cause leaves, which a rival ma
 ROOM = 0.5  # of an effect, that what a wider cause has besides may make up for within its 95 % interval
 SHARED = 1e-6  # of a column, beyond what it shares with a narrower cause's, from which on it is another
 MOST_CONFIDENT = 0.9  # no finding is surer: what nobody thought of cannot be tried
+EVEN = 0.5  # the confidence of one of two that nothing tells apart
 AT_THE_BAR = 0.5  # of this, for what is just large enough to be told: it may be unevenness after all
 
 
@@ -54,13 +55,11 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
         return Standing((), min(MOST_CONFIDENT, 1.0 - own.chance))
     here = tuple(
         entrant
-        for entrant in field
-        if (entrant.joint == joint or entrant.cause.whole_arm)
-        and entrant.cause.name != target.cause.name
-        and (target.cause.name not in entrant.cause.contains or _has_room(without, target, entrant))
+        for entrant in for_place_of(target, field)
+        if target.cause.name not in entrant.cause.contains or _has_room(without, target, entrant)
     )
     repeated = redundancy(model.residual()[:, joint] * model.system.rows.weight[:, joint])
-    rivals = fairly(without, [own, *contenders(without, here)])[1:]
+    _, rivals = in_place_of(without, own, here)
     settled = [level.site.joint for level in free.levels]
     if target.cause is not STATED_LEVELS and joint in gap.examined and joint not in settled:
         # The joint's own levels are as stated here, so they stand for the place too.
@@ -112,5 +111,5 @@ def redundancy(weighted: Floats) -> float:
 def _is_rival(rival: Trial, own: Trial, number: int) -> bool:
     # What would not pass in the place of the chosen cause is no explanation, however little that explains.  What one
     # leaves more than the other is the difference of their gains, whichever joints each of them touches.
-    left = float(np.sum(own.error)) - own.gain
+    left = float(np.sum(own.error - own.improvement))
     return rival.passes(number) and own.gain - rival.gain < (AS_GOOD - 1.0) * left

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 
 from mjfriction.body.inverse import inverse_dynamics
@@ -27,14 +29,15 @@ def as_known(model: Model) -> Model:
     """
     for _ in range(HEARINGS):
         gap, nuisance, late, robot = model.gap, model.nuisance, _delays(model), _weighed(model)
+        anew: Collection[int] | None = np.flatnonzero(late != gap.late).tolist()
         if np.max(np.abs(late - gap.late)) * gap.chain.band >= HEARD:
             gap = gap.heard_later(late)
             nuisance = nuisance.along(gap, nuisance.sources)
         if _load_changes(gap, robot):
-            gap = gap.beside(robot)
+            gap, anew = gap.beside(robot), None
         if gap is model.gap:
             break
-        model = straightened(reshaped(build_model(gap, nuisance, model.chosen)))
+        model = straightened(reshaped(build_model(gap, nuisance, model.chosen), anew))
     return model
 
 

@@ -8,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from mjfriction.diagnose.as_known import as_known
+from mjfriction.diagnose.exchange import exchanged
 from mjfriction.diagnose.field import Field, size
 from mjfriction.diagnose.kin import fulfilled, plainer, with_kin
-from mjfriction.diagnose.model import Chosen, Model, build_model, same_columns
+from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, same_columns
 from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.oscillations import new_oscillations
 from mjfriction.diagnose.refusal import proved, refused
@@ -58,7 +59,7 @@ def compete(
         model = _forward(_with_found(gap, nuisance, begin), asked, count, tell, enough)
         if enough(model):
             return model, asked
-        model = as_known(plainer(_pruned(model, count), asked))
+        model = _exchanged(as_known(plainer(_pruned(model, count), asked)), asked, count, tell, enough)
         sources = new_oscillations(model)
         if sources:
             nuisance = nuisance.along(gap, (*nuisance.sources, *sources))
@@ -89,11 +90,13 @@ def _forward(model: Model, field: Field, count: int, tell: Tell, enough: Callabl
     # What shows only while joints rest is set aside, and asked again when no other is left: every contact yields a
     # little at a reversal, at every joint.
     asked, anew = field, True
-    while len(model.chosen) < MOST_CAUSES and not enough(model):
-        tell(f"searching for causes, {len(model.chosen)} so far", SEARCHED * (1.0 - FURTHER ** (1 + len(model.chosen))))
+    while (named := len(model.noteworthy)) < MOST_CAUSES and not enough(model):
+        tell(f"searching for causes, {named} so far", SEARCHED * (1.0 - FURTHER ** (1 + named)))
         more, left = _one_more(model, asked, count)
         if more is not None:
-            model, asked, anew = as_known(straightened(reshaped(more))), left, len(left) == len(field)
+            newcomer = more.chosen[-1]
+            more = reshaped(more, cause_block(more.gap, newcomer)[0].keys())
+            model, asked, anew = as_known(straightened(more)), left, len(left) == len(field)
         elif anew:
             break
         else:
@@ -113,6 +116,17 @@ def _one_more(model: Model, field: Field, count: int) -> tuple[Model | None, Fie
             trials.remove(best)
             field = _narrowed(field, [best.chosen])
     return None, field
+
+
+def _exchanged(model: Model, field: Field, count: int, tell: Tell, enough: Callable[[Model], bool]) -> Model:
+    # As often as a cause takes another's place, what is left is searched again.
+    for _ in range(MOST_CAUSES):
+        other = exchanged(model, field, count, NO_DIFFERENCE)
+        if other is None:
+            break
+        model = _forward(as_known(straightened(reshaped(other))), field, count, tell, enough)
+        model = as_known(plainer(_pruned(model, count), field))
+    return model
 
 
 def _richer(model: Model, trial: Trial) -> Model | None:
@@ -159,11 +173,22 @@ def _passing(model: Model, field: Field, count: int) -> list[Trial]:
 def _pruned(model: Model, count: int) -> Model:
     while model.chosen:
         trials = [(choice, try_out(model.without(choice), choice)) for choice in model.chosen]
-        needless = [(trial.gain if trial else -np.inf, choice) for choice, trial in trials if not _stays(trial, count)]
+        # What nature does not allow goes first, and of several the one that does least: it makes the others of its
+        # joint impossible.
+        needless = [
+            (trial is not None, trial.gain if trial else _taken_off(model, choice), choice)
+            for choice, trial in trials
+            if not _stays(trial, count)
+        ]
         if not needless:
             return model
-        model = reshaped(model.without(min(needless, key=lambda entry: entry[0])[1]))
+        *_, least = min(needless, key=lambda entry: entry[:2])
+        model = reshaped(model.without(least), cause_block(model.gap, least)[0].keys())
     return model
+
+
+def _taken_off(model: Model, choice: Chosen) -> float:
+    return float(np.sum(model.without(choice).heldout_errors) - np.sum(model.heldout_errors))
 
 
 def _stays(trial: Trial | None, count: int) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from mjfriction.diagnose.alike import standing
+from mjfriction.diagnose.alike import EVEN, standing
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.links import LinkScale
 from mjfriction.diagnose.causes.whole_arm import Payload
@@ -21,8 +21,6 @@ from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.proof import gain_at
 from mjfriction.record.log import Floats
-
-EVEN = 0.5  # the confidence of one of two that nothing tells apart
 
 
 def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> tuple[list[Finding], Experiment | None]:

@@ -16,6 +16,7 @@ from mjfriction.diagnose.field import Field, size
 from mjfriction.diagnose.model import Chosen, Model, cause_block
 from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.unevenness import with_unevenness
+from mjfriction.diagnose.yielding import yielding
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Normal, System
 from mjfriction.progress import Tell, silently
@@ -40,7 +41,12 @@ def compete_for_links(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = s
     then competes anew beside them leave more.
     """
     model, asked = compete(
-        gap, nuisance, field, tell, enough=lambda so_far: _named(so_far) >= MANY and _pays(so_far, field)
+        gap,
+        nuisance,
+        field,
+        tell,
+        begin=yielding(gap, nuisance, field),
+        enough=lambda so_far: _named(so_far) >= MANY and _pays(so_far, field),
     )
     if not _strained(model) or not _pays(model, field):
         return model, asked

@@ -6,10 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mjfriction.diagnose.alike import MOST_CONFIDENT, Standing, standing
+from mjfriction.body.regressor import tip_link
+from mjfriction.diagnose.alike import EVEN, MOST_CONFIDENT, Standing, standing
 from mjfriction.diagnose.base_changes import base_changes
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LEAST_NOTED, LinkScale
+from mjfriction.diagnose.causes.whole_arm import Payload
 from mjfriction.diagnose.field import Field
 from mjfriction.diagnose.intervals import HalfWidths
 from mjfriction.diagnose.links_off import links_far_off
@@ -103,4 +105,10 @@ def _link_standing(model: Model, link: str, field: Field) -> Standing:
         return Standing((), MOST_CONFIDENT)
     scaled = Chosen(LinkScale(), Site(model.gap.robot.joints.index(link)))
     alone = build_model(model.gap, model.nuisance.without_links(), (*model.chosen, scaled))
-    return standing(alone, scaled, field)
+    stands = standing(alone, scaled, field)
+    body = model.gap.body
+    last = link == body.link_holding(tip_link(body)) and bool(Payload().sites(model.gap))
+    if not last or Payload.name in stands.alternatives:
+        return stands
+    # What is held at the flange is a part of the last link, and the other links, off as they are, hide which it is.
+    return Standing((*stands.alternatives, Payload.name), min(stands.confidence, EVEN), stands.rival)

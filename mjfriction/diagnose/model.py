@@ -16,7 +16,7 @@ from mjfriction.identify.link_inertias import nearest_physical
 from mjfriction.identify.regression import UNSEEN, Columns, Normal, Rows, System
 from mjfriction.identify.row_noise import least_noise, row_noise
 from mjfriction.record.log import Floats
-from mjfriction.robot.friction import stated_levels
+from mjfriction.robot.friction import stated_levels, stribeck_excess
 
 SAME = 1e-9  # of one, that the cosine between two columns may fall short by for them to be the same
 PRIOR_SHARE = 100.0  # a cause's strength may be worth this many times the joint's effort: next to no restraint
@@ -102,6 +102,12 @@ class Model:
         for choice in self.chosen:
             ends.append(ends[-1] + len(choice.cause.quantities(self.gap, choice.site)))
         return [slice(a, b) for a, b in itertools.pairwise(ends)]
+
+    @property
+    def noteworthy(self) -> tuple[Chosen, ...]:
+        """The chosen causes that would be findings; the others are values refitted along."""
+        pairs = zip(self.chosen, self.places, strict=True)
+        return tuple(one for one, at in pairs if one.cause.noteworthy(self.gap, one.site, self.strengths[at]))
 
     @functools.cached_property
     def friction(self) -> dict[int, float]:
@@ -199,20 +205,22 @@ class Model:
         Where columns are alike, least squares likes to set a large level against its negative; a Coulomb level or a
         damping below zero by more than errors elsewhere can make it is the mark of that.
         """
-        taken = dict.fromkeys(joints, 0.0)
+        taken, brought = dict.fromkeys(joints, 0.0), dict.fromkeys(joints, 0.0)
         first = self.places[-1].stop if self.places else self.nuisance.count
         for choice, place in zip((*self.chosen, candidate), (*self.places, slice(first, None)), strict=True):
             if choice.site.joint in taken:
                 taken[choice.site.joint] += choice.cause.taken_level(strengths[place])
+                brought[choice.site.joint] += choice.cause.brought_level(strengths[place])
         for level in self.nuisance.levels:
             joint = level.site.joint
             if joint not in joints:
                 continue
-            stated = stated_levels(self.gap.robot.table.joint[joint])
+            table = self.gap.robot.table.joint[joint]
+            stated = stated_levels(table)
             speed = float(np.sqrt(np.mean(np.square(self.gap.motion.velocity[:, joint]))))
             level_change, damping_change = strengths[self.nuisance.of_level(joint)]
             coulomb = stated[0] + float(level_change)
-            if taken[joint] > MOST_TAKEN * max(coulomb, 0.0):
+            if taken[joint] > MOST_TAKEN * max(coulomb + stribeck_excess(table) + brought[joint], 0.0):
                 return False
             damping = (stated[1] + float(damping_change)) * speed
             scale = abs(coulomb) + abs(damping)
@@ -236,7 +244,7 @@ def partners(choice: Chosen, others: Iterable[Chosen]) -> list[Chosen]:
 
 def cause_block(gap: Gap, choice: Chosen) -> tuple[Columns, Floats]:
     """Return a cause's columns and the precision that keeps them from blowing up where the data say nothing."""
-    columns = choice.tangent.columns if choice.tangent else choice.cause.columns(gap, choice.site)
+    columns = choice.tangent.columns if choice.tangent else _drawn(gap, choice)
     size = np.sqrt(sum(np.mean(np.square(values), axis=0) for values in columns.values()))
     # What the motion does not show at all, as a moment along an axis that never leaves the vertical, stays at zero.
     shown = size > UNSEEN * np.max(size)
@@ -245,6 +253,10 @@ def cause_block(gap: Gap, choice: Chosen) -> tuple[Columns, Floats]:
         size = np.where(shown, size, np.max(size))
     effort = np.sqrt(np.mean(np.square(gap.measured[:, seat(choice, columns)])))
     return columns, np.square(size / (PRIOR_SHARE * effort))
+
+
+def _drawn(gap: Gap, choice: Chosen) -> Columns:
+    return gap.kept.recall((type(choice.cause), choice.site), lambda: choice.cause.columns(gap, choice.site))
 
 
 def same_columns(gap: Gap, one: Chosen, other: Chosen) -> bool:

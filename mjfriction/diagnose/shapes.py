@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 from scipy.optimize import minimize
 
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.trial import try_out
 from mjfriction.record.log import Floats
 
 
@@ -46,13 +49,17 @@ def best_shape(model: Model, choice: Chosen) -> Chosen:
     return Chosen(choice.cause, choice.site.shaped(shape_at(found.x))) if found.fun < loss(start) else choice
 
 
-def reshaped(model: Model, joint: int | None = None) -> Model:
-    """Return the model with the shapes of its causes (of one joint's, if given) searched anew, each in turn.
+def reshaped(model: Model, joints: Collection[int] | None = None) -> Model:
+    """Return the model with the shapes of its causes (of some joints', if given) searched anew, each in turn.
 
-    A new cause, or a level held, moves the best shapes of the others.
+    A new cause, or a level held, moves the best shapes of the others on the joints that feel it.  A shape with which
+    friction would be none keeps the one there is.
     """
     for i, choice in enumerate(model.chosen):
-        if (choice.site.shape or choice.site.around) and not choice.tangent and joint in (None, choice.site.joint):
-            better = best_shape(model.without(choice), choice)
-            model = build_model(model.gap, model.nuisance, (*model.chosen[:i], better, *model.chosen[i + 1 :]))
+        mine = joints is None or choice.site.joint in joints
+        if (choice.site.shape or choice.site.around) and not choice.tangent and mine:
+            without = model.without(choice)
+            better = best_shape(without, choice)
+            if try_out(without, better) is not None:
+                model = build_model(model.gap, model.nuisance, (*model.chosen[:i], better, *model.chosen[i + 1 :]))
     return model

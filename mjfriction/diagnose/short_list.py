@@ -81,9 +81,7 @@ def _bent(model: Model, trial: Trial) -> Trial:
 
 def _screening(gap: Gap, entrant: Entrant, every: int) -> Columns:
     key = f"screening {type(entrant.cause).__name__} {entrant.joint}"
-    if key not in gap.kept:
-        gap.kept[key] = dict(entrant.cause.screening(gap, entrant.sites, every))
-    return gap.kept[key]
+    return gap.kept.recall(key, lambda: entrant.cause.screening(gap, entrant.sites, every))
 
 
 def _shown(columns: Columns, site: int) -> int:

@@ -51,7 +51,7 @@ def settle(model: Model, field: Field) -> Settled:
     findings: list[Chosen] = []
     for level in model.nuisance.levels:
         joint = level.site.joint
-        held = reshaped(build_model(model.gap, model.nuisance.without_level(joint), model.chosen), joint)
+        held = reshaped(build_model(model.gap, model.nuisance.without_level(joint), model.chosen), {joint})
         trial = try_out(held, Chosen(STATED_LEVELS, level.site))
         if trial is None or trial.chance > FALSE_ALARM or trial.gain <= 0.0:
             model = held

@@ -18,6 +18,7 @@ from mjfriction.identify.blocks import Blocks, cut_blocks
 from mjfriction.identify.blows import blows
 from mjfriction.identify.doubt import YIELDING, doubt_speeds, rows_of_rests, share_in_doubt
 from mjfriction.identify.effort_band import filtered_from, whole_below
+from mjfriction.identify.kept import Kept
 from mjfriction.identify.rows import Chain, make_chain
 from mjfriction.record.log import Floats, Log, check_joints
 from mjfriction.record.motion import Motion, estimate_motion, raw_noise
@@ -118,9 +119,9 @@ class Gap:
         return self._kinematics[name]
 
     @functools.cached_property
-    def kept(self) -> dict[str, dict[int, Floats]]:
+    def kept(self) -> Kept:
         """Columns that are costly and asked for again and again, by the name of their cause."""
-        return {}
+        return Kept()
 
     def reported(self, joint: int, torque: Floats) -> Floats:
         """Return what a joint's sensor would report of torques there, (n, ...), at the rows: (rows, ...)."""
@@ -212,7 +213,9 @@ class Gap:
         table = self.robot.table
         joints = tuple(later(joint, float(more)) for joint, more in zip(table.joint, late, strict=True))
         heard = gap_of(replace(self.robot, table=table.model_copy(update={"joint": joints})), self)
-        return replace(self, late=np.asarray(late), doubt=heard.doubt, clear=heard.clear)
+        gap = replace(self, late=np.asarray(late), doubt=heard.doubt, clear=heard.clear)
+        gap.__dict__["kept"] = self.kept.apart_from(np.flatnonzero(gap.late != self.late).tolist())
+        return gap
 
     def beside(self, robot: Robot) -> Gap:
         """Return the gap with what is set beside residual and prediction drawn with another robot's loads."""

@@ -102,13 +102,11 @@ def link_inertias(gap: Gap, spread: float) -> LinkInertias | None:
     pseudo = pseudo_inertias(body.model)
     factor = factors(pseudo)
     weight = parameters_per_number(factor)
-    if KEPT not in gap.kept:
-        gap.kept[KEPT] = gap.rows_of(
-            lambda own: weighed_links(
-                body, linked.position[own], linked.velocity[own], linked.acceleration[own], weight
-            )
-        )
-    rows = gap.kept[KEPT]
+
+    def torques(own: slice) -> Floats:
+        return weighed_links(body, linked.position[own], linked.velocity[own], linked.acceleration[own], weight)
+
+    rows = gap.kept.recall(KEPT, lambda: gap.rows_of(torques))
     size = float(np.sqrt(np.mean(np.square(np.nan_to_num(gap.measured)))))
     felt = [k for k in range(len(body.links)) if any(np.max(np.abs(own[:, k])) > FELT * size for own in rows.values())]
     if not felt:

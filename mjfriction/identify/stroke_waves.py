@@ -11,18 +11,20 @@ FEWEST_WAVES = 1.2  # over the stroke; longer waves are springs or gravity
 FEWEST_TURNING = 0.5  # of waves that turn with the direction of motion: longer ones are a level
 STEPS_PER_LOBE = 3.0  # of the grid of wavenumbers; two waves over one stroke differ when they drift apart by one period
 MOST_WAVENUMBERS = 400
-IN_BAND = 0.8  # of the band that the waves may reach at the joint's median speed
+IN_BAND = 0.8  # of the band that the waves may reach while the joint is slow
+SLOW = 0.25  # of the time in motion
 
 
 def wavenumber_bounds(gap: Gap, joint: int, *, turns: bool) -> tuple[float, float]:
     """Return the wavenumbers (1/rad or 1/m) that a joint's motion shows, from little more than a wave over its stroke,
-    or half a one where they turn with the direction of motion, to what the band lets through at its usual speed.
+    or half a one where they turn with the direction of motion, to what the band lets through for a quarter of the time
+    that the joint moves: a gear's teeth pass by too fast while it is quick.
     """
     stroke = float(np.ptp(gap.motion.position[:, joint]))
     speed = np.abs(gap.motion.velocity[:, joint])
-    usual = float(np.median(speed[speed > gap.doubt_speed[joint]]))
+    slow = float(np.quantile(speed[speed > gap.doubt_speed[joint]], SLOW))
     low = (FEWEST_TURNING if turns else FEWEST_WAVES) * 2.0 * np.pi / stroke
-    return low, max(low, IN_BAND * 2.0 * np.pi * gap.chain.band / usual)
+    return low, max(low, IN_BAND * 2.0 * np.pi * gap.chain.band / slow)
 
 
 def wavenumber_step(gap: Gap, joint: int) -> float:

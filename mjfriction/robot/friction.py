@@ -77,6 +77,41 @@ def stribeck_excess(joint: Joint) -> float:
     )
 
 
+def stribeck_shapes(joint: Joint) -> tuple[tuple[float, float], ...]:
+    """Return the Stribeck velocity, at the joint, and the exponent of every Stribeck law that is stated."""
+    return tuple(
+        (
+            term.value("stribeck_velocity") / (abs(joint.actuator.gear_ratio) if term.side == "motor" else 1.0),
+            term.value("stribeck_exponent"),
+        )
+        for term in terms(joint)
+        if term.law == STRIBECK.name
+    )
+
+
+def with_less_stribeck(robot: Robot, joint: str, excess: float) -> Robot:
+    """Return the robot with so much less friction near rest above the Coulomb level, at the joint, down to none."""
+    table = robot.joint(joint)
+    kept = max(0.0, 1.0 - excess / stribeck_excess(table))
+
+    def less(values: Mapping[str, float | tuple[float, ...]]) -> dict[str, float | tuple[float, ...]]:
+        coulomb = scalar(values, "coulomb")
+        return {**values, "static": coulomb + kept * (scalar(values, "static") - coulomb)}
+
+    lowered = tuple(
+        term.model_copy(
+            update={
+                "parameters": less(term.parameters),
+                "negative": None if term.negative is None else less({**term.parameters, **term.negative}),
+            }
+        )
+        if term.law == STRIBECK.name
+        else term
+        for term in terms(table)
+    )
+    return robot.with_joint(table.model_copy(update={"friction": lowered}))
+
+
 def stated_load(joint: Joint) -> float:
     """Return how fast friction is stated to grow with the transmitted load; the same on either side of the gear."""
     return sum(term.value("load") for term in terms(joint) if term.law == LOAD_DEPENDENT.name)

@@ -100,6 +100,10 @@ class Cause(ABC):
         """Return how much of the joint's Coulomb level the cause moves into a law of its own: by default none."""
         return 0.0
 
+    def brought_level(self, strengths: Floats) -> float:
+        """Return how much friction near rest the cause adds to the joint's Coulomb level: by default none."""
+        return 0.0
+
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """Return whether the cause, once fitted, is a finding; else it is a value refitted along."""
         return True

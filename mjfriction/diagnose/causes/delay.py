@@ -107,10 +107,12 @@ class LogDelay(_Delay):
     def columns(self, gap: Gap, site: Site) -> Columns:
         """Every examined joint's column."""
         key = f"{self.name} {site.around}"
-        if key not in gap.kept:
+
+        def made() -> Columns:
             places = {j: replace(site, joint=j) for j in gap.examined}
-            gap.kept[key] = {j: gap.reported(j, self.samples(gap, place)) for j, place in places.items()}
-        return gap.kept[key]
+            return {j: gap.reported(j, self.samples(gap, place)) for j, place in places.items()}
+
+        return gap.kept.recall(key, made)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move the delay of every joint's effort sensor."""

@@ -32,7 +32,8 @@ DAMPING_RATIO = Parameter("damping_ratio", "1", "damping of the link on what giv
 RESONANCES = tuple(2.5 * 1.1**k for k in range(25))  # Hz: from 2.5 to 25 Hz
 RESONANCE_BAND = 0.3  # of the position filter's cutoff, below which a resonance shows
 FINER_RESONANCE, NEIGHBOURS = 1.1, 5  # half of a step of these, as compliances, and what is tried within it
-DAMPINGS = (0.025, 0.05, 0.1, 0.2)  # of critical
+DAMPINGS = (0.025, 0.05, 0.1, 0.2, 0.4)  # of critical
+SCREENED_AT = 0.2  # of critical: a link that swings longer falls out of step with what is not quite its resonance
 
 
 class _Elasticity(MovedLink):
@@ -109,7 +110,7 @@ class SwingingElasticity(_Elasticity):
             inertia = np.maximum(own_slopes(gap, joint)[2], LEAST_INERTIA)
             soft = [1.0 / (float(np.median(inertia)) * (2.0 * np.pi * frequency) ** 2) for frequency in RESONANCES]
             slow = gap.motion.cutoff * RESONANCE_BAND
-            out += [Site(joint, (DAMPINGS[1],), around=c) for f, c in zip(RESONANCES, soft, strict=True) if f < slow]
+            out += [Site(joint, (SCREENED_AT,), around=c) for f, c in zip(RESONANCES, soft, strict=True) if f < slow]
         return out
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:

@@ -43,10 +43,12 @@ class MovedLink(Cause):
     def columns(self, gap: Gap, site: Site) -> Columns:
         """The torques at all joints that the shifted link changes, through the chain."""
         key = f"{type(self).__name__} {site.joint} {site.around} {site.shape}"
-        if key not in gap.kept:
+
+        def made() -> Columns:
             torques = self._torques(gap, site)
-            gap.kept[key] = {i: gap.reported(i, torques[:, [i]]) for i in gap.examined}
-        return gap.kept[key]
+            return {i: gap.reported(i, torques[:, [i]]) for i in gap.examined}
+
+        return gap.kept.recall(key, made)
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every joint whose shift any examined joint would feel."""

@@ -22,7 +22,9 @@ SHORTEST = 2.0  # times the travel that a reversal's doubt covers: what builds u
 LONGEST = 0.2  # of the stroke
 SHAPES = 8
 LEAST_PART = 0.1  # of the joint's level that has to build up: a contact yields under all of it, not under a trace
-MOST_OF_LEVEL = 2.0  # times the stated level that may build up, for stated levels are off
+MOST_OF_LEVEL = (
+    3.0  # times the stated level that may build up, for stated levels are off, and near rest there may be more
+)
 LEAST_LEVEL = 0.1  # of the joint's effort, that a level may be where none is stated
 
 

@@ -11,7 +11,7 @@ from mjfriction.identify.gap import Gap
 from mjfriction.laws.stribeck import STRIBECK
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
-from mjfriction.robot.friction import stribeck_excess, with_term
+from mjfriction.robot.friction import stribeck_excess, stribeck_shapes, with_less_stribeck, with_term
 from mjfriction.robot.robot import Robot
 
 EXCESS = Parameter("stribeck_excess", "{force}", "friction near rest above the Coulomb level", lower=0.0)
@@ -30,13 +30,17 @@ class Stribeck(JointCause):
     shape_parameters = (STRIBECK.parameter("stribeck_velocity"), STRIBECK.parameter("stribeck_exponent"))
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every moving joint, with Stribeck velocities spaced evenly in logarithm over what its motion can show."""
+        """Every moving joint, with Stribeck velocities spaced evenly in logarithm over what its motion can show, and
+        what is stated.
+        """
         out = []
         for site in super().sites(gap):
             slow, fast = self.shape_bounds(gap, site)[0]
             if fast > 1.5 * slow:
                 grid = np.geomspace(slow, fast, 10)
                 out += [site.shaped((float(v), d)) for d in EXPONENTS for v in grid]
+                shapes = stribeck_shapes(gap.robot.table.joint[site.joint])
+                out += [site.shaped(shape) for shape in shapes if slow < shape[0] < fast]
         return out
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
@@ -59,16 +63,25 @@ class Stribeck(JointCause):
         return column(gap.forward(site.joint) * fading)
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """The extra level."""
-        return (Quantity(EXCESS),)
+        """The extra level; with the shape that is stated, all there is of it."""
+        stated = gap.robot.table.joint[site.joint]
+        return (Quantity(EXCESS, shift=stribeck_excess(stated) if site.shape in stribeck_shapes(stated) else 0.0),)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """Friction may not grow from rest; less extra than stated is fine as long as none is left negative."""
-        return bool(strengths[0] > -stribeck_excess(gap.robot.table.joint[site.joint]))
+        """Friction may not grow from rest; of the extra level that is stated there may be less, down to none."""
+        stated = gap.robot.table.joint[site.joint]
+        least = -stribeck_excess(stated) if site.shape in stribeck_shapes(stated) else 0.0
+        return bool(strengths[0] > least)
+
+    def brought_level(self, strengths: Floats) -> float:
+        """All of the extra level."""
+        return float(strengths[0])
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Add a Stribeck law that holds only the extra level."""
+        """Add a Stribeck law that holds only the extra level, or lower what is stated."""
         joint = robot.joints[site.joint]
+        if strengths[0] < 0.0:
+            return with_less_stribeck(robot, joint, -float(strengths[0]))
         parameters = {
             "coulomb": 0.0,
             "static": float(strengths[0]),
@@ -83,6 +96,10 @@ class Stribeck(JointCause):
         velocity, exponent = site.shape
         sliding = gap.body.sliding[site.joint]
         faded = velocity * 3.0 ** (1.0 / exponent)
+        if strengths[0] < 0.0:
+            return (
+                f"near rest the drive works against {-strengths[0]:.3g} {'N' if sliding else 'N·m'} less than is stated"
+            )
         return (
             f"near rest the drive works against {strengths[0]:.3g} {'N' if sliding else 'N·m'} more than at speed, in "
             f"both directions; at {faded:.3g} {'m/s' if sliding else 'rad/s'} only a twentieth of it is left"

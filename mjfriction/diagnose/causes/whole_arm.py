@@ -37,10 +37,12 @@ class _WholeArm(Cause):
 
     def columns(self, gap: Gap, site: Site) -> Columns:
         """The effort at every examined joint, through the chain."""
-        if self.name not in gap.kept:
+
+        def made() -> Columns:
             torques = self.torques(gap)
-            gap.kept[self.name] = {joint: gap.reported(joint, torques[:, joint]) for joint in gap.examined}
-        return gap.kept[self.name]
+            return {joint: gap.reported(joint, torques[:, joint]) for joint in gap.examined}
+
+        return gap.kept.recall(self.name, made)
 
     def felt_most(self, gap: Gap) -> list[Site]:
         """Return the site at the joint whose effort the cause moves most, relative to its noise."""

@@ -1,0 +1,57 @@
+"""Causes give their places to what fits better there, now that others are known."""
+
+from __future__ import annotations
+
+from mjfriction.diagnose.causes.cause import Cause
+from mjfriction.diagnose.field import Entrant, Field
+from mjfriction.diagnose.model import Chosen, Model, build_model, partners
+from mjfriction.diagnose.refusal import proved
+from mjfriction.diagnose.short_list import contenders, fairly
+from mjfriction.diagnose.trial import Trial, try_out
+
+
+def for_place_of(choice: Chosen, field: Field) -> Field:
+    """Return what of a field may stand in the place of a cause: what sits on its joint or is felt by the whole arm, and
+    has another name.
+    """
+    return tuple(
+        entrant
+        for entrant in field
+        if (entrant.joint == choice.site.joint or entrant.cause.whole_arm) and entrant.cause.name != choice.cause.name
+    )
+
+
+def in_place_of(without: Model, own: Trial, field: Field) -> tuple[Trial, list[Trial]]:
+    """Return the trial of a cause that was taken out of a model, and those of the best of a field, compared fairly."""
+    again, *rivals = fairly(without, [own, *contenders(without, field)])
+    return again, rivals
+
+
+def exchanged(model: Model, field: Field, count: int, least: float) -> Model | None:
+    """Return the model with one of its causes exchanged for another that beats it by the ``least`` merit in its place,
+    now that the others are known; None where none is.
+
+    What was chosen first was chosen beside nothing: a load at the flange may have stood for a heavier first link and
+    the rotor of the second joint together.  ``count`` is how often chance might strike.
+    """
+    told = model.noteworthy
+    if len(told) < 2:
+        return None
+    for choice in told:
+        without = model.without(choice)
+        own = try_out(without, choice)
+        if own is None or partners(choice, without.chosen):
+            continue
+        narrower = tuple(one for one in for_place_of(choice, field) if not _wider(one, choice.cause))
+        own, rivals = in_place_of(without, own, narrower)
+        better = [rival for rival in rivals if rival.merit > own.merit + least and rival.passes(count)]
+        for rival in sorted(better, key=lambda trial: -trial.merit):
+            other = build_model(without.gap, without.nuisance, (*without.chosen, rival.chosen))
+            if proved(other, rival.chosen):
+                return other
+    return None
+
+
+def _wider(entrant: Entrant, cause: Cause) -> bool:
+    # What contains a cause takes its place where that pays, as its richer form.
+    return cause.name in entrant.cause.contains

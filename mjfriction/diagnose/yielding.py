@@ -1,0 +1,55 @@
+"""Contacts that yield before they slide, at every joint of a machine: known from the start, no finding."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mjfriction.diagnose.causes.cause import Shape
+from mjfriction.diagnose.causes.presliding import Presliding
+from mjfriction.diagnose.exact import FEWEST_JOINTS
+from mjfriction.diagnose.field import Entrant, Field, size
+from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.nuisance import Nuisance
+from mjfriction.diagnose.refusal import proved
+from mjfriction.diagnose.short_list import all_tried, ranked
+from mjfriction.diagnose.trial import try_out
+from mjfriction.identify.gap import Gap
+
+
+def yielding(gap: Gap, nuisance: Nuisance, field: Field) -> tuple[Chosen, ...]:
+    """Return friction that builds up within the travel that every contact yields, at the joints that show it, where
+    at least three do; else none.
+
+    What shows at one or two joints is looked for as any other cause is.  At all joints it shows at every reversal of a
+    log that is good enough, stands out before all else, and would be taken for whatever else happens at reversals
+    until it is found joint by joint.
+    """
+    model = build_model(gap, nuisance, ())
+    own = tuple(entrant for entrant in field if isinstance(entrant.cause, Presliding))
+    short = [choice for choice in ranked(model, own) if not _noteworthy(gap, choice)]
+    if len(short) < FEWEST_JOINTS:
+        return ()
+    count = size(field)
+    found = [trial.chosen for trial in all_tried(model, short) if trial.passes(count)]
+    found = [choice for choice in found if not _noteworthy(gap, choice)]
+    if len(found) < FEWEST_JOINTS:
+        return ()
+    there = {choice.site.joint: choice.site.shape for choice in found}
+    shapes = sorted(set(there.values()))
+    for other in own:
+        found += _as_others_do(model, other, shapes, count) if other.joint not in there else []
+    beside = build_model(gap, nuisance, tuple(found))
+    out = tuple(choice for choice in found if proved(beside, choice))
+    return out if len(out) >= FEWEST_JOINTS else ()
+
+
+def _as_others_do(model: Model, entrant: Entrant, shapes: list[Shape], count: int) -> list[Chosen]:
+    # Where the travel that fits best is none, since more than that is wrong with the joint, one that others have.
+    choices = [Chosen(entrant.cause, entrant.sites[0].shaped(shape)) for shape in shapes]
+    trials = [try_out(model, choice) for choice in choices if not _noteworthy(model.gap, choice)]
+    passing = [trial for trial in trials if trial is not None and trial.passes(count)]
+    return [max(passing, key=lambda trial: trial.merit).chosen] if passing else []
+
+
+def _noteworthy(gap: Gap, choice: Chosen) -> bool:
+    return choice.cause.noteworthy(gap, choice.site, np.ones(1))

@@ -1,0 +1,42 @@
+"""Columns that are costly to draw and asked for again and again."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable, Collection, Hashable
+
+from mjfriction.identify.regression import Columns
+
+MOST_NUMBERS = 30_000_000  # that are kept at a time: 240 MB
+
+
+class Kept:
+    """Columns by what they are of.  Those that were not asked for the longest make room for others."""
+
+    def __init__(self) -> None:
+        """Keep nothing yet."""
+        self._columns: OrderedDict[Hashable, Columns] = OrderedDict()
+        self._numbers = 0
+
+    def apart_from(self, joints: Collection[int]) -> Kept:
+        """Return what is kept of columns that none of some joints feels."""
+        out = Kept()
+        out._columns.update({of: own for of, own in self._columns.items() if not set(own) & set(joints)})
+        out._numbers = sum(_numbers(own) for own in out._columns.values())
+        return out
+
+    def recall(self, of: Hashable, make: Callable[[], Columns]) -> Columns:
+        """Return the columns there are ``of`` something, or those made now; none may be written to."""
+        if of in self._columns:
+            self._columns.move_to_end(of)
+            return self._columns[of]
+        self._columns[of] = made = make()
+        self._numbers += _numbers(made)
+        while self._numbers > MOST_NUMBERS and len(self._columns) > 1:
+            _, oldest = self._columns.popitem(last=False)
+            self._numbers -= _numbers(oldest)
+        return made
+
+
+def _numbers(columns: Columns) -> int:
+    return sum(values.size for values in columns.values())
