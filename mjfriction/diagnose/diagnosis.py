@@ -26,6 +26,7 @@ from mjfriction.progress import Tell, silently
 from mjfriction.record.log import Log
 from mjfriction.robot.robot import Robot
 
+HIGHEST = 60.0  # Hz, of the position filter; what arms do above it is mostly their own bending, and no cause's
 PROVING = 0.85  # of the work, that is done before the proof
 
 
@@ -36,7 +37,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     :class:`~mjfriction.errors.LogError` or :class:`~mjfriction.errors.RobotError` when either cannot be used.
     """
     tell("measuring the gap", 0.0)
-    gap = measure_gap(log, robot)
+    gap = measure_gap(log, robot, highest=HIGHEST)
     faults = tuple(find_faults(gap))
     field = make_field(gap, () if faults else STRUCTURAL)
     nuisance = Nuisance((), (), ()) if faults else with_unevenness(gap, usual_nuisance(gap))

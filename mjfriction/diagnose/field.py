@@ -44,8 +44,10 @@ def make_field(gap: Gap, causes: tuple[Cause, ...]) -> Field:
 
 
 def size(field: Field) -> int:
-    """Return how many candidates a field holds, every shape counted: how often chance may strike."""
-    return sum(len(entrant.sites) for entrant in field)
+    """Return how many candidates a field holds, every shape counted that is told from others: how often chance may
+    strike.
+    """
+    return sum(entrant.cause.chances(entrant.sites) for entrant in field)
 
 
 def present(model: Model, entrant: Entrant) -> int:

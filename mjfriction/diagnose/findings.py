@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from mjfriction.diagnose.alike import EVEN, standing
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.links import LinkScale
@@ -100,7 +102,7 @@ def _fitted(gap: Gap, choice: Chosen, strengths: Floats, half: Floats) -> list[F
             name=declared.name,
             meaning=declared.meaning,
             unit=declared.unit_for(sliding=sliding),
-            value=float(value),
+            value=float(np.clip(value, declared.lower, declared.upper)),
             low=float(max(declared.lower, value - width)),
             high=float(min(declared.upper, value + width)),
         )

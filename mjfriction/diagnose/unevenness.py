@@ -18,6 +18,7 @@ from mjfriction.identify.gap import Gap
 WAVES = (PositionFriction(), Cogging())
 UNEVEN = 0.015  # of a joint's friction, that waves along its stroke are at on a machine as uneven as real ones
 TOLD_BY = 2  # joints, that must be able to show so much for the machine to be known
+USUAL = 0.25  # of the wavenumbers that a motion shows: finer waves pass by within the band for a part of it only
 EVENEST = 0.25  # of what is asked on such a machine, that is asked on the most even one
 
 
@@ -59,7 +60,9 @@ def unevenness(model: Model) -> float:
     best = {choice.key[:2]: choice for choice in ranked(model, field)}
     waves: dict[int, float] = {}
     for entrant in field:
-        trial = try_out(model, best.get(entrant.key, Chosen(entrant.cause, entrant.sites[len(entrant.sites) // 2])))
+        trial = try_out(
+            model, best.get(entrant.key, Chosen(entrant.cause, entrant.sites[int(USUAL * len(entrant.sites))]))
+        )
         if trial is not None and (trial.chance < chance or trial.least_seen(chance) < UNEVEN):
             waves[entrant.joint] = max(trial.of_friction, waves.get(entrant.joint, 0.0))
     return sorted(waves.values())[-2] if len(waves) >= TOLD_BY else UNEVEN

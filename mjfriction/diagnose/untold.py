@@ -19,7 +19,7 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
 from mjfriction.record.log import Floats
 
-LEAST_SEEN = 0.05  # of the mean square that is left at a joint, that a cause must take away there
+LEAST_SEEN = 0.1  # of the mean square that is left at a joint, that a cause must take away there
 MISFIT = 0.05  # of what other causes take off it, that may be left for it since their form is not quite theirs
 SURELY_SEEN = 0.2  # of what is left, that is enough whatever others take: half as large as the noise
 DROWNED = 1.0  # of the mean square that is left unexplained at a joint, if any, that it must take away

@@ -22,7 +22,7 @@ from mjfriction.identify.kept import Kept
 from mjfriction.identify.rows import Chain, make_chain
 from mjfriction.record.log import Floats, Log, check_joints
 from mjfriction.record.motion import Motion, estimate_motion, raw_noise
-from mjfriction.robot.bandwidth import choose_cutoff
+from mjfriction.robot.bandwidth import HIGHEST, choose_cutoff
 from mjfriction.robot.effort import (
     Carried,
     Effort,
@@ -276,11 +276,12 @@ def _recalled(lately: list[tuple[Robot, Made]], robot: Robot, make: Callable[[],
     return made
 
 
-def measure_gap(log: Log, robot: Robot, *, yielding: float = YIELDING) -> Gap:
+def measure_gap(log: Log, robot: Robot, *, yielding: float = YIELDING, highest: float = HIGHEST) -> Gap:
     """Hold a log against a robot.
 
     ``yielding`` is the share of its stroke within which a joint's friction is in doubt where it has rested, or settles;
-    none where laws are fitted that say how friction builds up.
+    none where laws are fitted that say how friction builds up.  ``highest`` is the most that the position filter's
+    cutoff may be (Hz).
 
     Raises :class:`LogError` when the log is not of this robot, nothing moves, or it is too short;
     :class:`~mjfriction.errors.RobotError` when the robot's model cannot be read.
@@ -288,7 +289,7 @@ def measure_gap(log: Log, robot: Robot, *, yielding: float = YIELDING) -> Gap:
     body = robot.body()
     robot = robot.with_stated_friction(body)
     check_joints(log, robot.name, robot.joints)
-    motion = estimate_motion(log, robot.joints, choose_cutoff(log, robot, body))
+    motion = estimate_motion(log, robot.joints, choose_cutoff(log, robot, body, highest))
     effort = predict_effort(robot, body, motion)
     torque = motion.torque * _per_reported(robot, motion)
     filtered = filtered_from(motion, effort, torque)

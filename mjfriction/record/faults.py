@@ -73,6 +73,26 @@ def repeated_rows(columns: Mapping[str, Floats]) -> Mask:
     return out
 
 
+def held_rows(columns: Mapping[str, Floats]) -> Mask:
+    """Return which rows are the row before once more, in every column and many in a row, while the machine moves on:
+    what a recorder writes that has stalled, time left aside, (n,).
+    """
+    again = np.append(False, np.logical_and.reduce([values[1:] == values[:-1] for values in columns.values()]))
+    out = np.zeros(again.size, dtype=bool)
+    for start, stop in _runs(again.astype(np.int64)):
+        # A machine that rests stays where it was; one that moved on is elsewhere at once.
+        if again[start] and stop - start >= FEWEST_REPEATED - 1 and _elsewhere(columns, stop):
+            out[start:stop] = True
+    return out
+
+
+def _elsewhere(columns: Mapping[str, Floats], row: int) -> bool:
+    if row == next(iter(columns.values())).size:
+        return False
+    steps = {name: np.abs(np.diff(values)) for name, values in columns.items()}
+    return any(own[row - 1] > JUMP * np.quantile(own, ALL_BUT_JUMPS) for own in steps.values())
+
+
 def glitches(values: Floats) -> Mask:
     """Return the single wild samples of a channel, (n,): far from the median of the samples around them."""
     if values.size < 16:

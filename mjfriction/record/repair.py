@@ -12,6 +12,7 @@ from mjfriction.record.faults import (
     clipped,
     frozen,
     glitches,
+    held_rows,
     repeated_rows,
     spans,
     stuck,
@@ -44,9 +45,11 @@ def in_seconds(log: Log) -> Log:
 
 
 def without_repeats(log: Log) -> Log:
-    """Return the log without rows that repeat earlier ones, at once or a stretch of them later, and with that said."""
+    """Return the log without rows that repeat earlier ones, at once or a stretch of them later, or hold one while the
+    machine moves on, and with that said.
+    """
     once = _without_repeated(log, written_again(log.time, log.segment, log.columns))
-    return _without_repeated(once, repeated_rows(once.columns))
+    return _without_repeated(once, repeated_rows(once.columns) | held_rows(once.columns))
 
 
 def _without_repeated(log: Log, repeated: Mask) -> Log:

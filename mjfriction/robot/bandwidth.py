@@ -13,7 +13,7 @@ from mjfriction.record.resample import read_clock
 from mjfriction.robot.effort import effort_per_reported
 from mjfriction.robot.robot import Robot
 
-HIGHEST = 60.0  # Hz; what arms do above it is their own bending, which no rigid body and no friction explains
+HIGHEST = 100.0  # Hz; manipulators do nothing above it that rigid bodies and friction explain
 HARMONICS = 5.0  # the band must hold this many times the frequencies that the motion itself has
 MOTION_POWER = 0.9999  # share of the position's power that counts as the motion
 ABOVE_NOISE = 30.0  # times the noise's power in a bin from which on the bin is taken as motion
@@ -21,20 +21,21 @@ NOISE_SHARE = 0.5  # what position noise, seen as inertia torque, may add relati
 EFFORT_SHARE = 0.01  # and what it may always add, relative to the effort itself
 
 
-def choose_cutoff(log: Log, robot: Robot, body: Body) -> float:
+def choose_cutoff(log: Log, robot: Robot, body: Body, highest: float = HIGHEST) -> float:
     """Return the cutoff (Hz) for the position filter of a log.
 
     Differentiated twice, white position noise σ_q leaves a low-pass of cutoff f as inertia torque of standard deviation
     J·σ_q·(2πf)²·√(2f/5r) at sampling rate r; white effort noise leaves it as σ_τ·√(2f/r). The cutoff is the highest f
     at which, on every joint, the first stays under half of the second or under 1 % of the effort, whichever is more. A
     measured velocity that is the position's needs one differentiation less, and counts where it is quieter. The cutoff
-    is at most 60 Hz and a fifth of the rate, and at least five times the highest frequency of the motion itself.
+    is at most ``highest`` (Hz) and a fifth of the rate, and at least five times the highest frequency of the motion
+    itself.
 
     Raises :class:`LogError` when no joint of the log moves.
     """
     clock = read_clock(log)
     rate = 1.0 / clock.step
-    highest = min(HIGHEST, rate / 5.0)
+    highest = min(highest, rate / 5.0)
     longest = max(clock.pieces, key=lambda piece: piece[1] - piece[0])
     positions = {joint: log.channel(POSITION, joint) for joint in robot.joints}
     pose = np.array([np.mean(values) for values in positions.values() if values is not None])

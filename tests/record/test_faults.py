@@ -8,7 +8,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from mjfriction.record.faults import frozen, glitches, repeated_rows, stuck
+from mjfriction.record.faults import frozen, glitches, held_rows, repeated_rows, stuck
 from mjfriction.record.log import Log
 from mjfriction.record.readers.table import log_from_table
 
@@ -64,6 +64,15 @@ def stick(columns: Columns) -> Columns:
     return {**columns, POSITION: held}
 
 
+def stall(columns: Columns) -> Columns:
+    return {
+        name: np.where((np.arange(COUNT) >= 2000) & (np.arange(COUNT) < 2030), own[2000], own)
+        if name != "time"
+        else own
+        for name, own in columns.items()
+    }
+
+
 def freeze(columns: Columns) -> Columns:
     held = columns[EFFORT].copy()
     held[2000:2300] = held[2000]
@@ -86,12 +95,13 @@ def jolt(columns: Columns) -> Columns:
         (lambda c: repeat(c, clock_runs_on=False), "data.duplicate", "5.6 s to 5.998 s (200 rows)"),
         (lambda c: repeat(c, clock_runs_on=True), "data.duplicate", "6 s to 6.398 s (200 rows)"),
         (write_again, "data.duplicate", "0.2 s, 1.4 s, 1.402 s (4 rows)"),
+        (stall, "data.duplicate", "4.002 s to 4.058 s (29 rows)"),
         (stick, "data.stuck", f"{POSITION}, 4 s to 4.598 s"),
         (freeze, "data.stuck", f"{EFFORT}, 4 s to 4.598 s"),
         (clip, "data.saturation", EFFORT),
         (jolt, "data.glitch", f"{POSITION}, 3 s, 12.4 s"),
     ],
-    ids=["repeated", "repeated_later", "written_again", "stuck_position", "stuck_effort", "clipped", "glitch"],
+    ids=["repeated", "repeated_later", "written_again", "held", "stuck_position", "stuck_effort", "clipped", "glitch"],
 )
 def test_a_fault_is_found_in_its_place(damage: Callable[[Columns], Columns], kind: str, where: str) -> None:
     log = read(damage(recording()))
@@ -149,6 +159,13 @@ def test_clipped_samples_are_marked_and_the_rest_is_not() -> None:
     columns = clip(recording())
     log = read(columns)
     np.testing.assert_array_equal(log.unusable[EFFORT], columns[EFFORT] == columns[EFFORT].max())
+
+
+def test_a_machine_that_rests_repeats_its_rows_and_its_recorder_has_not_stalled() -> None:
+    position = np.sin(np.clip(np.arange(4000) - 1000.0, 0.0, 2000.0) / 500.0)
+    assert not np.any(held_rows({"position.a": position}))
+    position[1500:1520] = position[1500]
+    np.testing.assert_array_equal(np.flatnonzero(held_rows({"position.a": position})), np.arange(1501, 1520))
 
 
 def test_few_coarse_rows_that_recur_are_no_copy_and_many_are() -> None:

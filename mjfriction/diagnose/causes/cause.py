@@ -104,6 +104,10 @@ class Cause(ABC):
         """Return how much friction near rest the cause adds to the joint's Coulomb level: by default none."""
         return 0.0
 
+    def chances(self, sites: Sequence[Site]) -> int:
+        """Return how many of the places the motion tells apart: by default all."""
+        return len(sites)
+
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """Return whether the cause, once fitted, is a finding; else it is a value refitted along."""
         return True

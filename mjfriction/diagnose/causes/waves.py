@@ -10,7 +10,13 @@ import numpy as np
 from mjfriction.diagnose.causes.cause import JointCause, Quantity, Shape, Site
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
-from mjfriction.identify.stroke_waves import wavenumber_bounds, wavenumber_step, wavenumbers, waves_at_rows
+from mjfriction.identify.stroke_waves import (
+    STEPS_PER_LOBE,
+    wavenumber_bounds,
+    wavenumber_step,
+    wavenumbers,
+    waves_at_rows,
+)
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import with_friction_wave
@@ -33,6 +39,10 @@ class _Waves(JointCause):
         """Every moving joint, with wavenumbers as fine as its stroke can tell apart."""
         own = {site: wavenumbers(gap, site.joint, turns=self.turns) for site in super().sites(gap)}
         return [site.shaped((float(k),)) for site, numbers in own.items() for k in numbers]
+
+    def chances(self, sites: Sequence[Site]) -> int:
+        """As many as differ by a period over the stroke."""
+        return int(np.ceil(len(sites) / STEPS_PER_LOBE))
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
         """What the motion shows."""

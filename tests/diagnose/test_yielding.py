@@ -1,0 +1,78 @@
+"""Contacts that yield before they slide, at every joint: known from the start, no findings, and nothing hides there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mjfriction.diagnose import free_links
+from mjfriction.diagnose.causes.catalog import STRUCTURAL
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.exact import usual_nuisance
+from mjfriction.diagnose.field import make_field
+from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.diagnose.yielding import yielding
+from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import UR5_JOINTS, Instant, Machine, bristle, write_case
+
+LIFT = 1
+TRAVEL = 1e-3  # rad, over which friction builds up at every joint: half a thousandth of the strokes
+EXCESS, STRIBECK_VELOCITY = 9.0, 0.05
+
+
+def more_near_rest(at: Instant) -> np.ndarray:
+    """The Stribeck level of a contact that yields as all others do."""
+    return EXCESS * np.exp(-((np.abs(at.v) / STRIBECK_VELOCITY) ** 1.5)) * bristle(at.q, TRAVEL)
+
+
+YIELDS = Machine(bristle_travel=TRAVEL, noise=0.05, velocity="clean")
+STICKS = Machine(bristle_travel=TRAVEL, noise=0.05, velocity="clean", hidden={LIFT: more_near_rest})
+STIFF = Machine(noise=0.05, velocity="clean")
+
+
+def gap(folder: Path, machine: Machine) -> Gap:
+    log, robot = write_case(folder, machine, seed=3, seconds=25.0, rate=500.0)
+    return measure_gap(read_log(log), read_robot(robot))
+
+
+def diagnosed(folder: Path, machine: Machine) -> Diagnosis:
+    log, robot = write_case(folder, machine, seed=3, seconds=25.0, rate=500.0)
+    return diagnose_log(read_log(log), read_robot(robot))
+
+
+def test_it_is_seen_at_all_joints_with_the_travel_it_has(tmp_path: Path) -> None:
+    own = gap(tmp_path, YIELDS)
+    found = yielding(own, usual_nuisance(own), make_field(own, STRUCTURAL))
+    strokes = np.ptp(own.motion.position, axis=0)
+    assert {choice.site.joint for choice in found} == set(np.flatnonzero(1e-3 * strokes > TRAVEL).tolist())
+    assert [choice.site.shape[0] for choice in found] == pytest.approx([TRAVEL] * len(found), rel=0.25)
+
+
+def test_where_contacts_are_stiff_none_is_there(tmp_path: Path) -> None:
+    own = gap(tmp_path, STIFF)
+    assert yielding(own, usual_nuisance(own), make_field(own, STRUCTURAL)) == ()
+
+
+def test_at_every_joint_it_is_no_finding(tmp_path: Path) -> None:
+    found = diagnosed(tmp_path, YIELDS)
+    assert (found.verdict, found.findings) == (Verdict.CONSISTENT, ())
+
+
+def test_a_stribeck_curve_beside_it_is_found(tmp_path: Path) -> None:
+    found = diagnosed(tmp_path, STICKS)
+    (finding,) = found.findings
+    assert (finding.cause, finding.joint) == ("friction.stribeck", UR5_JOINTS[LIFT])
+    excess, velocity, _ = finding.parameters
+    assert excess.value == pytest.approx(EXCESS, rel=0.1)
+    assert velocity.value == pytest.approx(STRIBECK_VELOCITY, rel=0.1)
+
+
+@pytest.mark.bench
+def test_found_joint_by_joint_it_hides_the_curve(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(free_links, "yielding", lambda *_: ())
+    found = diagnosed(tmp_path, STICKS)
+    assert [(finding.cause, finding.joint) for finding in found.findings] != [("friction.stribeck", UR5_JOINTS[LIFT])]
