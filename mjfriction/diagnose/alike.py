@@ -7,13 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mjfriction.body.regressor import tip_link
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.links import LinkScale
+from mjfriction.diagnose.causes.whole_arm import Payload
 from mjfriction.diagnose.exchange import for_place_of, in_place_of
 from mjfriction.diagnose.field import Entrant, Field, size
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, partners, same_columns
 from mjfriction.diagnose.trial import Trial, try_out
+from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats
 
 UNDECIDED = 0.05  # probability of a rival from which on it is named beside the chosen cause
@@ -68,14 +72,24 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
     same = [rival for rival in rivals if same_columns(gap, rival.chosen, target)]
     rivals = [rival for rival in rivals if rival in same or _is_rival(rival, own, size(field))]
     rivals = sorted(rivals, key=lambda rival: rival.merit)
-    odds = {
-        rival.chosen.cause.name: math.exp(min(0.0, -0.5 * (own.merit - rival.merit) / repeated)) for rival in rivals
-    }
+    odds = {rival.chosen.cause.name: math.exp(min(0.0, -0.5 * _ahead(gap, own, rival) / repeated)) for rival in rivals}
     odds |= {rival.chosen.cause.name: 1.0 for rival in same}
     total = 1.0 + sum(odds.values())
     alternatives = tuple(name for name, likelihood in odds.items() if likelihood / total > UNDECIDED)
     rival = rivals[-1].chosen if alternatives else None
     return Standing(alternatives, min(MOST_CONFIDENT, (1.0 - own.chance) / total) * _clearly(own), rival)
+
+
+def _ahead(gap: Gap, own: Trial, rival: Trial) -> float:
+    # How much better a cause is than its rival.  Of a load at the flange it is known beforehand that its centre is near
+    # that of the last link, so that what it needs more than that link's scale is not picked out of anything.
+    last = isinstance(own.chosen.cause, LinkScale) and of_last_link(gap, own.chosen.site.joint)
+    return own.gain - rival.gain if last and isinstance(rival.chosen.cause, Payload) else own.merit - rival.merit
+
+
+def of_last_link(gap: Gap, joint: int) -> bool:
+    """Return whether it is the last link that a joint moves: what is held at the flange is a part of it."""
+    return gap.robot.joints[joint] == gap.body.link_holding(tip_link(gap.body))
 
 
 def _clearly(own: Trial) -> float:

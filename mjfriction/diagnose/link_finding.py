@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mjfriction.body.regressor import tip_link
-from mjfriction.diagnose.alike import EVEN, MOST_CONFIDENT, Standing, standing
+from mjfriction.diagnose.alike import EVEN, MOST_CONFIDENT, Standing, of_last_link, standing
 from mjfriction.diagnose.base_changes import base_changes
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LEAST_NOTED, LinkScale
@@ -106,8 +105,7 @@ def _link_standing(model: Model, link: str, field: Field) -> Standing:
     scaled = Chosen(LinkScale(), Site(model.gap.robot.joints.index(link)))
     alone = build_model(model.gap, model.nuisance.without_links(), (*model.chosen, scaled))
     stands = standing(alone, scaled, field)
-    body = model.gap.body
-    last = link == body.link_holding(tip_link(body)) and bool(Payload().sites(model.gap))
+    last = of_last_link(model.gap, scaled.site.joint) and bool(Payload().sites(model.gap))
     if not last or Payload.name in stands.alternatives:
         return stands
     # What is held at the flange is a part of the last link, and the other links, off as they are, hide which it is.
