@@ -9,7 +9,7 @@ from mjfriction.record.log import Floats
 
 FEWEST_WAVES = 1.2  # over the stroke; longer waves are springs or gravity
 FEWEST_TURNING = 0.5  # of waves that turn with the direction of motion: longer ones are a level
-STEPS_PER_LOBE = 3.0  # of the grid of wavenumbers; two waves over one stroke differ when they drift apart by one period
+STEPS_PER_LOBE = 2.0  # of the grid of wavenumbers; two waves over one stroke differ when they drift apart by one period
 MOST_WAVENUMBERS = 400
 IN_BAND = 0.8  # of the band that the waves may reach while the joint is slow
 SLOW = 0.25  # of the time in motion
@@ -28,7 +28,7 @@ def wavenumber_bounds(gap: Gap, joint: int, *, turns: bool) -> tuple[float, floa
 
 
 def wavenumber_step(gap: Gap, joint: int) -> float:
-    """Return how far apart two wavenumbers must be for the stroke to tell them apart, by a third."""
+    """Return how far apart two wavenumbers must be for the stroke to tell them apart, by half."""
     return 2.0 * np.pi / float(np.ptp(gap.motion.position[:, joint])) / STEPS_PER_LOBE
 
 
