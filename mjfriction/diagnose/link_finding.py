@@ -105,8 +105,8 @@ def _link_standing(model: Model, link: str, field: Field) -> Standing:
     scaled = Chosen(LinkScale(), Site(model.gap.robot.joints.index(link)))
     alone = build_model(model.gap, model.nuisance.without_links(), (*model.chosen, scaled))
     stands = standing(alone, scaled, field)
-    last = of_last_link(model.gap, scaled.site.joint) and bool(Payload().sites(model.gap))
-    if not last or Payload.name in stands.alternatives:
+    weighed = any(isinstance(choice.cause, Payload) for choice in model.chosen) or not Payload().sites(model.gap)
+    if weighed or not of_last_link(model.gap, scaled.site.joint) or Payload.name in stands.alternatives:
         return stands
     # What is held at the flange is a part of the last link, and the other links, off as they are, hide which it is.
     return Standing((*stands.alternatives, Payload.name), min(stands.confidence, EVEN), stands.rival)
