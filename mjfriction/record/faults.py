@@ -79,18 +79,17 @@ def held_rows(columns: Mapping[str, Floats]) -> Mask:
     """
     again = np.append(False, np.logical_and.reduce([values[1:] == values[:-1] for values in columns.values()]))
     out = np.zeros(again.size, dtype=bool)
-    for start, stop in _runs(again.astype(np.int64)):
+    held = [(a, b) for a, b in _runs(again.astype(np.int64)) if again[a] and b - a >= FEWEST_REPEATED - 1]
+    if not held:
+        return out
+    elsewhere = np.zeros(again.size + 1, dtype=bool)
+    for values in columns.values():
+        steps = np.abs(np.diff(values))
+        elsewhere[1:-1] |= steps > JUMP * np.quantile(steps, ALL_BUT_JUMPS)
+    for start, stop in held:
         # A machine that rests stays where it was; one that moved on is elsewhere at once.
-        if again[start] and stop - start >= FEWEST_REPEATED - 1 and _elsewhere(columns, stop):
-            out[start:stop] = True
+        out[start:stop] = elsewhere[stop]
     return out
-
-
-def _elsewhere(columns: Mapping[str, Floats], row: int) -> bool:
-    if row == next(iter(columns.values())).size:
-        return False
-    steps = {name: np.abs(np.diff(values)) for name, values in columns.items()}
-    return any(own[row - 1] > JUMP * np.quantile(own, ALL_BUT_JUMPS) for own in steps.values())
 
 
 def glitches(values: Floats) -> Mask:

@@ -81,7 +81,7 @@ def stribeck_shapes(joint: Joint) -> tuple[tuple[float, float], ...]:
     """Return the Stribeck velocity, at the joint, and the exponent of every Stribeck law that is stated."""
     return tuple(
         (
-            term.value("stribeck_velocity") / (abs(joint.actuator.gear_ratio) if term.side == "motor" else 1.0),
+            term.value("stribeck_velocity") / reflection(term, joint)[0],
             term.value("stribeck_exponent"),
         )
         for term in terms(joint)
