@@ -73,6 +73,10 @@ def main() -> None:
             file.write(row.line() + "\n")
             file.flush()
     ordered = [rows[seed] for seed in seeds]
+    for name in tools[asked.first]:
+        said = [row.outcomes[name].verdict for row in ordered if name in row.outcomes]
+        if all(verdict.startswith("failed") for verdict in said):
+            parser.error(f"{name} {said[0]}; in every case, so that no page was written")
     text = page(ordered)
     if not asked.command and asked.cases >= 40:
         picture([row.ours for row in ordered], PICTURE)

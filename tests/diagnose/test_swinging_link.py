@@ -22,12 +22,13 @@ from mjfriction.robot.files import read_robot
 from mjfriction.robot.schema import Transmission
 
 PAN, COMPLIANCE, DAMPING = "shoulder_pan_joint", 6e-4, 0.04
+WELL_DAMPED = 0.2
 
 
 @functools.cache
-def swinging() -> Log:
+def swinging(damping: float = DAMPING) -> Log:
     robot = read_robot("ur5")
-    soft = Transmission(compliance=COMPLIANCE, damping_ratio=DAMPING)
+    soft = Transmission(compliance=COMPLIANCE, damping_ratio=damping)
     machine = robot.with_joint(robot.joint(PAN).model_copy(update={"transmission": soft}))
     for joint in machine.table.joint:
         sensor = joint.effort_sensor.model_copy(update={"noise": 0.3})
@@ -49,6 +50,15 @@ def test_a_link_that_swings_on_its_transmission_is_one_that_gives() -> None:
     assert (own.compliance, own.damping_ratio) == (compliance.value, damping.value)
     again = diagnose_log(swinging(), found.robot)
     assert (again.verdict, again.findings) == (Verdict.CONSISTENT, ())
+
+
+@pytest.mark.bench
+def test_one_that_swings_well_damped_is_found_too() -> None:
+    (finding,) = diagnose_log(swinging(WELL_DAMPED), read_robot("ur5")).findings
+    assert (finding.cause, finding.joint) == ("drive.elasticity", PAN)
+    compliance, damping = finding.parameters
+    assert compliance.value == pytest.approx(COMPLIANCE, rel=0.1)
+    assert 0.5 * WELL_DAMPED < damping.value < 2.0 * WELL_DAMPED
 
 
 @pytest.mark.bench
