@@ -20,6 +20,7 @@ from mjfriction.identify.doubt import YIELDING, doubt_speeds, rows_of_rests, sha
 from mjfriction.identify.effort_band import filtered_from, whole_below
 from mjfriction.identify.kept import Kept
 from mjfriction.identify.rows import Chain, make_chain
+from mjfriction.identify.turning import turning_speeds
 from mjfriction.record.log import Floats, Log, check_joints
 from mjfriction.record.motion import Motion, estimate_motion, raw_noise
 from mjfriction.robot.bandwidth import HIGHEST, choose_cutoff
@@ -340,6 +341,12 @@ def _held_against(
     ]
     slow = doubt_speeds(motion)
     touched = share_in_doubt(robot, motion, chain, slow, yielding)
+    turning = turning_speeds(
+        chain.rows(motion.velocity), residual, touched < CLEAR, resting_level(robot, motion, effort.rigid, slow)
+    )
+    if np.any(turning > slow):
+        slow = np.maximum(slow, turning)
+        touched = share_in_doubt(robot, motion, chain, slow, yielding)
     # What friction may be while its direction is unknown: what is stated, or, where that is not stated, as much as the
     # residual leaves room for.  A joint that rests holds one such friction as long as it does: many rows say one thing.
     level = resting_level(robot, motion, effort.rigid, slow)

@@ -42,6 +42,11 @@ class Chain:
     rate: float
 
     @property
+    def step(self) -> float:
+        """Seconds from row to row."""
+        return self.thinning / self.rate
+
+    @property
     def noise_gain(self) -> float:
         """Standard deviation of filtered unit white noise."""
         return float(np.sqrt(np.sum(np.square(self.taps))))

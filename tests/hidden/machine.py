@@ -68,6 +68,7 @@ class Machine:
     velocity: str = "none"  # "none", "clean" or "noisy" measured velocity
     bristle_travel: float = 0.0  # rad over which the Coulomb level builds up after a reversal, and which a rest keeps
     pauses: bool = False  # whether the motion goes from way-point to way-point and rests at each
+    turning: float = 0.0  # rad/s over which friction turns with its direction, all joints creeping as fast besides
 
 
 def mujoco_model(path: Path) -> mujoco.MjModel:
@@ -146,6 +147,9 @@ def record(machine: Machine, seed: int, seconds: float = 40.0, rate: float = 250
     rng = np.random.default_rng([seed, 1])
     count = len(machine.joints)
     time, q, v, a = (way_points if machine.pauses else multisine)(seed, count, seconds, rate)
+    if machine.turning:
+        creeping = multisine(seed + 1, count, seconds, rate, reach=2.0 * machine.turning)
+        q, v, a = (course + creep for course, creep in zip((q, v, a), creeping[1:], strict=True))
     model = mujoco_model(machine.model)
     if machine.change is not None:
         machine.change(model)
@@ -153,7 +157,9 @@ def record(machine: Machine, seed: int, seconds: float = 40.0, rate: float = 250
     columns = {"time": time, **{name: course(time) for name, course in machine.ambient.items()}}
     step = 2.0 * np.pi / 2**machine.encoder_bits
     for j, joint in enumerate(machine.joints):
-        direction = bristle(q[:, j], machine.bristle_travel) if machine.bristle_travel else np.sign(v[:, j])
+        direction = np.tanh(v[:, j] / machine.turning) if machine.turning else np.sign(v[:, j])
+        if machine.bristle_travel:
+            direction = bristle(q[:, j], machine.bristle_travel)
         friction = machine.coulomb[j] * direction + machine.viscous[j] * v[:, j]
         torque = rigid[:, j] + friction
         course = Instant(time, q[:, j], v[:, j], a[:, j], rigid[:, j], friction, v)

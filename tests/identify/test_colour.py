@@ -8,15 +8,17 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.signal import lfilter
 
 from mjfriction.identify.colour import coloured_share
 
 ROWS = 1500
+STEP = 0.02  # s
 
 
 def share(residual: np.ndarray, floor: float = 1.0, clear: np.ndarray | None = None) -> float:
     seen = np.ones(ROWS, dtype=bool) if clear is None else clear
-    gap = SimpleNamespace(clear=seen[:, None], noise_floor=np.array([floor]))
+    gap = SimpleNamespace(clear=seen[:, None], noise_floor=np.array([floor]), chain=SimpleNamespace(step=STEP))
     return coloured_share(gap, 0, residual)
 
 
@@ -27,6 +29,25 @@ def test_noise_of_any_seed_is_no_course(seed: int) -> None:
     white = rng.standard_normal(ROWS)
     assert share(white) < 0.1
     assert share(np.diff(white, prepend=0.0), floor=0.0) < 0.1
+
+
+def low_passed(corner: float, seed: int) -> np.ndarray:
+    """Return white noise behind a first-order low-pass of a corner frequency (Hz)."""
+    keeps = np.exp(-2.0 * np.pi * corner * STEP)
+    return np.asarray(lfilter([1.0 - keeps], [1.0, -keeps], np.random.default_rng(seed).standard_normal(ROWS)))
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.integers(0, 10**6), st.floats(9.0, 40.0))
+def test_noise_that_a_drive_low_passed_is_no_course(seed: int, corner: float) -> None:
+    # The sensor's noise as it is seen between samples, far above the corner, tells next to nothing of it.
+    assert share(low_passed(corner, seed), floor=0.0) < 0.25
+
+
+def test_noise_that_wanders_is_a_course() -> None:
+    assert share(low_passed(0.3, 1), floor=0.0) > 0.8
+    wander, noise = low_passed(0.3, 2), low_passed(12.0, 3)
+    assert share(1.5 * wander / np.std(wander) + noise / np.std(noise), floor=0.0) > 0.5
 
 
 @pytest.mark.parametrize("size", [1.0, 2.0])

@@ -1,0 +1,81 @@
+"""Friction that turns over smoothly with speed, while joints creep at their rests: nothing that a law is off by."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.outcome import Verdict
+from mjfriction.identify import gap
+from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.turning import TURNED, turning_speeds
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import Machine, write_case
+
+CREEPS = Machine(turning=0.02, pauses=True, noise=0.1)
+LEVEL, NOISE = 5.0, 0.5
+ROWS, JOINTS = 3000, 4
+
+
+def motion(seed: int) -> np.ndarray:
+    """Return the speeds of joints that are fast and creep by turns, (rows, joints)."""
+    rng = np.random.default_rng(seed)
+    phase, time = rng.uniform(0.0, 6.0, JOINTS), np.arange(ROWS)[:, None] / 50.0
+    return np.asarray(np.sin(0.9 * time + phase) ** 5 * np.sin(0.23 * time + 2.0 * phase))
+
+
+def found(lost: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+    """Return the speeds found where ``lost`` (rows, joints), of the level and along the motion, differs from stated."""
+    residual = LEVEL * lost * np.sign(velocity) + NOISE * np.random.default_rng(1).standard_normal(velocity.shape)
+    return turning_speeds(velocity, residual, np.ones(velocity.shape, dtype=bool), np.full(JOINTS, LEVEL))
+
+
+@pytest.mark.parametrize("share", [0.004, 0.01, 0.02])
+def test_the_speed_over_which_friction_turns_is_found(share: float) -> None:
+    velocity = motion(4)
+    speeds = found(np.tanh(np.abs(velocity) / share) - 1.0, velocity)
+    assert speeds == pytest.approx(TURNED * share, rel=0.3)
+
+
+def test_levels_that_are_off_and_friction_that_fades_turn_at_once() -> None:
+    velocity = motion(5)
+    speed = np.abs(velocity)
+    assert np.all(found(0.0 * speed, velocity) == 0.0)
+    assert np.all(found(-0.2 + 0.3 * speed, velocity) == 0.0)
+    assert np.all(found(0.5 * np.exp(-speed / 0.02), velocity) == 0.0)
+    assert np.all(found(-0.15 * np.exp(-speed / 0.1), velocity) == 0.0)
+
+
+def test_what_one_or_two_of_four_joints_alone_do_is_for_the_diagnosis_to_tell_but_half_of_them_is_enough() -> None:
+    velocity = motion(6)
+    lost = np.tanh(np.abs(velocity) / 0.01) - 1.0
+    assert np.all(found(lost * np.array([1.0, 0.0, 0.0, 0.0]), velocity) == 0.0)
+    assert np.all(found(lost * np.array([1.0, 0.0, 1.0, 0.0]), velocity) > 0.0)
+
+
+def test_an_arm_that_creeps_is_judged_where_its_friction_has_its_level(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log, robot = write_case(tmp_path, CREEPS, seed=3)
+
+    def worst() -> float:
+        measured = measure_gap(read_log(log), read_robot(robot))
+        return max(measured.rms(measured.residual[:, i], i) / measured.noise_floor[i] for i in measured.examined)
+
+    assert worst() < 1.3
+    monkeypatch.setattr(gap, "turning_speeds", lambda velocity, *_: np.zeros(velocity.shape[1]))
+    assert worst() > 2.0
+
+
+@pytest.mark.bench
+def test_creeping_is_no_finding_and_leaves_nothing_open(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    log, robot = write_case(tmp_path, CREEPS, seed=3)
+    diagnosis = diagnose_log(read_log(log), read_robot(robot))
+    assert diagnosis.findings == ()
+    assert diagnosis.verdict is Verdict.CONSISTENT
+    monkeypatch.setattr(gap, "turning_speeds", lambda velocity, *_: np.zeros(velocity.shape[1]))
+    assert diagnose_log(read_log(log), read_robot(robot)).verdict is not Verdict.CONSISTENT
