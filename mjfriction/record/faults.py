@@ -23,6 +23,8 @@ WILD_SHARE = 0.02  # of a channel's range that it must depart by besides
 LEAST_WILD = 1e-9  # in any unit: less is the rounding of a simulation
 SHORTEST_STUCK = 20  # samples
 STUCK_SPEED = 0.4  # of the usual speed, just before or after a standstill, that no joint stops from at once
+NEAR = 6  # samples beside a standstill, that tell how fast a joint was
+FLICKER = 1.5  # counts of an encoder, that it must have gone there
 NO_RUN_UP = 0.7  # of the speed further away, that a joint has right beside a standstill if it did not slow down for it
 ALL_BUT_JUMPS, JUMP = 0.999, 5.0  # quantile of a channel's steps, and how many of it no joint makes at once
 LONGER = 4.0  # times the longest ordinary run of equal samples, for a run to be no rest of the encoder
@@ -47,17 +49,25 @@ class Fault:
 
 
 def written_again(time: Floats, segment: NDArray[np.int64], columns: Mapping[str, Floats]) -> Mask:
-    """Return which rows are the row before once more, its time and all, (n,)."""
-    again = np.ones(max(time.size - 1, 0), dtype=bool)
-    for values in (time, segment, *columns.values()):
-        again &= values[1:] == values[:-1]
-    return np.append(False, again)
+    """Return which rows are an earlier row once more, its time and all, (n,)."""
+    if np.all(np.diff(time) > 0.0):
+        return np.zeros(time.size, dtype=bool)
+    rows = _as_one(np.column_stack([time, segment.astype(np.float64), *columns.values()]))
+    _, first = np.unique(rows, return_index=True)
+    again = np.ones(rows.size, dtype=bool)
+    again[first] = False
+    return again
+
+
+def _as_one(table: Floats) -> NDArray[np.void]:
+    # Rows (n, columns) as values that can be compared as one, (n,).
+    table = np.ascontiguousarray(table)
+    return table.view(np.dtype((np.void, table.dtype.itemsize * table.shape[1])))[:, 0]
 
 
 def repeated_rows(columns: Mapping[str, Floats]) -> Mask:
     """Return which rows repeat earlier ones, many in a row and alike in every column, time left aside, (n,)."""
-    table = np.ascontiguousarray(np.column_stack([columns[name] for name in sorted(columns)]))
-    rows = table.view(np.dtype((np.void, table.dtype.itemsize * table.shape[1])))[:, 0]
+    rows = _as_one(np.column_stack([columns[name] for name in sorted(columns)]))
     _, number = np.unique(rows, return_inverse=True)
     out = np.zeros(rows.size, dtype=bool)
     last: dict[int, int] = {}
@@ -84,8 +94,8 @@ def held_rows(columns: Mapping[str, Floats]) -> Mask:
         return out
     elsewhere = np.zeros(again.size + 1, dtype=bool)
     for values in columns.values():
-        steps = np.abs(np.diff(values))
-        elsewhere[1:-1] |= steps > JUMP * np.quantile(steps, ALL_BUT_JUMPS)
+        if np.ptp(values) > 0.0:
+            elsewhere[1:-1] |= np.abs(np.diff(values)) > _jump(values)
     for start, stop in held:
         # A machine that rests stays where it was; one that moved on is elsewhere at once.
         out[start:stop] = elsewhere[stop]
@@ -94,14 +104,14 @@ def held_rows(columns: Mapping[str, Floats]) -> Mask:
 
 def glitches(values: Floats) -> Mask:
     """Return the single wild samples of a channel, (n,): far from the median of the samples around them."""
-    if values.size < 16:
+    if values.size < 16 or np.ptp(values) == 0.0:
         return np.zeros(values.size, dtype=bool)
     padded = np.pad(values, 3, mode="edge")
     around = np.median(np.lib.stride_tricks.sliding_window_view(padded, 7), axis=1)
     departure = np.abs(values - around)
     usual = float(np.quantile(departure, 0.99)) + 1e-300
     spread = float(np.quantile(values, 0.99) - np.quantile(values, 0.01))
-    wild = departure > max(WILD * usual, WILD_SHARE * spread, LEAST_WILD)
+    wild = departure > max(WILD * usual, WILD_SHARE * spread, QUANTA * _count(values), LEAST_WILD)
     for start, stop in _runs(wild.astype(np.int64)):
         if wild[start] and (stop - start > LONGEST_SINGLE or not _there_and_back(values, start, stop)):
             wild[start:stop] = False
@@ -125,20 +135,34 @@ def stuck(values: Floats, speed: Floats) -> Mask:
     """
     out = np.zeros(values.size, dtype=bool)
     runs = [(a, b) for a, b in _runs(values) if b - a > 1]
-    if not runs:
+    if not runs or np.ptp(values) == 0.0:
         return out
     usual = float(np.sqrt(np.mean(np.square(speed))))
-    longest = float(np.quantile(np.abs(np.diff(values)), ALL_BUT_JUMPS))
+    jump, count = _jump(values), _count(values)
     lengths = np.sort([b - a for a, b in runs])
     ordinary = float(lengths[int(0.9 * (lengths.size - 1))]) if lengths.size > 10 else 2.0
     for a, b in runs:
         if b - a < max(SHORTEST_STUCK, LONGER * ordinary):
             continue
-        before, after = np.abs(speed[max(a - 6, 0) : a]), np.abs(speed[b - 1 : b + 5])
-        jumps = b < values.size and abs(values[b] - values[b - 1]) > JUMP * longest
-        if jumps or _at_once(before[::-1], usual) or _at_once(after, usual):
+        jumps = b < values.size and abs(values[b] - values[b - 1]) > jump
+        # A coarse encoder flickers between two of its counts while its joint rests.
+        came = abs(values[max(a - NEAR, 0)] - values[a]) > FLICKER * count
+        went = abs(values[min(b - 1 + NEAR, values.size - 1)] - values[b - 1]) > FLICKER * count
+        before, after = np.abs(speed[max(a - NEAR, 0) : a]), np.abs(speed[b - 1 : b - 1 + NEAR])
+        if jumps or (came and _at_once(before[::-1], usual)) or (went and _at_once(after, usual)):
             out[a:b] = True
     return out
+
+
+def _count(values: Floats) -> float:
+    # What a coarse sensor counts in: the least step of a channel that is not constant.
+    steps = np.abs(np.diff(values))
+    return float(np.min(steps[steps > 0.0]))
+
+
+def _jump(values: Floats) -> float:
+    # A step that nothing makes that is recorded without a break.
+    return max(JUMP * float(np.quantile(np.abs(np.diff(values)), ALL_BUT_JUMPS)), QUANTA * _count(values))
 
 
 def _at_once(speed: Floats, usual: float) -> bool:
