@@ -13,7 +13,7 @@ from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LinkScale
 from mjfriction.diagnose.causes.whole_arm import Payload
 from mjfriction.diagnose.exchange import for_place_of, in_place_of
-from mjfriction.diagnose.field import Entrant, Field, size
+from mjfriction.diagnose.field import Entrant, Field, in_place_of_levels, size
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, partners, same_columns
 from mjfriction.diagnose.trial import Trial, try_out
@@ -62,6 +62,8 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
         for entrant in for_place_of(target, field)
         if target.cause.name not in entrant.cause.contains or _has_room(without, target, entrant)
     )
+    if target.cause is STATED_LEVELS:
+        here += in_place_of_levels(gap, joint)
     repeated = redundancy(model.residual()[:, joint] * model.system.rows.weight[:, joint])
     _, rivals = in_place_of(without, own, here)
     settled = [level.site.joint for level in free.levels]

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from mjfriction.diagnose.as_known import as_known
-from mjfriction.diagnose.exchange import exchanged
+from mjfriction.diagnose.exchange import Kinds, exchanged
 from mjfriction.diagnose.field import Field, size
 from mjfriction.diagnose.kin import fulfilled, plainer, with_kin
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, same_columns
@@ -119,14 +119,16 @@ def _one_more(model: Model, field: Field, count: int) -> tuple[Model | None, Fie
 
 
 def _exchanged(model: Model, field: Field, count: int, tell: Tell, enough: Callable[[Model], bool]) -> Model:
-    # As often as a cause takes another's place, what is left is searched again.
-    for _ in range(MOST_CAUSES):
-        other = exchanged(model, field, count, NO_DIFFERENCE)
-        if other is None:
-            break
-        model = _forward(as_known(straightened(reshaped(other))), field, count, tell, enough)
+    # As often as a cause takes another's place, what is left is searched again.  That may lead back to what there was:
+    # none takes the same place twice.
+    made: set[Kinds] = set()
+    while True:
+        exchange = exchanged(model, field, count, NO_DIFFERENCE, made)
+        if exchange is None:
+            return model
+        made.add(exchange.kinds)
+        model = _forward(as_known(straightened(reshaped(exchange.model))), field, count, tell, enough)
         model = as_known(plainer(_pruned(model, count), field))
-    return model
 
 
 def _richer(model: Model, trial: Trial) -> Model | None:

@@ -2,12 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from dataclasses import dataclass
+
 from mjfriction.diagnose.causes.cause import Cause
 from mjfriction.diagnose.field import Entrant, Field
 from mjfriction.diagnose.model import Chosen, Model, build_model, partners
 from mjfriction.diagnose.refusal import proved
 from mjfriction.diagnose.short_list import contenders, fairly
 from mjfriction.diagnose.trial import Trial, try_out
+
+Kinds = tuple[tuple[type[Cause], int], tuple[type[Cause], int]]
+
+
+@dataclass(frozen=True)
+class Exchange:
+    """A ``model`` in which one cause gave its place to another: ``kinds`` are what they are, and their joints."""
+
+    model: Model
+    kinds: Kinds
 
 
 def for_place_of(choice: Chosen, field: Field) -> Field:
@@ -27,9 +40,9 @@ def in_place_of(without: Model, own: Trial, field: Field) -> tuple[Trial, list[T
     return again, rivals
 
 
-def exchanged(model: Model, field: Field, count: int, least: float) -> Model | None:
-    """Return the model with one of its causes exchanged for another that beats it by the ``least`` merit in its place,
-    now that the others are known; None where none is.
+def exchanged(model: Model, field: Field, count: int, least: float, made: Collection[Kinds] = ()) -> Exchange | None:
+    """Return the exchange of one of a model's causes for another that beats it by the ``least`` merit in its place, now
+    that the others are known; None where there is none but those that were ``made`` before.
 
     What was chosen first was chosen beside nothing: a load at the flange may have stood for a heavier first link and
     the rotor of the second joint together.  ``count`` is how often chance might strike.
@@ -46,10 +59,17 @@ def exchanged(model: Model, field: Field, count: int, least: float) -> Model | N
         own, rivals = in_place_of(without, own, narrower)
         better = [rival for rival in rivals if rival.merit > own.merit + least and rival.passes(count)]
         for rival in sorted(better, key=lambda trial: -trial.merit):
+            kinds = (_kind(choice), _kind(rival.chosen))
+            if kinds in made:
+                continue
             other = build_model(without.gap, without.nuisance, (*without.chosen, rival.chosen))
             if proved(other, rival.chosen):
-                return other
+                return Exchange(other, kinds)
     return None
+
+
+def _kind(choice: Chosen) -> tuple[type[Cause], int]:
+    return type(choice.cause), choice.site.joint
 
 
 def _wider(entrant: Entrant, cause: Cause) -> bool:

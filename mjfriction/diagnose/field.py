@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mjfriction.diagnose.causes.cause import Cause, Site
+from mjfriction.diagnose.causes.stribeck import UnfinishedStribeck
 from mjfriction.diagnose.model import Model
 from mjfriction.identify.gap import Gap
 
@@ -41,6 +42,11 @@ def make_field(gap: Gap, causes: tuple[Cause, ...]) -> Field:
             own = tuple(site for site in sites if site.joint == joint)
             entrants.append(Entrant(cause, joint, own, cause.times))
     return tuple(entrants)
+
+
+def in_place_of_levels(gap: Gap, joint: int) -> Field:
+    """Return what may stand in the place of a joint's refitted levels alone."""
+    return tuple(entrant for entrant in make_field(gap, (UnfinishedStribeck(),)) if entrant.joint == joint)
 
 
 def size(field: Field) -> int:

@@ -10,7 +10,7 @@ from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.varying import Step, Warming, WarmUpDrift
 from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.exact import AS_GOOD, EXACT, held_links, level_changes, relative_change, typical
-from mjfriction.diagnose.field import Field, size
+from mjfriction.diagnose.field import Field, in_place_of_levels, size
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Level
 from mjfriction.diagnose.refusal import BENDING
@@ -51,6 +51,10 @@ def settle(model: Model, field: Field) -> Settled:
     findings: list[Chosen] = []
     for level in model.nuisance.levels:
         joint = level.site.joint
+        if _bent(model, joint) and change[joint] > _bar(change, joint):
+            model = _unbent(model, joint, field)
+            if level not in model.nuisance.levels:
+                continue
         held = reshaped(build_model(model.gap, model.nuisance.without_level(joint), model.chosen), {joint})
         trial = try_out(held, Chosen(STATED_LEVELS, level.site))
         if trial is None or trial.chance > FALSE_ALARM or trial.gain <= 0.0:
@@ -81,6 +85,20 @@ def _bent(model: Model, joint: int) -> bool:
     )
 
 
+def _unbent(model: Model, joint: int, field: Field) -> Model:
+    # Levels and damping that are off, and a bend besides, may together be one curve that motion does not see the end
+    # of.  Where that leaves as little, it is the simpler.
+    bends = [choice for choice in model.chosen if choice.site.joint == joint and choice.cause.name in BENDING]
+    rest = tuple(choice for choice in model.chosen if choice not in bends)
+    held = build_model(model.gap, model.nuisance.without_level(joint), rest)
+    trials = contenders(held, in_place_of_levels(model.gap, joint)) if bends else []
+    whole = model.gap.rms(model.heldout_residual()[:, joint], joint)
+    for trial in trials:
+        if trial.passes(size(field)) and _left_with(held, trial) < AS_GOOD * whole:
+            return build_model(held.gap, held.nuisance, (*rest, trial.chosen))
+    return model
+
+
 def _of_another_time(model: Model, level: Level, bar: float) -> bool:
     # Where friction follows temperature or settles, it is as stated at some moment, be it before or after the log, and
     # where it steps, before or after that: of which one the stated values are, warm or cold, is no error.
@@ -98,7 +116,8 @@ def _of_another_time(model: Model, level: Level, bar: float) -> bool:
 
 
 def _simpler(held: Model, own: Trial, field: Field) -> Chosen | None:
-    here = tuple(entrant for entrant in field if entrant.joint == own.chosen.site.joint)
+    joint = own.chosen.site.joint
+    here = tuple(entrant for entrant in field if entrant.joint == joint) + in_place_of_levels(held.gap, joint)
     rivals = [trial for trial in contenders(held, here) if trial.passes(size(field)) and trial.merit > own.merit]
     best = max(rivals, key=lambda trial: trial.merit, default=None)
     return best.chosen if best is not None and _left_with(held, best) < AS_GOOD * _left_with(held, own) else None

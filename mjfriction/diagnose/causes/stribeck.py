@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import ClassVar, final
 
 import numpy as np
 
@@ -21,13 +21,15 @@ SLOWEST = 2.0  # times the speed below which the direction is in doubt: what fad
 GONE_BY = 0.7  # of the top speed, by which a twentieth may be left: else it is the viscous curve that bends
 ALL_OF_IT = 1.25  # of a stated extra level, that a fit may take away where there is none
 FASTEST = 0.6  # of the top speed: what fades slower is a bent viscous curve
+OF_STEP = 0.97  # of the highest exponent, from which on a level falls like a step
+UNFINISHED = 2.0  # of the top speed: what fades slower than that falls in a straight line, as less damping does
 
 
-@final
 class Stribeck(JointCause):
     """E·exp(−|v/v_s|^δ)·sgn v with E ≥ 0."""
 
     name = "friction.stribeck"
+    fastest: ClassVar[float] = FASTEST
     shape_parameters = (STRIBECK.parameter("stribeck_velocity"), STRIBECK.parameter("stribeck_exponent"))
 
     def sites(self, gap: Gap) -> list[Site]:
@@ -47,7 +49,7 @@ class Stribeck(JointCause):
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
         """The speeds between which a fading level is told from a blurred reversal and from damping."""
         speed = np.abs(gap.motion.velocity[:, site.joint])
-        return [(SLOWEST * gap.doubt_speed[site.joint], FASTEST * float(np.quantile(speed, 0.99))), EXPONENT_RANGE]
+        return [(SLOWEST * gap.doubt_speed[site.joint], self.fastest * float(np.quantile(speed, 0.99))), EXPONENT_RANGE]
 
     def own_shape(self, gap: Gap, site: Site) -> bool:
         """A level that stays and then falls like a step is no Stribeck curve (published exponents end at 2), nor is one
@@ -55,7 +57,7 @@ class Stribeck(JointCause):
         """
         velocity, exponent = site.shape
         top = float(np.quantile(np.abs(gap.motion.velocity[:, site.joint]), 0.99))
-        return exponent < 0.97 * EXPONENT_RANGE[1] and velocity * 3.0 ** (1.0 / exponent) < GONE_BY * top
+        return exponent < OF_STEP * EXPONENT_RANGE[1] and velocity * 3.0 ** (1.0 / exponent) < GONE_BY * top
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The fading level in the direction of motion, (n, 1)."""
@@ -107,3 +109,16 @@ class Stribeck(JointCause):
             f"near rest the drive works against {strengths[0]:.3g} {'N' if sliding else 'N·m'} more than at speed, in "
             f"both directions; at {faded:.3g} {'m/s' if sliding else 'rad/s'} only a twentieth of it is left"
         )
+
+
+@final
+class UnfinishedStribeck(Stribeck):
+    """A Stribeck curve of which the motion sees no end: beside refitted levels it is none, for a higher level and less
+    damping do nearly as well; with the levels as stated it may be what they seem to be off by.
+    """
+
+    fastest = UNFINISHED
+
+    def own_shape(self, gap: Gap, site: Site) -> bool:
+        """A level that stays and then falls like a step is no Stribeck curve."""
+        return site.shape[1] < OF_STEP * EXPONENT_RANGE[1]

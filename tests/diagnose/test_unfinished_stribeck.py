@@ -1,0 +1,46 @@
+"""A Stribeck curve so wide that no motion sees its end: it is named, rather than levels and a bend."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mjfriction.diagnose import alike, stated
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.outcome import Finding
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import UR5_JOINTS, UR5_VISCOUS, Effect, Machine, write_case
+
+WRIST = 5
+EXCESS, VELOCITY = 3.0, 1.5  # N·m; rad/s, of a joint that turns at 2.2 at most
+
+
+def found(folder: Path, hidden: Effect) -> Finding:
+    log, robot = write_case(folder, Machine(noise=0.1, hidden={WRIST: hidden}), seed=6, seconds=25.0, rate=120.0)
+    (finding,) = diagnose_log(read_log(log), read_robot(robot)).findings
+    assert finding.joint == UR5_JOINTS[WRIST]
+    return finding
+
+
+def test_it_is_neither_levels_that_are_off_nor_a_bend(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fading(course: object) -> np.ndarray:
+        return np.asarray(EXCESS * np.exp(-np.abs(course.v) / VELOCITY) * np.sign(course.v))  # type: ignore[attr-defined]
+
+    finding = found(tmp_path / "wide", fading)
+    fitted = {parameter.name: parameter for parameter in finding.parameters}
+    assert finding.cause == "friction.stribeck"
+    assert fitted["stribeck_excess"].value == pytest.approx(EXCESS, rel=0.15)
+    for module in (stated, alike):
+        monkeypatch.setattr(module, "in_place_of_levels", lambda *_: ())
+    assert found(tmp_path / "unasked", fading).cause == "friction.viscous_nonlinear"
+
+
+def test_levels_that_are_off_are_no_wide_curve(tmp_path: Path) -> None:
+    def off(course: object) -> np.ndarray:
+        v = course.v  # type: ignore[attr-defined]
+        return np.asarray(0.8 * np.sign(v) - 0.4 * UR5_VISCOUS[WRIST] * v)
+
+    assert found(tmp_path / "off", off).cause == "friction.coulomb_viscous"
