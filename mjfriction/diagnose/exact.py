@@ -21,9 +21,10 @@ from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_levels
 
 MOST_JOINTS = 0.75  # share of joints whose changes are typical
-EXACT = 0.01  # of the stated friction: typical change of the other joints up to which a robot is stated exactly
-RIGHT = 0.005  # the same, up to which links are right too
+EXACT = 0.01  # of the stated friction: typical change of the other joints up to which a robot, links and all, is right
+RIGHT = 0.01
 FEWEST_JOINTS = 3  # that can say so
+AS_MUCH = 0.99  # of the mean square that refitted links take off any joint's error, that one cause may take instead
 AS_GOOD = 1.02  # of what refitted links leave at any joint, that one cause may leave in their place
 
 
@@ -53,13 +54,13 @@ def held_links(model: Model, field: Field, changes: Mapping[int, float]) -> Mode
     """Return the model with all links as stated and one cause more, where the rest is stated exactly and that leaves as
     little at every joint.
 
-    Links may be a few percent off beside friction levels that are; beside levels that are right to half a percent, what
+    Links may be a few percent off beside friction levels that are; beside levels that are right to a percent, what
     one link or payload does alone was not done by two dozen small errors.  ``changes`` are those of friction, by joint,
     before any was held as stated: one that could not be told is no level that is right.
     """
     if not model.nuisance.links or len(changes) < FEWEST_JOINTS:
         return model
-    if typical(list(changes.values())) > RIGHT:
+    if typical(list(changes.values())) > EXACT:
         return model
     held = model.without_links()
     asked = tuple(replace(one, cause=LoneLink()) if isinstance(one.cause, LinkScale) else one for one in field)
@@ -68,12 +69,18 @@ def held_links(model: Model, field: Field, changes: Mapping[int, float]) -> Mode
         return model
     best = max(fairly(held, passing), key=lambda trial: trial.merit)
     alone = straightened(build_model(held.gap, held.nuisance, (*held.chosen, best.chosen)))
-    return alone if _as_good(alone, model) else model
+    return alone if _as_good(alone, model, held) else model
 
 
-def _as_good(alone: Model, model: Model) -> bool:
-    gap, left, least = model.gap, alone.heldout_residual(), model.heldout_residual()
-    return all(gap.rms(left[:, j], j) < AS_GOOD * gap.rms(least[:, j], j) for j in gap.examined)
+def _as_good(alone: Model, model: Model, bare: Model) -> bool:
+    # At every joint: by what is left, or by what is taken off the error that there is with links as stated.
+    gap = model.gap
+    lefts = [one.heldout_residual() for one in (alone, model, bare)]
+    for joint in gap.examined:
+        left, least, whole = (gap.rms(one[:, joint], joint) ** 2 for one in lefts)
+        if left > max(AS_GOOD**2 * least, least + (1.0 - AS_MUCH) * (whole - least)):
+            return False
+    return True
 
 
 def level_changes(model: Model) -> dict[int, float]:

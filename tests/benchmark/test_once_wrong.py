@@ -9,7 +9,7 @@ import pyarrow as pa
 import pytest
 
 from mjfriction.benchmark.drawing import draw_case
-from mjfriction.diagnose import exact, oscillations, untold
+from mjfriction.diagnose import oscillations, untold
 from mjfriction.diagnose.causes.encoder_offset import EncoderOffset
 from mjfriction.diagnose.causes.links import LoneLink
 from mjfriction.diagnose.diagnosis import diagnose_log
@@ -146,7 +146,6 @@ def test_a_load_that_swings_is_heard_beside_causes_and_is_none(
 def test_a_robot_that_is_off_has_no_link_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
     # Its friction looks right to a percent.
     assert ("body.link_inertia", None) not in named(diagnosed(560036))
-    monkeypatch.setattr(exact, "RIGHT", exact.EXACT)
     monkeypatch.setattr(LoneLink, "least", 0.03)
     assert ("body.link_inertia", None) in named(diagnosed(560036))
 
