@@ -51,18 +51,18 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     curves = stroke_curves(model, clean)
     remaining = tuple(unexplained(model, after, heldout, curves))
     untold = find_untold(settled, remaining, curves, clean)
-    findings, experiment = make_findings(settled, untold, field, seed)
+    told = make_findings(settled, untold, field, seed)
     joints = tuple(joint_error(gap, joint, left, heldout, seed) for joint in gap.examined)
     extended = extend_robot(model)
     bandwidths = {} if faults else find_bandwidths(gap, extended)
-    verdict = Verdict.BAD_DATA if faults else reach_verdict(findings, remaining)
+    verdict = Verdict.BAD_DATA if faults else reach_verdict(told.findings, remaining)
     return Diagnosis(
         gap=gap,
         verdict=verdict,
-        summary=summarize(gap, verdict, findings, joints, remaining) if not faults else faults_in_words(faults),
+        summary=summarize(gap, verdict, told.findings, joints, remaining) if not faults else faults_in_words(faults),
         joints=joints,
-        findings=tuple(findings),
-        adjustments=tuple(adjustments(model, untold.keys)),
+        findings=told.findings,
+        adjustments=tuple(adjustments(model, told.untold)),
         structure_before=tuple(find_structure(gap, np.nan_to_num(gap.residual))),
         structure_after=after,
         remaining=remaining,
@@ -70,7 +70,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
         not_examined=tuple(joint for i, joint in enumerate(gap.robot.joints) if i not in gap.examined),
         robot=with_bandwidths(extended, bandwidths),
         bandwidths=bandwidths,
-        next_experiment=experiment,
+        next_experiment=told.experiment,
         residual_after=left,
         heldout=heldout,
     )

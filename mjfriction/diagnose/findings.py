@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from mjfriction.diagnose.causes.whole_arm import Payload
 from mjfriction.diagnose.field import Field
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.link_finding import link_finding
-from mjfriction.diagnose.model import Chosen
+from mjfriction.diagnose.model import Chosen, Key
 from mjfriction.diagnose.outcome import Finding
 from mjfriction.diagnose.separate import Experiment, design_experiment
 from mjfriction.diagnose.stated import Settled
@@ -24,11 +24,25 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.proof import gain_at
 from mjfriction.record.log import Floats
 
+ONE_OF_MANY = 0.25  # confidence of what is one of so many alternatives that it names nothing
 
-def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> tuple[list[Finding], Experiment | None]:
-    """Return the findings, those that gain most first, and the motion that would settle the least certain of them.
 
-    ``untold`` tells which causes of the model are none; ``seed`` sets the resampling behind the intervals of the gains.
+@dataclass(frozen=True)
+class Told:
+    """The ``findings``, those that gain most first, the motion that would settle the least certain of them, and which
+    causes of the model are none (``untold``).
+    """
+
+    findings: tuple[Finding, ...]
+    experiment: Experiment | None
+    untold: frozenset[Key]
+
+
+def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> Told:
+    """Return what there is to tell of a settled model.
+
+    ``untold`` tells which of its causes are no findings; neither is what is but one of many alternatives at a joint
+    where something is left unexplained.  ``seed`` sets the resampling behind the intervals of the gains.
     """
     model = settled.model
     heldout = model.heldout_residual(oscillations=True)
@@ -43,11 +57,15 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
             continue
         level = model.nuisance.of_level(choice.site.joint)
         found.append((choice, without_cause(model, choice), strengths[level], widths.nuisance[level]))
-    findings = []
+    findings: list[Finding] = []
+    of_many: set[Key] = set()
     unsure: list[tuple[float, Chosen, Chosen]] = []
     for choice, without, own, width in found:
         joint = choice.site.joint
         stands = standing(model, choice, field)
+        if stands.confidence < ONE_OF_MANY and joint in untold.left:
+            of_many.add(choice.key)
+            continue
         before = without.heldout_residual(oscillations=True)
         shown = shown_at(model, choice, before, heldout)
         if stands.rival is not None and choice in model.chosen and stands.rival.cause is not STATED_LEVELS:
@@ -73,7 +91,8 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
     if unsure:
         _, choice, rival = min(unsure, key=lambda entry: entry[0])
         experiment = design_experiment(model, choice, rival)
-    return sorted(findings, key=lambda finding: -finding.gain.reduction), experiment
+    findings.sort(key=lambda finding: -finding.gain.reduction)
+    return Told(tuple(findings), experiment, untold.keys | of_many)
 
 
 def _beside_links(finding: Finding, findings: list[Finding]) -> Finding:

@@ -49,17 +49,26 @@ def best_shape(model: Model, choice: Chosen) -> Chosen:
     return Chosen(choice.cause, choice.site.shaped(shape_at(found.x))) if found.fun < loss(start) else choice
 
 
+def apart(model: Model, choice: Chosen) -> bool:
+    """Return whether a cause is told from those of its kind that a model has on its joint."""
+    return all(
+        choice.cause.apart(model.gap, choice.site, other.site)
+        for other in model.chosen
+        if (other.cause.name, other.site.joint) == (choice.cause.name, choice.site.joint)
+    )
+
+
 def reshaped(model: Model, joints: Collection[int] | None = None) -> Model:
     """Return the model with the shapes of its causes (of some joints', if given) searched anew, each in turn.
 
     A new cause, or a level held, moves the best shapes of the others on the joints that feel it.  A shape with which
-    friction would be none keeps the one there is.
+    friction would be none, or that another of its kind has, keeps the one there is.
     """
     for i, choice in enumerate(model.chosen):
         mine = joints is None or choice.site.joint in joints
         if (choice.site.shape or choice.site.around) and not choice.tangent and mine:
             without = model.without(choice)
             better = best_shape(without, choice)
-            if try_out(without, better) is not None:
+            if apart(without, better) and try_out(without, better) is not None:
                 model = build_model(model.gap, model.nuisance, (*model.chosen[:i], better, *model.chosen[i + 1 :]))
     return model

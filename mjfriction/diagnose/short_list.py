@@ -8,7 +8,7 @@ import numpy as np
 
 from mjfriction.diagnose.field import Entrant, Field, present
 from mjfriction.diagnose.model import Chosen, Model, build_model
-from mjfriction.diagnose.shapes import best_shape
+from mjfriction.diagnose.shapes import apart, best_shape
 from mjfriction.diagnose.tangent import straightened
 from mjfriction.diagnose.trial import Trial, try_out
 from mjfriction.identify.gap import Gap
@@ -62,7 +62,7 @@ def ranked(model: Model, field: Field) -> list[Chosen]:
 
 def _tried(model: Model, choice: Chosen) -> Trial | None:
     best = best_shape(model, choice)
-    if not choice.cause.own_shape(model.gap, best.site):
+    if not choice.cause.own_shape(model.gap, best.site) or not apart(model, best):
         return None
     # The shape that fits best may be one that nature does not allow; the grid's may be.
     trial = try_out(model, best) or try_out(model, choice)

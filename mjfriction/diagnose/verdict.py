@@ -78,7 +78,7 @@ def _followed(model: Model, joint: int, after: Sequence[Structure], heldout: Flo
     return [max(told, key=lambda entry: entry.share)] if told else []
 
 
-def reach_verdict(findings: list[Finding], remaining: tuple[Structure, ...]) -> Verdict:
+def reach_verdict(findings: Sequence[Finding], remaining: tuple[Structure, ...]) -> Verdict:
     """Return the verdict on findings and on what remains."""
     if remaining:
         return Verdict.UNEXPLAINED
@@ -90,7 +90,7 @@ def reach_verdict(findings: list[Finding], remaining: tuple[Structure, ...]) -> 
 def summarize(
     gap: Gap,
     verdict: Verdict,
-    findings: list[Finding],
+    findings: Sequence[Finding],
     joints: tuple[JointError, ...],
     remaining: tuple[Structure, ...],
 ) -> str:

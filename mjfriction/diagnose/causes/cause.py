@@ -128,6 +128,12 @@ class Cause(ABC):
         """
         return True
 
+    def apart(self, gap: Gap, site: Site, other: Site) -> bool:
+        """Return whether the motion tells a place and shape from those of another cause of its kind on the joint: by
+        default it does.
+        """
+        return True
+
     def shape_resolution(self, gap: Gap, site: Site) -> tuple[float, ...]:
         """Return how finely the rows can tell each shape parameter at best: by default as finely as the fit says."""
         return tuple(0.0 for _ in site.shape)

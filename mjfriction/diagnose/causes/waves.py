@@ -52,6 +52,10 @@ class _Waves(JointCause):
         """A third of the grid's step, so that the search stays on the peak it starts from."""
         return (wavenumber_step(gap, site.joint) / 3.0,)
 
+    def apart(self, gap: Gap, site: Site, other: Site) -> bool:
+        """Two that differ by less than the grid are one, drawn twice so that each can be large against the other."""
+        return bool(abs(site.shape[0] - other.shape[0]) > wavenumber_step(gap, site.joint))
+
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The two waves, (n, 2)."""
         phase = site.shape[0] * gap.motion.position[:, site.joint]

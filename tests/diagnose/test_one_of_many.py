@@ -1,0 +1,60 @@
+"""What is but one of many alternatives, at a joint where something is left unexplained, is no finding."""
+
+from __future__ import annotations
+
+import pytest
+
+from mjfriction.diagnose import findings
+from mjfriction.diagnose.alike import Standing
+from mjfriction.diagnose.causes.catalog import STRUCTURAL
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.spring import Spring
+from mjfriction.diagnose.causes.waves import PositionFriction
+from mjfriction.diagnose.exact import usual_nuisance
+from mjfriction.diagnose.field import make_field
+from mjfriction.diagnose.findings import make_findings
+from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.shapes import apart
+from mjfriction.diagnose.stated import Settled
+from mjfriction.diagnose.untold import Untold
+from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.stroke_waves import wavenumber_step
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import UR5_JOINTS, Machine, write_case
+
+ELBOW = 2
+SPRING = Chosen(Spring(), Site(ELBOW))
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory: pytest.TempPathFactory) -> Model:
+    """An arm with a spring at its elbow, and the model that holds it."""
+    machine = Machine(noise=0.1, hidden={ELBOW: lambda course: 6.0 * course.q})
+    log, robot = write_case(tmp_path_factory.mktemp("arm"), machine, seed=6, seconds=20.0, rate=100.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    return build_model(gap, usual_nuisance(gap), (SPRING,))
+
+
+@pytest.mark.parametrize(("confidence", "left", "told"), [(0.2, 0.5, False), (0.2, 0.0, True), (0.5, 0.5, True)])
+def test_it_is_told_only_where_it_names_something(
+    confidence: float, left: float, told: bool, model: Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    many = Standing(("drive.offset", "body.link_inertia", "drive.cogging"), confidence)
+    monkeypatch.setattr(findings, "standing", lambda *_: many)
+    untold = Untold(frozenset(), {ELBOW: left} if left else {}, model.heldout_residual())
+    said = make_findings(Settled(model, ()), untold, make_field(model.gap, STRUCTURAL), seed=0)
+    assert [(one.cause, one.joint) for one in said.findings] == [("body.spring", UR5_JOINTS[ELBOW])] * told
+    assert (SPRING.key in said.untold) is not told
+
+
+def test_two_waves_that_the_stroke_does_not_tell_apart_are_one(model: Model) -> None:
+    def wave(wavenumber: float, order: int) -> Chosen:
+        return Chosen(PositionFriction(), Site(ELBOW, (wavenumber,), order=order))
+
+    step = wavenumber_step(model.gap, ELBOW)
+    first = wave(3.0 * step, 0)
+    waving = build_model(model.gap, model.nuisance, (first,))
+    assert not apart(waving, wave(3.5 * step, 1))
+    assert apart(waving, wave(5.0 * step, 1))
+    assert apart(waving, SPRING)
