@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 
+from mjfriction.identify.falling import FASTER, FASTEST
 from mjfriction.identify.fit import LawFit
 from mjfriction.laws.rules import scalar
 from mjfriction.record.log import Floats
@@ -16,7 +17,6 @@ LOOSE = 1.0  # of a value, that its interval may be wide to either side before i
 UNSEEN = 1e-9  # of the friction's RMS, that a change of a parameter by itself must make
 AT_BOUND = 1e-6  # of the coordinates' size
 BACKWARD = 0.02  # of the rows in motion, fewer than which go the other way
-FASTEST = 0.99  # quantile of the speeds
 FALLEN = 0.8  # of a level that falls away, that must be gone at the fastest speed for what lies beyond to show
 BEYOND = frozenset({"coulomb", "viscous"})
 SHAPES = frozenset(
@@ -24,15 +24,16 @@ SHAPES = frozenset(
 )
 
 
-def notes(fit: LawFit, half: Floats, covariance: Floats) -> dict[str, str]:
+def notes(fit: LawFit, half: Floats, covariance: Floats, *, falls: bool) -> dict[str, str]:
     """Return a remark for every parameter that needs one, by name.
 
-    ``half`` (told,) are the 95 % half-widths, ``covariance`` (told, told) that of the values.  Elements get none: of
-    one by itself a log says little, of all together much.
+    ``half`` (told,) are the 95 % half-widths, ``covariance`` (told, told) that of the values; ``falls`` tells whether
+    friction still falls at the fastest speed.  Elements get none: of one by itself a log says little, of all together
+    much.
     """
     low, high = fit.coordinates.bounds()
     names, values = fit.coordinates.single, fit.told
-    out: dict[str, str] = {}
+    out = dict.fromkeys(names, FASTER) if falls else {}
     seen = np.sqrt(np.mean(np.square(fit.slopes), axis=0)) * np.maximum(np.abs(fit.x), 1e-3)
     for k, name in enumerate(names):
         if seen[k] < UNSEEN * float(np.sqrt(np.mean(np.square(fit.problem.target)))):
@@ -69,6 +70,5 @@ def _of_motion(fit: LawFit) -> dict[str, str]:
         exponent = scalar(values, "stribeck_exponent") if "stribeck_exponent" in values else 1.0
         fallen = scalar(values, "stribeck_velocity") * (-math.log(1.0 - FALLEN)) ** (1.0 / exponent)
         if np.quantile(np.abs(ratio * velocity), FASTEST) < fallen:
-            beyond = BEYOND.intersection(names)
-            out |= dict.fromkeys(beyond, "friction still falls at the fastest speed of this log: record faster motion")
+            out |= dict.fromkeys(BEYOND.intersection(names), FASTER)
     return out

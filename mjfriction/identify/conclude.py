@@ -12,6 +12,7 @@ from mjfriction.identify.background import Background
 from mjfriction.identify.checks import notes
 from mjfriction.identify.choose import Choice
 from mjfriction.identify.colour import COLOURED, NOTHING, coloured_share
+from mjfriction.identify.falling import FASTER, still_falls
 from mjfriction.identify.fit import LawFit
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.gap import Gap, gap_of
@@ -71,15 +72,19 @@ def conclude(
         place += fit.x.size
         worst = _worst(gap, joint, after, heldout)
         half, spread = _half_widths(fit, covariance[own, own], quantile, passed.get(joint), before)
+        falls = still_falls(fit)
         law = JointLaw(
             joint=gap.robot.joints[joint],
             fit=fit,
             how=_how(fit, passes[joint], taken=joint in passed, refined=refined is not None),
-            parameters=tuple(_parameters(fit, half, notes(fit, half, spread), bool(gap.body.sliding[joint]))),
+            parameters=tuple(
+                _parameters(fit, half, notes(fit, half, spread, falls=falls), bool(gap.body.sliding[joint]))
+            ),
             candidates=tuple(_candidate(gap, joint, other) for other in others),
             structure=worst.share,
             follows=worst.covariate,
-            trusted=not _counts(gap, joint, worst),
+            trusted=not _counts(gap, joint, worst) and not falls,
+            falls=falls,
             passes=passes[joint].points,
             by_slope=passes[joint].by_slope(fit),
             pendulum=passes[joint].pendulum,
@@ -223,7 +228,13 @@ def _summary(
             f" Simulated freely for {refined.seconds:.2g} s at a time, {robot.joints[k]} ends up "
             f"{refined.after[k]:.3g} (RMS) from where it was, {refined.before[k]:.3g} before that was fitted."
         )
-    doubtful = [law.joint for law in laws if not law.trusted]
+    falling = [law.joint for law in laws if law.falls]
+    if falling:
+        text += (
+            f" At {', '.join(falling)} {FASTER}; the level and the damping beyond it are not known, however narrow the "
+            "intervals are."
+        )
+    doubtful = [law.joint for law in laws if not law.trusted and not law.falls]
     if doubtful:
         text += (
             f" At {', '.join(doubtful)} an error is left that is no noise: no law of friction explains it, and "

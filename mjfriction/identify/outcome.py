@@ -32,9 +32,10 @@ class JointLaw:
 
     ``how`` says from what ("free motion" or "forward and backward passes"); ``structure`` is the largest share of the
     error that still follows a covariate, and ``follows`` names it; ``trusted`` says whether the intervals may be
-    believed, which they may not where structure is left.  ``passes`` are the joint's passes forward and backward, where
-    the log has them, and ``by_slope`` law (14) fitted to them by the manipulator paper's own procedure; ``pendulum`` is
-    friction by one direction each, which that paper sets beside them.
+    believed, which they may not where structure is left, nor where friction still ``falls`` at the fastest speed.
+    ``passes`` are the joint's passes forward and backward, where the log has them, and ``by_slope`` law (14) fitted to
+    them by the manipulator paper's own procedure; ``pendulum`` is friction by one direction each, which that paper sets
+    beside them.
     """
 
     joint: str
@@ -45,6 +46,7 @@ class JointLaw:
     structure: float
     follows: str
     trusted: bool
+    falls: bool = False
     passes: FrictionMap | None = None
     by_slope: MapFit | None = None
     pendulum: ByPendulum | None = None

@@ -49,6 +49,7 @@ def _law(law: JointLaw) -> LawEntry:
         side=law.fit.problem.side,
         how=law.how,
         trusted=law.trusted,
+        falls=law.falls,
         structure=law.structure,
         follows=law.follows,
         parameters=[parameter_entry(fitted) for fitted in law.parameters],

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, PlainSerializer
 
 from mjfriction.diagnose.outcome import Diagnosis, Finding
 from mjfriction.identify.colour import NOTHING
+from mjfriction.identify.falling import FASTER
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
@@ -120,8 +121,9 @@ class PassEntry(Entry):
 class LawEntry(Entry):
     """A friction law identified at a joint; ``by_slope`` are law (14)'s values by the slope near zero, where asked.
 
-    ``apart_by_pendulum`` (N·m): half of what friction forward and friction backward differ by when gravity is taken
-    away as a pendulum's, the stated model's and a fitted one, where there are passes.
+    ``falls``: friction still falls at the fastest speed of the log.  ``apart_by_pendulum`` (N·m): half of what friction
+    forward and friction backward differ by when gravity is taken away as a pendulum's, the stated model's and a fitted
+    one, where there are passes.
     """
 
     joint: str
@@ -129,6 +131,7 @@ class LawEntry(Entry):
     side: Literal["joint", "motor"]
     how: str
     trusted: bool
+    falls: bool = False
     structure: Number
     follows: str
     parameters: list[ParameterEntry]
@@ -140,6 +143,8 @@ class LawEntry(Entry):
     @property
     def doubt(self) -> str:
         """Why a law that is not to be trusted is not, in words."""
+        if self.falls:
+            return FASTER
         share = f"{100 * self.structure:.0f} % of what is left"
         return (
             f"{share} is no noise, but follows {NOTHING}"

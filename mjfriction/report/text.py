@@ -75,7 +75,7 @@ def print_identified(report: Report, console: Console) -> None:
         for parameter in law.parameters:
             _print_parameter(parameter, console)
         if not law.trusted:
-            console.print(f"  {law.doubt}: the law does not hold here")
+            console.print(f"  {law.doubt}" + ("" if law.falls else ": the law does not hold here"))
     _print_problems(report, console)
     if report.not_examined:
         console.print(f"\nNot examined (no motion or no measurement): {', '.join(report.not_examined)}")

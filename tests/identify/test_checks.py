@@ -6,8 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
+import pytest
 
 from mjfriction.identify.identification import identify_log
+from mjfriction.identify.outcome import Identification
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.sensors import Recorder
 from mjfriction.plant.trajectory import Trajectory
@@ -18,7 +20,7 @@ TIME = np.linspace(0.0, 16.0, 321)
 STRIBECK = "coulomb = 1.5, static = 2.0, stribeck_velocity = 0.1, stribeck_exponent = 1.0, viscous = 0.5"
 
 
-def remarks(folder: Path, position: np.ndarray, law: str) -> dict[str, str]:
+def identified(folder: Path, position: np.ndarray, law: str | None) -> Identification:
     columns = simulate(
         robot_with(folder, "stribeck", STRIBECK),
         Trajectory(("hinge",), TIME, position[:, None]),
@@ -26,7 +28,11 @@ def remarks(folder: Path, position: np.ndarray, law: str) -> dict[str, str]:
         seed=1,
     )
     stated = robot_with(folder, "coulomb_viscous", "coulomb = 1.0, viscous = 1.0")
-    found = identify_log(log_from_table(pa.table(columns), "log"), stated, law=law)
+    return identify_log(log_from_table(pa.table(columns), "log"), stated, law=law)
+
+
+def remarks(folder: Path, position: np.ndarray, law: str) -> dict[str, str]:
+    found = identified(folder, position, law)
     return {fitted.name: fitted.note for fitted in found.laws[0].parameters}
 
 
@@ -42,3 +48,30 @@ def test_slow_motion_does_not_tell_what_lies_beyond_the_fall(tmp_path: Path) -> 
     assert "record faster motion" in slow["viscous"]
     fast = remarks(tmp_path, 0.8 * np.sin(TIME), "stribeck")
     assert "record faster motion" not in fast["viscous"]
+
+
+@pytest.mark.parametrize(
+    ("law", "stroke"),
+    [
+        *((None, 0.04), ("stribeck", 0.15)),
+        *(pytest.param(law, 0.04, marks=pytest.mark.bench) for law in ("coulomb_viscous", "stribeck", "arctan")),
+        *(pytest.param(law, 0.15, marks=pytest.mark.bench) for law in (None, "coulomb_viscous", "arctan")),
+    ],
+)
+def test_a_log_that_never_leaves_the_stribeck_range_says_so_whatever_the_law(
+    law: str | None, stroke: float, tmp_path: Path
+) -> None:
+    # A law with no falling part, or one whose fall ends at once, would find a level of 1.9 in a machine of 1.5.
+    found = identified(tmp_path, stroke * np.sin(0.8 * TIME), law)
+    (own,) = found.laws
+    assert own.falls
+    assert not own.trusted
+    assert all(fitted.note for fitted in own.parameters)
+    assert "record faster motion" in found.summary
+
+
+@pytest.mark.parametrize("law", ["stribeck", pytest.param(None, marks=pytest.mark.bench)])
+def test_a_log_that_is_fast_enough_says_nothing(law: str | None, tmp_path: Path) -> None:
+    found = identified(tmp_path, 0.8 * np.sin(TIME), law)
+    assert not found.laws[0].falls
+    assert "faster" not in found.summary
