@@ -6,6 +6,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.elasticity import SwingingElasticity
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.causes.spring import Spring
 from mjfriction.diagnose.model import Chosen, Model, build_model
@@ -23,6 +24,7 @@ PLAINER = 0.9  # of what a steady tone leaves, that is left beside a load that s
 LOUD = 0.3  # of what is left with or without causes, that a tone must be to be tried
 FINER = 10  # frequencies that are tried for one that the length of the log can tell apart
 MOST_AT_A_JOINT = 3
+NEAR = 1.15  # times the frequencies that a link swings at, within which it is the link
 LEAST_TOLD = 0.003  # of a joint's RMS effort, that an oscillation must reach
 SCREENED_ROWS = 4000  # enough to tell swings apart by
 CLOSE = 0.01  # of a swing's damping ratio, to which its frequency is tuned
@@ -52,7 +54,7 @@ def new_oscillations(model: Model) -> list[Source]:
             swinging = min(bar, RESONANT * _power(still.heldout_residual()[:, joint], weight))
             tone, swing = _loudest_tone(reading, joint), _loudest_swing(reading, still, joint)
             for source, most in ((tone, bar), (swing, swinging)):
-                if source is None:
+                if source is None or _of_own_link(model, source.frequency):
                     continue
                 beside = _beside(reading, source)
                 rest = _power(beside.heldout_residual()[:, joint], weight)
@@ -63,6 +65,17 @@ def new_oscillations(model: Model) -> list[Source]:
         if loudest is not None:
             out.append(loudest)
     return out
+
+
+def _of_own_link(model: Model, frequency: float) -> bool:
+    # A link that swings on its transmission swings at other frequencies in other poses, and not quite as the cause has
+    # it.  What is left of that, at any joint, is none of another's making.
+    for choice, place in zip(model.chosen, model.places, strict=True):
+        if isinstance(choice.cause, SwingingElasticity):
+            own = choice.cause.resonances(model.gap, choice.site, model.strengths[place])
+            if np.min(own) / NEAR < frequency < np.max(own) * NEAR:
+                return True
+    return False
 
 
 def told_oscillations(model: Model) -> list[Structure]:

@@ -17,6 +17,7 @@ from mjfriction.identify.fit import LawFit, begun, fit_anew, slopes
 from mjfriction.identify.friction_map import friction_maps
 from mjfriction.identify.gap import Gap, gap_of, measure_gap
 from mjfriction.identify.link_inertias import link_inertias
+from mjfriction.identify.no_map import why_no_map
 from mjfriction.identify.outcome import Identification
 from mjfriction.identify.pendulum import by_pendulum
 from mjfriction.identify.phases import constant_speed_phases
@@ -179,7 +180,7 @@ def _passes(gap: Gap, joints: Sequence[int]) -> dict[int, Passes]:
     return {
         joint: Passes(points[joint], by_pendulum(gap.motion, efforts[:, joint], gap.body, phases, joint))
         if joint in points
-        else Passes(None)
+        else Passes(None, lacking=why_no_map(gap.motion, phases, joint))
         for joint in joints
     }
 

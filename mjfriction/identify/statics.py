@@ -19,10 +19,13 @@ from mjfriction.laws.law import Law
 
 @dataclass(frozen=True)
 class Passes:
-    """A joint's passes, and what has been asked of them; ``points`` and ``pendulum`` None where the log has none."""
+    """A joint's passes, and what has been asked of them; ``points`` and ``pendulum`` None where the log has none, and
+    ``lacking`` then what it would need.
+    """
 
     points: FrictionMap | None
     pendulum: ByPendulum | None = None
+    lacking: str = ""
     _found: dict[str, MapFit | None] = field(default_factory=dict)
 
     def statics(self, fit: LawFit) -> MapFit | None:
@@ -55,9 +58,9 @@ class Passes:
         return not law.reads and law.odd and not law.has_state
 
     def why_none(self, fit: LawFit) -> str:
-        """Say why a fit's statics are not those of the passes; nothing where there are none."""
+        """Say why a fit's statics are not those of the passes; nothing where none were meant."""
         if self.points is None:
-            return ""
+            return f"; {self.lacking}" if self.lacking else ""
         law = _static(fit)
         if law.reads or not law.odd:
             return f"; the passes' differences do not tell {law.name}"

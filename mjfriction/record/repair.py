@@ -88,7 +88,10 @@ def repaired(log: Log) -> Log:
             flat = clipped(columns[name], moving)
             held = frozen(columns[name], moving) & ~flat
             said = {
-                "data.saturation": (flat, "those samples say only that the drive gave no more; they were not used"),
+                "data.saturation": (
+                    flat,
+                    "those samples say only that the drive gave no more, and were not used: record slower motion",
+                ),
                 "data.stuck": (held, "those samples were not used"),
             }
             for kind, (mask, action) in said.items():

@@ -21,6 +21,7 @@ from mjfriction.identify.phases import constant_speed_phases
 from mjfriction.identify.protocol import (
     DRAWS,
     UNSTATED_SPEED,
+    joined,
     least_told,
     motion_along,
     plan_excitation,
@@ -33,7 +34,7 @@ from mjfriction.laws.arctan import ARCTAN
 from mjfriction.laws.catalog import find_law
 from mjfriction.laws.stribeck import STRIBECK
 from mjfriction.plant.machine import simulate
-from mjfriction.plant.motions import excitation
+from mjfriction.plant.motions import excitation, trapezoid
 from mjfriction.plant.sensors import Recorder
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.report.html import identified_html
@@ -280,6 +281,41 @@ def test_passes_that_cannot_tell_a_law_say_why() -> None:
     assert law.how == "free motion; 5 speeds were steady both ways, stribeck needs 6"
     (law,) = identify_log(log, robot, law="asymmetric").laws
     assert law.how == "free motion; the passes' differences do not tell asymmetric"
+
+
+def one_by_one(parts: list[np.ndarray]) -> Identification:
+    """Identify a UR5 whose joints wait for the elbow, and the elbow for the others, from parts (n, joints)."""
+    robot = read_robot("ur5")
+    motion = joined(robot.joints, parts, robot.body())
+    log = log_from_table(pa.table(simulate(robot, motion, recorder=Recorder(250.0), seed=1)), "log")
+    return identify_log(log, robot, law="coulomb_viscous")
+
+
+def elbow(course: np.ndarray) -> np.ndarray:
+    pose = np.tile(np.array([0.0, -1.2, 1.0, -0.4, 1.2, 0.0]), (course.size, 1))
+    pose[:, 2] += course
+    return pose
+
+
+def test_passes_one_way_only_are_named() -> None:
+    onward = [trapezoid(0.8, speed, 2.0) for speed in (0.1, 0.2, 0.4, 0.7)]
+    # Back by smooth moves, which have no phase of constant speed.
+    law = one_by_one([elbow(course) for course in onward]).laws[0]
+    assert law.joint == "elbow_joint"
+    assert "record the same speeds in the other direction" in law.how
+
+
+def test_a_joint_that_moves_alone_but_never_steadily_is_told_what_to_record() -> None:
+    time = np.arange(0.0, 20.0, 1.0 / 250.0)
+    law = one_by_one([elbow(0.6 * np.sin(0.9 * time))]).laws[0]
+    assert law.how.startswith("free motion; it moves alone, but nowhere at a constant speed")
+    assert "plan --protocol forward_backward" in law.how
+
+
+def test_free_motion_of_all_joints_was_not_meant_for_passes() -> None:
+    time = np.arange(0.0, 15.0, 1.0 / 250.0)[:, None]
+    swing = 0.4 * np.sin(time * np.array([0.9, 1.1, 1.3, 1.0, 1.2, 0.8])) + elbow(np.zeros(1))
+    assert {law.how for law in one_by_one([swing]).laws} == {"free motion"}
 
 
 @pytest.mark.parametrize(

@@ -150,9 +150,13 @@ class SwingingElasticity(_Elasticity):
         own = robot.table.joint[site.joint].transmission
         return changed(robot, site, transmission=own.model_copy(update={"damping_ratio": site.shape[0]}))
 
+    def resonances(self, gap: Gap, site: Site, strengths: Floats) -> Floats:
+        """Return the frequency (Hz) that the link swings at on what gives, wherever the arm is, (n,)."""
+        compliance = gap.robot.table.joint[site.joint].transmission.compliance + float(strengths[0])
+        inertia = np.maximum(own_slopes(gap, site.joint)[2], LEAST_INERTIA)
+        return np.asarray(natural_frequency(inertia, compliance) / (2.0 * np.pi))
+
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give the resonance too."""
-        compliance = gap.robot.table.joint[site.joint].transmission.compliance + float(strengths[0])
-        usual = np.median(natural_frequency(own_slopes(gap, site.joint)[2], compliance))
-        frequency = float(usual) / (2.0 * np.pi)
-        return f"{super().evidence(gap, site, strengths)}, and swings on it at about {frequency:.3g} Hz"
+        usual = float(np.median(self.resonances(gap, site, strengths)))
+        return f"{super().evidence(gap, site, strengths)}, and swings on it at about {usual:.3g} Hz"

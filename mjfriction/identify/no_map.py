@@ -1,0 +1,34 @@
+"""Why a joint has no friction map: what its log lacks, and what to record instead."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mjfriction.identify.friction_map import FEWEST_SPEEDS
+from mjfriction.identify.phases import STANDING, Phase
+from mjfriction.record.motion import Motion
+
+ALONE = 0.5  # of the time that a joint moves, that it moves alone: then passes were meant
+LEAST_PASSES = 2  # of one joint, that are no chance
+PLAN = "mjfriction plan --protocol forward_backward writes such a motion"
+
+
+def why_no_map(motion: Motion, phases: list[Phase], joint: int) -> str:
+    """Return what a joint's motion lacks for a friction map, empty where it was not meant for one."""
+    own = [phase for phase in phases if phase.joint == joint]
+    ways = {phase.velocity > 0.0 for phase in own}
+    if len(own) >= LEAST_PASSES and len(ways) == 1:
+        return "its passes go one way only: record the same speeds in the other direction"
+    if len(own) >= LEAST_PASSES:
+        return f"its passes agree in speed and place both ways at fewer than {FEWEST_SPEEDS} speeds; {PLAN}"
+    if not own and _goes_alone(motion, joint):
+        return f"it moves alone, but nowhere at a constant speed; {PLAN}"
+    return ""
+
+
+def _goes_alone(motion: Motion, joint: int) -> bool:
+    speed = np.abs(motion.velocity)
+    going = speed > np.maximum(motion.resting_speed, STANDING * np.max(speed, axis=0))
+    others = np.delete(going & motion.moving, joint, axis=1)
+    # On a robot of one joint any motion is alone.
+    return others.shape[1] > 0 and bool(np.mean(~np.any(others[going[:, joint]], axis=1)) > ALONE)
