@@ -81,6 +81,18 @@ def test_the_law_behind_the_passes_is_recovered_on_the_motor_side() -> None:
     np.testing.assert_allclose(found, truth, rtol=0.02)
 
 
+def test_both_procedures_are_reported() -> None:
+    found = identified()
+    (law,), (entry,) = found.laws, make_identified_report(found).identified
+    assert law.by_slope is not None
+    assert entry.by_slope == law.by_slope.values
+    assert set(entry.by_slope) >= set(ELBOW_LAW)
+    assert {fitted.name: fitted.value for fitted in entry.parameters} == pytest.approx(law.fit.told)
+    page = identified_html(found, make_identified_report(found))
+    assert "By the slope near zero" in page
+    assert f"stribeck_steepness {law.by_slope.values['stribeck_steepness']:.4g}" in page
+
+
 def test_gravity_cancels_between_the_directions() -> None:
     (law,) = identified().laws
     points = law.passes

@@ -11,6 +11,7 @@ from mjfriction.identify.identification import identify_log
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from scripts.real_runs import open_loop_error
+from tests.real.test_machines import relative_error
 
 
 def test_the_published_four_parameters_are_found(data: Path) -> None:
@@ -42,4 +43,15 @@ def test_open_loop_position_on_the_other_run(data: Path) -> None:
     stated = read_robot(data / "emps/robot.toml")
     estimation, pulses = (read_log(data / f"emps/{run}.parquet") for run in ("estimation", "pulses"))
     found = identify_log(estimation, stated, law="asymmetric", simulated=np.inf)
-    assert open_loop_error(found.robot, pulses) < 6.8e-3
+    assert open_loop_error(found.robot, pulses) < 5.17e-3
+
+
+@pytest.mark.parametrize(
+    ("law", "published"),
+    [("coulomb_viscous", (4.083, 5.982)), ("asymmetric", (3.112, 5.34))],
+    ids=["four", "directions"],
+)
+def test_force_errors_are_those_published_for_the_law(law: str, published: tuple[float, float], data: Path) -> None:
+    runs = [data / f"emps/{run}.parquet" for run in ("estimation", "pulses")]
+    found = identify_log(read_log(runs[0]), read_robot(data / "emps/robot.toml"), law=law)
+    assert [relative_error(run, found.robot) for run in runs] == pytest.approx(published, abs=0.3)
