@@ -33,7 +33,8 @@ other physics will be harder.
 
 *Exact*: just what was hidden was found, and what no cause fits was left open. *Hit*: every hidden cause is, at its
 joint, a finding or an alternative of one. *Named*: the share of the hidden causes that are. *False alarm*: a finding
-of something else that has nothing hidden among its alternatives, changed friction levels aside.
+of something else that has nothing hidden among its alternatives, changed friction levels aside. *Open in vain*: of
+the logs with nothing outside all causes, those of which it was said that something remains which none explains.
 *Error removed*: the share of the avoidable prediction error on the other motion that the extended robot takes away
 (median). Seconds are of the whole command, two at a time on a machine of two cores; mjfriction's include its report
 page and recording.{on_first}
@@ -98,7 +99,10 @@ def picture(outcomes: list[Outcome], target: Path) -> None:
     plt.close(figure)
 
 
-HEAD = ["| {} | number | exact | hit | named | false alarm | error removed | seconds |", f"|---|{'---:|' * 7}"]
+HEAD = [
+    "| {} | number | exact | hit | named | false alarm | open in vain | error removed | seconds |",
+    f"|---|{'---:|' * 8}",
+]
 
 
 def scores(first: str, groups: Iterable[tuple[str, Sequence[Outcome]]]) -> str:
@@ -108,10 +112,10 @@ def scores(first: str, groups: Iterable[tuple[str, Sequence[Outcome]]]) -> str:
         if chosen:
             s = score(chosen)
             removed = "" if np.isnan(s.removed) else f"{s.removed:.2f}"
-            named = "" if np.isnan(s.named) else f"{100 * s.named:.0f} %"
+            named, vain = ("" if np.isnan(share) else f"{100 * share:.0f} %" for share in (s.named, s.open_in_vain))
             lines.append(
                 f"| {name} | {s.cases} | {100 * s.exact:.0f} % | {100 * s.hit:.0f} % | {named} | "
-                f"{100 * s.false_alarm:.0f} % | {removed} | {s.seconds:.1f} |"
+                f"{100 * s.false_alarm:.0f} % | {vain} | {removed} | {s.seconds:.1f} |"
             )
     return "\n".join(lines)
 

@@ -13,24 +13,26 @@ from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOVED, LEAST_NOTED
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.presliding import LEAST_PART
-from mjfriction.diagnose.causes.stribeck import GONE_BY
+from mjfriction.diagnose.causes.stribeck import GONE_BY, UNFINISHED
 from mjfriction.diagnose.causes.varying import EDGE, Step
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.compete import KEPT
 from mjfriction.diagnose.exact import AS_MUCH, EXACT, FEWEST_JOINTS, MOST_JOINTS
+from mjfriction.diagnose.findings import ONE_OF_MANY
 from mjfriction.diagnose.free_links import BAR, FEWEST_GAINING, LEAST_GAINED, MANY, STRAINED
 from mjfriction.diagnose.kin import LEAST_KIN_EFFECT
 from mjfriction.diagnose.link_finding import SURELY
 from mjfriction.diagnose.nuisance import CONSTANT, FARTHEST, LET_GO, LINK_SCALE, LINK_SHIFT, ROTOR
-from mjfriction.diagnose.oscillations import INSTEAD, LEAST_TOLD, QUIETER, RESONANT
+from mjfriction.diagnose.oscillations import INSTEAD, LEAST_TOLD, NEAR, QUIETER, RESONANT
 from mjfriction.diagnose.short_list import NEAR_BEST
 from mjfriction.diagnose.stated import OUTLYING
 from mjfriction.diagnose.trial import LEAST_EFFECT
 from mjfriction.diagnose.unevenness import EVENEST, TOLD_BY, UNEVEN
 from mjfriction.diagnose.untold import DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
 from mjfriction.diagnose.verdict import LEAST_FRICTION, MUCH_COLOURED
-from mjfriction.identify import choose, conclude
-from mjfriction.identify.colour import COLOURED
+from mjfriction.identify import choose, conclude, turning
+from mjfriction.identify.colour import AROUND, COLOURED, EVEN_BELOW
+from mjfriction.identify.stroke_waves import STEPS_PER_LOBE
 from mjfriction.identify.swing import FASTEST, SLOWEST
 from mjfriction.laws.catalog import LAWS
 from mjfriction.record.motion import HELD, RINGING, USUALLY
@@ -97,6 +99,12 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert f"either has to be {100 * LEAST_FRICTION:g} % of the joint's friction besides" in told
     drives = [f"({100 * off:g} % as a rule, {100 * FARTHEST * off:g} % at most)" for off in (ROTOR, CONSTANT)]
     assert "each rotor's inertia {} and each torque constant {}".format(*drives) in told
+    slowest, fastest = turning.SPEEDS[[0, -1]]
+    assert f"within {100 * slowest:g} to {100 * fastest:g} % of their fastest speed" in told
+    assert (turning.FEWEST_JOINTS, turning.ALL_BUT, turning.SHARE, turning.TURNED) == (3, 0.5, 0.25, 3.0), "in words"
+    assert (UNFINISHED, STEPS_PER_LOBE, ONE_OF_MANY, AROUND) == (2.0, 2, 0.25, 2.0), "in words"
+    assert f"within {100 * (NEAR - 1.0):.0f} %: that is what is left of it" in told
+    assert f"leaves noise even below {EVEN_BELOW:g} Hz at least" in told
     assert (EXACT, MOST_JOINTS, FEWEST_JOINTS) == (0.01, 0.75, 3), "the page says a percent, a quarter, three or more"
     assert f"as much as {100 * MISFIT:g} % of the mean square that they take" in told
     assert f"{100 * SURELY_SEEN:g} % of what is left is enough" in told

@@ -53,6 +53,11 @@ class Outcome:
         return self.verdict == UNEXPLAINED
 
     @property
+    def open_in_vain(self) -> bool:
+        """Whether that is the verdict though nothing was hidden but causes."""
+        return self.left_open and not self.outside
+
+    @property
     def exact(self) -> bool:
         """Whether just what was hidden was found, and what no cause fits was left open."""
         if self.outside and not self.left_open:
@@ -84,15 +89,18 @@ class Score:
     hit: float
     named: float
     false_alarm: float
+    open_in_vain: float
     removed: float
     seconds: float
 
 
 def score(outcomes: Sequence[Outcome]) -> Score:
     """Return the shares of exact cases, of hits, of hidden causes that are named, of cases with a structural false
-    alarm, and the medians of the share of avoidable error removed and of the seconds.
+    alarm, of those with nothing outside all causes that were left open in vain, and the medians of the share of
+    avoidable error removed and of the seconds.
     """
     named = [any(f.names(*cause) for f in one.found) for one in outcomes for cause in one.hidden]
+    in_vain = [one.open_in_vain for one in outcomes if not one.outside]
     removed = [one.removed for one in outcomes if one.removed is not None]
     return Score(
         cases=len(outcomes),
@@ -100,6 +108,7 @@ def score(outcomes: Sequence[Outcome]) -> Score:
         hit=float(np.mean([one.hit for one in outcomes])),
         named=float(np.mean(named)) if named else float("nan"),
         false_alarm=float(np.mean([bool(one.false_alarms) for one in outcomes])),
+        open_in_vain=float(np.mean(in_vain)) if in_vain else float("nan"),
         removed=float(np.median(removed)) if removed else float("nan"),
         seconds=float(np.nanmedian([one.seconds for one in outcomes])),
     )

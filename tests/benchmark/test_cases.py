@@ -186,6 +186,15 @@ def test_what_no_cause_is_must_be_left_open() -> None:
     assert not Outcome((), (), "explained", None, 1.0, outside=hum).exact
 
 
+def test_what_is_left_open_though_nothing_is_outside_all_causes_was_so_in_vain() -> None:
+    hum = (("outside.hum", "elbow"),)
+    right = Outcome((), (), "unexplained", None, 1.0, outside=hum)
+    wrong = Outcome((), (), "unexplained", None, 1.0)
+    clean = Outcome((), (), "consistent", None, 1.0)
+    assert score([right, wrong, clean]).open_in_vain == 0.5
+    assert np.isnan(score([right]).open_in_vain)
+
+
 def test_what_is_too_faint_is_asked_of_no_tool_and_held_against_none() -> None:
     found = (Finding("drive.elasticity", "elbow", 0.9), Finding("friction.load", "elbow", 0.9))
     seen = Outcome((("friction.load", "elbow"),), found, "explained", 1.0, 1.0, faint=(("drive.elasticity", "elbow"),))
