@@ -22,7 +22,6 @@ from mjfriction.robot.friction import stated_levels
 
 MOST_JOINTS = 0.75  # share of joints whose changes are typical
 EXACT = 0.01  # of the stated friction: typical change of the other joints up to which a robot, links and all, is right
-RIGHT = 0.01
 FEWEST_JOINTS = 3  # that can say so
 AS_MUCH = 0.99  # of the mean square that refitted links take off any joint's error, that one cause may take instead
 AS_GOOD = 1.02  # of what refitted links leave at any joint, that one cause may leave in their place

@@ -52,8 +52,9 @@ def settle(model: Model, field: Field) -> Settled:
     for level in model.nuisance.levels:
         joint = level.site.joint
         if _bent(model, joint) and change[joint] > _bar(change, joint):
-            model = _unbent(model, joint, field)
-            if level not in model.nuisance.levels:
+            unbent = _unbent(model, joint, field)
+            if unbent is not None:
+                model = unbent
                 continue
         held = reshaped(build_model(model.gap, model.nuisance.without_level(joint), model.chosen), {joint})
         trial = try_out(held, Chosen(STATED_LEVELS, level.site))
@@ -85,7 +86,7 @@ def _bent(model: Model, joint: int) -> bool:
     )
 
 
-def _unbent(model: Model, joint: int, field: Field) -> Model:
+def _unbent(model: Model, joint: int, field: Field) -> Model | None:
     # Levels and damping that are off, and a bend besides, may together be one curve that motion does not see the end
     # of.  Where that leaves as little, it is the simpler.
     bends = [choice for choice in model.chosen if choice.site.joint == joint and choice.cause.name in BENDING]
@@ -96,7 +97,7 @@ def _unbent(model: Model, joint: int, field: Field) -> Model:
     for trial in trials:
         if trial.passes(size(field)) and _left_with(held, trial) < AS_GOOD * whole:
             return build_model(held.gap, held.nuisance, (*rest, trial.chosen))
-    return model
+    return None
 
 
 def _of_another_time(model: Model, level: Level, bar: float) -> bool:
