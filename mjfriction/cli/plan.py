@@ -29,6 +29,9 @@ ONE_BY_ONE = (Protocol.FORWARD_BACKWARD, Protocol.SINE, Protocol.SAWTOOTH, Proto
 OF_PROTOCOL = {
     "--joint": ONE_BY_ONE,
     "--speeds": (Protocol.FORWARD_BACKWARD,),
+    "--slowest": (Protocol.FORWARD_BACKWARD,),
+    "--fastest": (Protocol.FORWARD_BACKWARD,),
+    "--stroke": (Protocol.FORWARD_BACKWARD,),
     "--seconds": (Protocol.EXCITATION,),
     "--amplitude": (Protocol.SAWTOOTH, Protocol.LOOPS),
     "--against": (Protocol.SEPARATE,),
@@ -51,6 +54,9 @@ def plan(
     out: Out,
     joint: Joints = None,
     speeds: Annotated[int | None, typer.Option(help="How many speeds a joint (forward_backward): 12.", min=3)] = None,
+    slowest: Annotated[float | None, typer.Option(help="Slowest, rad/s or m/s (forward_backward).", min=1e-9)] = None,
+    fastest: Annotated[float | None, typer.Option(help="Fastest, rad/s or m/s (forward_backward).", min=1e-9)] = None,
+    stroke: Annotated[float | None, typer.Option(help="How far, rad or m (forward_backward).", min=1e-9)] = None,
     seconds: Annotated[float | None, typer.Option(help="How long (excitation): 60 s.", min=10.0)] = None,
     amplitude: Annotated[float | None, typer.Option(help="Largest turn, rad or m (sawtooth, loops).", min=1e-9)] = None,
     against: Other = None,
@@ -84,6 +90,7 @@ def plan(
 
     check_table_name(out, "a trajectory")
     given = {"--joint": joint, "--speeds": speeds, "--seconds": seconds, "--amplitude": amplitude, "--against": against}
+    given |= {"--slowest": slowest, "--fastest": fastest, "--stroke": stroke}
     for name, value in given.items():
         if value is not None and protocol not in OF_PROTOCOL[name]:
             listed = " or ".join(f"'{one.value}'" for one in OF_PROTOCOL[name])
@@ -92,7 +99,16 @@ def plan(
         model = read_robot(robot)
         joints = joint or model.joints
         if protocol is Protocol.FORWARD_BACKWARD:
-            found = plan_passes(model, joints, count=speeds or USUAL_SPEEDS, seed=seed, tell=tell)
+            found = plan_passes(
+                model,
+                joints,
+                count=speeds or USUAL_SPEEDS,
+                slowest=slowest,
+                fastest=fastest,
+                stroke=stroke,
+                seed=seed,
+                tell=tell,
+            )
         elif protocol is Protocol.SINE:
             found = plan_sine(model, joints)
         elif protocol is Protocol.SAWTOOTH:

@@ -66,21 +66,25 @@ def plan_passes(
     *,
     count: int = USUAL_SPEEDS,
     speeds: Mapping[str, Floats] | None = None,
+    slowest: float | None = None,
+    fastest: float | None = None,
+    stroke: float | None = None,
     seed: int = 0,
     tell: Tell = silently,
 ) -> Plan:
     """Plan passes forward and backward of one joint after another, each where gravity loads it least.
 
-    ``count`` speeds a joint, evenly in logarithm from a two-hundredth of its usual top speed up, or those given for it
-    in ``speeds`` (rad/s or m/s at the joint, rising), past that top speed or not; slow ones over a part
-    of the stroke.  ``tell`` hears each joint.
+    ``count`` speeds a joint, evenly in logarithm from the ``slowest`` (a two-hundredth of the fastest) to the
+    ``fastest`` (0.8 of the joint's top speed), or those given for it in ``speeds`` (rad/s or m/s at the joint, rising),
+    past its top speed or not; each over the ``stroke`` (rad or m; four fifths of the joint's range, 2.4 at most), slow
+    ones over a part of it.  ``tell`` hears each joint.
 
-    Raises :class:`RobotError` for a joint that the robot has not, or fewer than three speeds.
+    Raises :class:`RobotError` for a joint that the robot has not, fewer than three speeds, or speeds and a stroke that
+    a joint cannot go.
     """
     body = robot.body()
     if count < 3:
         raise RobotError(f"{count} speeds are too few for a friction map; at least 3 are needed")
-    _, reach = room(body)
     parts: list[Floats] = []
     words = []
     begin = counting(tell, len(joints))
@@ -90,18 +94,18 @@ def plan_passes(
             raise RobotError(f"robot '{robot.name}' has no joint '{name}'. Its joints are {', '.join(robot.joints)}")
         index = robot.joints.index(name)
         freed = gravity_pose(body, index, seed=seed)
-        stroke = 2.0 * float(reach[index])
-        top = TOP_SHARE * float(min(body.top_speed[index], UNSTATED_SPEED))
-        paces = np.geomspace(SLOWEST_SHARE * top, top, count)
+        way_at_most = _stroke(body, index, float(freed.pose[index]), stroke)
+        paces = _paces(body, index, count, slowest, fastest)
+        top = float(paces[-1])
         if speeds is not None and name in speeds:
             paces, top = speeds[name], float(speeds[name][-1])
         start = freed.pose.copy()
         own = []
         for speed in paces.tolist():
-            way = min(stroke, speed * LONGEST_PASS)
+            way = min(way_at_most, speed * LONGEST_PASS)
             middle = float(freed.pose[index])
             # At top speed three quarters of the way are left for the phase of constant speed.
-            acceleration = 4.0 * max(top * top / stroke, speed * speed / way)
+            acceleration = 4.0 * max(top * top / way_at_most, speed * speed / way)
             passes = forward_backward(name, middle - 0.5 * way, way, [speed], acceleration)
             own.append(passes.position[:, 0])
         for course in own:
@@ -111,6 +115,36 @@ def plan_passes(
         listed = f"{paces[0]:.3g} to {paces[-1]:.3g} {'m/s' if body.sliding[index] else 'rad/s'}"
         words.append(f"{name}: {paces.size} speeds from {listed}; {freed.kind.value}")
     return Plan(joined(robot.joints, parts, body), tuple(words))
+
+
+def _stroke(body: Body, index: int, middle: float, asked: float | None) -> float:
+    # How far the passes of a joint go about where gravity loads it least.
+    if asked is None:
+        return 2.0 * float(room(body)[1][index])
+    low, high = (float(limits[index]) for limits in _range(body))
+    most = 2.0 * min(high - middle, middle - low)
+    if not 0.0 < asked <= most:
+        unit = "m" if body.sliding[index] else "rad"
+        raise RobotError(
+            f"joint '{body.joints[index]}' cannot pass over {asked:.4g} {unit} about {middle:.3g} {unit}, where "
+            f"gravity loads it least; up to {most:.4g} {unit} are within its limits"
+        )
+    return asked
+
+
+def _paces(body: Body, index: int, count: int, slowest: float | None, fastest: float | None) -> Floats:
+    # The speeds of a joint's passes, evenly in logarithm.
+    limit = float(body.top_speed[index])
+    top = TOP_SHARE * min(limit, UNSTATED_SPEED) if fastest is None else fastest
+    low = SLOWEST_SHARE * top if slowest is None else slowest
+    if not 0.0 < low < top <= limit:
+        unit = "m/s" if body.sliding[index] else "rad/s"
+        known = f" and not above its limit of {limit:.4g} {unit}" if np.isfinite(limit) else ""
+        raise RobotError(
+            f"joint '{body.joints[index]}' cannot pass at {low:.4g} to {top:.4g} {unit}: speeds must rise from above 0"
+            f"{known}"
+        )
+    return np.geomspace(low, top, count)
 
 
 def plan_excitation(robot: Robot, seconds: float = USUAL_SECONDS, *, seed: int = 0, tell: Tell = silently) -> Plan:

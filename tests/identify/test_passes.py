@@ -222,6 +222,22 @@ def test_plans_refuse_what_they_cannot_do() -> None:
         plan_passes(robot, ["elbow"])
     with pytest.raises(RobotError, match="at least 3"):
         plan_passes(robot, ["elbow_joint"], count=2)
+    with pytest.raises(RobotError, match="cannot pass over 9 rad"):
+        plan_passes(robot, ["elbow_joint"], stroke=9.0)
+    with pytest.raises(RobotError, match=r"cannot pass at 0\.5 to 0\.2 rad/s"):
+        plan_passes(robot, ["elbow_joint"], slowest=0.5, fastest=0.2)
+    with pytest.raises(RobotError, match="not above its limit"):
+        plan_passes(robot, ["elbow_joint"], fastest=50.0)
+
+
+def test_passes_keep_to_the_speeds_and_the_stroke_that_were_asked_for() -> None:
+    robot = read_robot("ur5")
+    plan = plan_passes(robot, ["elbow_joint"], count=4, slowest=0.1, fastest=0.8, stroke=0.6)
+    motion = motion_along(robot, plan.trajectory)
+    phases = [phase for phase in constant_speed_phases(motion) if phase.joint == 2]
+    speeds = np.array(sorted({round(abs(phase.velocity), 2) for phase in phases}))
+    assert speeds == pytest.approx([0.1, 0.2, 0.4, 0.8], rel=0.03)
+    assert np.ptp(plan.trajectory.position[:, 2]) == pytest.approx(0.6, rel=1e-3)
 
 
 def test_measured_gap_of_the_identified_robot_is_smaller() -> None:
