@@ -56,7 +56,7 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
         return Standing((), 0.5)
     if partners(target, rest):
         # The other half of a cause was asked for by name; nothing else stood for its place.
-        return Standing((), min(MOST_CONFIDENT, 1.0 - own.chance))
+        return Standing((), min(MOST_CONFIDENT, 1.0 - own.chance) * _clearly(own))
     here = tuple(
         entrant
         for entrant in for_place_of(target, field)

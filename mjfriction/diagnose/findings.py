@@ -63,7 +63,7 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
     for choice, without, own, width in found:
         joint = choice.site.joint
         stands = standing(model, choice, field)
-        if stands.confidence < ONE_OF_MANY and joint in untold.left:
+        if stands.alternatives and stands.confidence < ONE_OF_MANY and joint in untold.left:
             of_many.add(choice.key)
             continue
         before = without.heldout_residual(oscillations=True)
