@@ -38,6 +38,7 @@ def test_it_is_neither_levels_that_are_off_nor_a_bend(tmp_path: Path, monkeypatc
     assert found(tmp_path / "unasked", fading).cause == "friction.viscous_nonlinear"
 
 
+@pytest.mark.bench
 def test_levels_that_are_off_are_no_wide_curve(tmp_path: Path) -> None:
     def off(course: object) -> np.ndarray:
         v = course.v  # type: ignore[attr-defined]

@@ -333,6 +333,7 @@ def test_passes_one_way_only_are_named() -> None:
     assert "record the same speeds in the other direction" in law.how
 
 
+@pytest.mark.bench
 def test_a_joint_that_moves_alone_but_never_steadily_is_told_what_to_record() -> None:
     time = np.arange(0.0, 20.0, 1.0 / 250.0)
     law = one_by_one([elbow(0.6 * np.sin(0.9 * time))]).laws[0]
@@ -340,6 +341,7 @@ def test_a_joint_that_moves_alone_but_never_steadily_is_told_what_to_record() ->
     assert "plan --protocol forward_backward" in law.how
 
 
+@pytest.mark.bench
 def test_free_motion_of_all_joints_was_not_meant_for_passes() -> None:
     time = np.arange(0.0, 15.0, 1.0 / 250.0)[:, None]
     swing = 0.4 * np.sin(time * np.array([0.9, 1.1, 1.3, 1.0, 1.2, 0.8])) + elbow(np.zeros(1))
