@@ -17,7 +17,7 @@ from mjfriction.diagnose.causes.stribeck import GONE_BY, UNFINISHED
 from mjfriction.diagnose.causes.varying import EDGE, Step
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.compete import KEPT
-from mjfriction.diagnose.exact import AS_MUCH, EXACT, FEWEST_JOINTS, MOST_JOINTS
+from mjfriction.diagnose.exact import EXACT, FEWEST_JOINTS, MOST_JOINTS, NEARLY_ALL
 from mjfriction.diagnose.findings import ONE_OF_MANY
 from mjfriction.diagnose.free_links import BAR, FEWEST_GAINING, LEAST_GAINED, MANY, STRAINED
 from mjfriction.diagnose.kin import LEAST_KIN_EFFECT
@@ -112,7 +112,7 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert f"more than {100 * LEAST_NOTED:g} %, and by more than {100 * SURELY:g} %" in told
     assert f"lies more than {100 * LEAST_MOVED:g} cm off" in told
     assert f"one cause, a link {100 * LEAST_ALONE:g} % off or a payload" in told
-    assert (AS_MUCH, QUIETER) == (0.99, 0.5), "the page says all but a percent, and less than half of what they leave"
+    assert (NEARLY_ALL, QUIETER) == (0.99, 0.5), "the page says all but a percent, and less than half"
     assert (INSTEAD, RESONANT) == (0.75, 0.75), "the page says a quarter less"
     assert f"a lightly damped resonance ({SLOWEST:g} to {FASTEST:g} Hz)" in told
     assert f"more than {100 * LEAST_TOLD:g} % of the joint's effort" in told

@@ -23,7 +23,7 @@ from mjfriction.robot.friction import stated_levels
 MOST_JOINTS = 0.75  # share of joints whose changes are typical
 EXACT = 0.01  # of the stated friction: typical change of the other joints up to which a robot, links and all, is right
 FEWEST_JOINTS = 3  # that can say so
-AS_MUCH = 0.99  # of the mean square that refitted links take off any joint's error, that one cause may take instead
+NEARLY_ALL = 0.99  # of the mean square that refitted links take off any joint's error, that one cause may take instead
 AS_GOOD = 1.02  # of what refitted links leave at any joint, that one cause may leave in their place
 
 
@@ -77,7 +77,7 @@ def _as_good(alone: Model, model: Model, bare: Model) -> bool:
     lefts = [one.heldout_residual() for one in (alone, model, bare)]
     for joint in gap.examined:
         left, least, whole = (gap.rms(one[:, joint], joint) ** 2 for one in lefts)
-        if left > max(AS_GOOD**2 * least, least + (1.0 - AS_MUCH) * (whole - least)):
+        if left > max(AS_GOOD**2 * least, least + (1.0 - NEARLY_ALL) * (whole - least)):
             return False
     return True
 

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from mjfriction.identify.falling import FASTER, FASTEST
+from mjfriction.identify.falling import FASTER
 from mjfriction.identify.fit import LawFit
 from mjfriction.laws.rules import scalar
 from mjfriction.record.log import Floats
@@ -69,6 +69,6 @@ def _of_motion(fit: LawFit) -> dict[str, str]:
         # exp(−(v/v_s)^δ) is what is left of the level that falls away.
         exponent = scalar(values, "stribeck_exponent") if "stribeck_exponent" in values else 1.0
         fallen = scalar(values, "stribeck_velocity") * (-math.log(1.0 - FALLEN)) ** (1.0 / exponent)
-        if np.quantile(np.abs(ratio * velocity), FASTEST) < fallen:
+        if abs(ratio) * gap.motion.top_speed[joint] < fallen:
             out |= dict.fromkeys(BEYOND.intersection(names), FASTER)
     return out

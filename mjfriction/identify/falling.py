@@ -6,8 +6,7 @@ import numpy as np
 
 from mjfriction.identify.fit import LawFit
 
-FASTEST = 0.99  # quantile of the speeds
-UPPER = 0.4  # of the fastest speed, from which on friction's course is looked at
+UPPER = 0.4  # of the top speed, from which on friction's course is looked at
 SURELY = 3.0  # deviations below none, that its slope must be
 FEWEST_ROWS = 30
 FASTER = "friction still falls at the fastest speed of this log: record faster motion"
@@ -24,7 +23,7 @@ def still_falls(fit: LawFit) -> bool:
     gap, joint = problem.gap, problem.joint
     velocity = gap.at_rows("velocity")[:, joint]
     speed = np.abs(velocity)
-    clear = gap.clear[:, joint] & (speed > UPPER * float(np.quantile(speed, FASTEST)))
+    clear = gap.clear[:, joint] & (speed > UPPER * gap.motion.top_speed[joint])
     if np.sum(clear) < FEWEST_ROWS:
         return False
     rubbing = problem.target[clear] * np.sign(velocity[clear])

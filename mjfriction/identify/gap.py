@@ -341,9 +341,8 @@ def _held_against(
     ]
     slow = doubt_speeds(motion)
     touched = share_in_doubt(robot, motion, chain, slow, yielding)
-    turning = turning_speeds(
-        chain.rows(motion.velocity), residual, touched < CLEAR, resting_level(robot, motion, effort.rigid, slow)
-    )
+    resting = resting_level(robot, motion, effort.rigid, slow)
+    turning = turning_speeds(chain.rows(motion.velocity), residual, touched < CLEAR, resting, motion.top_speed)
     if np.any(turning > slow):
         slow = np.maximum(slow, turning)
         touched = share_in_doubt(robot, motion, chain, slow, yielding)

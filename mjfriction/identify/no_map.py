@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mjfriction.identify.friction_map import FEWEST_SPEEDS
-from mjfriction.identify.phases import STANDING, Phase
+from mjfriction.identify.phases import Phase, goes
 from mjfriction.record.motion import Motion
 
 ALONE = 0.5  # of the time that a joint moves, that it moves alone: then passes were meant
@@ -27,8 +27,7 @@ def why_no_map(motion: Motion, phases: list[Phase], joint: int) -> str:
 
 
 def _goes_alone(motion: Motion, joint: int) -> bool:
-    speed = np.abs(motion.velocity)
-    going = speed > np.maximum(motion.resting_speed, STANDING * np.max(speed, axis=0))
-    others = np.delete(going & motion.moving, joint, axis=1)
+    going = goes(motion)
+    others = np.delete(going, joint, axis=1)
     # On a robot of one joint any motion is alone.
     return others.shape[1] > 0 and bool(np.mean(~np.any(others[going[:, joint]], axis=1)) > ALONE)

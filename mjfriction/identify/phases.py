@@ -6,6 +6,7 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mjfriction.record.log import Floats
 from mjfriction.record.motion import Motion
@@ -29,9 +30,7 @@ class Phase:
 
 def constant_speed_phases(motion: Motion) -> list[Phase]:
     """Return the phases of a motion, in time."""
-    top = np.where(motion.moving, np.max(np.abs(motion.velocity), axis=0), np.inf)
-    limit = np.maximum(motion.resting_speed, STANDING * top)
-    going = np.abs(motion.velocity) > limit
+    going = goes(motion)
     out = []
     for joint in np.flatnonzero(motion.moving).tolist():
         others = np.delete(going, joint, axis=1)
@@ -43,6 +42,12 @@ def constant_speed_phases(motion: Motion) -> list[Phase]:
             if phase is not None:
                 out.append(phase)
     return sorted(out, key=lambda phase: phase.first)
+
+
+def goes(motion: Motion) -> NDArray[np.bool_]:
+    """Return where each joint goes, rather than standing or being held, (n, joints)."""
+    top = np.where(motion.moving, np.max(np.abs(motion.velocity), axis=0), np.inf)
+    return np.asarray(np.abs(motion.velocity) > np.maximum(motion.resting_speed, STANDING * top))
 
 
 def _runs(mask: np.ndarray, sign: Floats, piece: np.ndarray) -> list[tuple[int, int]]:

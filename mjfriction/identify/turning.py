@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from mjfriction.record.faults import spans
 from mjfriction.record.log import Floats
 
-FASTEST = 0.99  # of rows, that are slower than what counts as a joint's fastest speed
 SPEEDS = np.geomspace(0.0015, 0.03, 16)  # of the fastest speed, that are tried
 USUAL = 0.4  # of the fastest speed, up to which the stated curve is straight enough to be put right by two numbers
 TURNED = 3.0  # times the speed of turning, from which on tanh is 1 to half a percent
@@ -18,7 +17,7 @@ SHARE = 0.25  # of the error in slow motion, that it must take away
 FEWEST_JOINTS, ALL_BUT = 3, 0.5  # joints that must show it, or two and at least this share of those measured
 
 
-def turning_speeds(velocity: Floats, residual: Floats, clear: NDArray[np.bool_], level: Floats) -> Floats:
+def turning_speeds(velocity: Floats, residual: Floats, clear: NDArray[np.bool_], level: Floats, top: Floats) -> Floats:
     """Return the speed below which each joint's friction has not reached its level, (joints,), 0 where it always has.
 
     A joint that is slow to stop, or sags while it is held, creeps.  Friction that is written as level·tanh(v/v_t), as
@@ -28,9 +27,8 @@ def turning_speeds(velocity: Floats, residual: Floats, clear: NDArray[np.bool_],
     fastest of these, in m or rad per second or as a share of their fastest speed, whichever is less.
 
     ``velocity``, ``residual`` and ``clear`` are (rows, joints), the last telling which rows are in no doubt so far;
-    ``level`` (joints,) is what a joint's friction is stated to hold at rest.
+    ``level`` (joints,) is what a joint's friction is stated to hold at rest, ``top`` (joints,) its top speed.
     """
-    top = np.quantile(np.abs(velocity), FASTEST, axis=0)
     measured = np.flatnonzero(np.isfinite(residual[0]) & (level > 0.0) & (top > 0.0))
     found = {}
     for joint in measured:

@@ -28,6 +28,7 @@ AGREEMENT = 0.03  # measured velocity is believed when its gain is within this o
 LATEST = 0.1  # periods of the cutoff by which it may come late, as a drive's does that is filtered
 SLOWLY = 0.1  # of the cutoff, below which both are compared
 SURE = 3.0  # deviations of the velocity's noise beyond which the direction of motion is known
+TOP = 0.99  # of samples, in which a joint is slower than at its top speed
 LEAST_SPEED = 1e-12  # rad/s or m/s, for logs without any noise
 # A joint that stops from any steady deceleration seems to swing back by 1.8 % of its fastest speed within two periods
 # of the cutoff: so much does the zero-phase filter of fourth order ring.
@@ -70,6 +71,11 @@ class Motion:
     def travel_noise(self) -> Floats:
         """How far the velocity's noise, white in the filter's band, seems to move a joint to and fro, (joints,)."""
         return np.asarray(self.velocity_noise * np.sqrt(3.0) / (2.0 * np.pi * self.cutoff))
+
+    @functools.cached_property
+    def top_speed(self) -> Floats:
+        """The speed that each joint exceeds in one sample of a hundred, (joints,)."""
+        return np.asarray(np.quantile(np.abs(self.velocity), TOP, axis=0))
 
     @property
     def resting_speed(self) -> Floats:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import mujoco
+import numpy as np
 import pytest
 
-from mjfriction.diagnose import stated
+from mjfriction.diagnose import exact, stated
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.record.readers import read_log
@@ -46,3 +48,15 @@ def test_beside_friction_that_is_off_it_is_refitted_along(tmp_path: Path) -> Non
     found = diagnosed(tmp_path, 0.04)
     assert found.findings == ()
     assert [change for change in found.adjustments if change.what.startswith("link")]
+
+
+@pytest.mark.parametrize(("left", "good"), [(0.92, True), (1.1, True), (1.3, True), (3.0, False)])
+def test_one_cause_is_as_good_as_all_links_by_what_is_left_or_by_what_is_taken(left: float, good: bool) -> None:
+    # All links leave 0.9 of 10: a cause that leaves 1.3 takes all but a percent of what they take.
+    gap = SimpleNamespace(examined=(0,), rms=lambda course, _: float(np.sqrt(np.mean(np.square(course)))))
+    alone, links, bare = (
+        SimpleNamespace(gap=gap, heldout_residual=lambda size=size: np.full((4, 1), size)) for size in (left, 0.9, 10.0)
+    )
+    assert exact._as_good(alone, links, bare) is good  # type: ignore[arg-type]
+    small = SimpleNamespace(gap=gap, heldout_residual=lambda: np.full((4, 1), 1.0))
+    assert not exact._as_good(alone, links, small)  # type: ignore[arg-type]

@@ -9,10 +9,15 @@ import pyarrow as pa
 import pytest
 
 import mjfriction.diagnose.diagnosis as module
+from mjfriction.diagnose import oscillations
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
+from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.elasticity import SwingingElasticity
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.exact import usual_nuisance
+from mjfriction.diagnose.model import Chosen, build_model
 from mjfriction.diagnose.outcome import Verdict
+from mjfriction.identify.gap import measure_gap
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import pick_and_place
 from mjfriction.plant.sensors import Recorder
@@ -50,6 +55,18 @@ def test_a_link_that_swings_on_its_transmission_is_one_that_gives() -> None:
     assert (own.compliance, own.damping_ratio) == (compliance.value, damping.value)
     again = diagnose_log(swinging(), found.robot)
     assert (again.verdict, again.findings) == (Verdict.CONSISTENT, ())
+
+
+def test_the_frequencies_of_a_link_that_swings_are_its_own_in_every_pose() -> None:
+    gap = measure_gap(swinging(), read_robot("ur5"))
+    soft = Chosen(SwingingElasticity(), Site(0, (DAMPING,), around=COMPLIANCE))
+    model = build_model(gap, usual_nuisance(gap), (soft,))
+    own = soft.cause.resonances(gap, soft.site, model.strengths[model.places[0]])
+    inertia = 1.0 / (COMPLIANCE * np.square(2.0 * np.pi * own))  # kg·m² of the arm about its first joint
+    assert 0.5 < np.min(inertia) < np.max(inertia) < 10.0
+    assert all(oscillations._of_own_link(model, float(frequency)) for frequency in (np.min(own), np.max(own)))
+    assert not oscillations._of_own_link(model, float(2.0 * np.max(own)))
+    assert not oscillations._of_own_link(model.without(soft), float(np.median(own)))
 
 
 @pytest.mark.bench

@@ -31,7 +31,8 @@ def motion(seed: int) -> np.ndarray:
 def found(lost: np.ndarray, velocity: np.ndarray) -> np.ndarray:
     """Return the speeds found where ``lost`` (rows, joints), of the level and along the motion, differs from stated."""
     residual = LEVEL * lost * np.sign(velocity) + NOISE * np.random.default_rng(1).standard_normal(velocity.shape)
-    return turning_speeds(velocity, residual, np.ones(velocity.shape, dtype=bool), np.full(JOINTS, LEVEL))
+    clear, top = np.ones(velocity.shape, dtype=bool), np.quantile(np.abs(velocity), 0.99, axis=0)
+    return turning_speeds(velocity, residual, clear, np.full(JOINTS, LEVEL), top)
 
 
 @pytest.mark.parametrize("share", [0.004, 0.01, 0.02])

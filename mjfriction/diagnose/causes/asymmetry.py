@@ -43,7 +43,7 @@ class Asymmetry(JointCause):
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Say in which direction the joint is damped more, and by how much at top speed."""
-        speed = float(np.quantile(np.abs(gap.motion.velocity[:, site.joint]), 0.99))
+        speed = float(gap.motion.top_speed[site.joint])
         sliding = gap.body.sliding[site.joint]
         more = "positive" if strengths[0] > 0.0 else "negative"
         return (

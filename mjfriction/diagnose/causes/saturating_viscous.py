@@ -36,7 +36,7 @@ class SaturatingViscous(JointCause):
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
         """The speeds between which damping that levels off is told from a level and from a quadratic bend."""
-        top = float(np.quantile(np.abs(gap.motion.velocity[:, site.joint]), 0.99))
+        top = float(gap.motion.top_speed[site.joint])
         slow, fast = (share * top for share in HALF_VELOCITIES)
         return [(max(slow, DOUBTED * float(gap.doubt_speed[site.joint])), fast)]
 

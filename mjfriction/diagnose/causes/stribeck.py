@@ -48,15 +48,15 @@ class Stribeck(JointCause):
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
         """The speeds between which a fading level is told from a blurred reversal and from damping."""
-        speed = np.abs(gap.motion.velocity[:, site.joint])
-        return [(SLOWEST * gap.doubt_speed[site.joint], self.fastest * float(np.quantile(speed, 0.99))), EXPONENT_RANGE]
+        top = float(gap.motion.top_speed[site.joint])
+        return [(SLOWEST * gap.doubt_speed[site.joint], self.fastest * top), EXPONENT_RANGE]
 
     def own_shape(self, gap: Gap, site: Site) -> bool:
         """A level that stays and then falls like a step is no Stribeck curve (published exponents end at 2), nor is one
         that falls over all speeds.
         """
         velocity, exponent = site.shape
-        top = float(np.quantile(np.abs(gap.motion.velocity[:, site.joint]), 0.99))
+        top = float(gap.motion.top_speed[site.joint])
         return exponent < OF_STEP * EXPONENT_RANGE[1] and velocity * 3.0 ** (1.0 / exponent) < GONE_BY * top
 
     def samples(self, gap: Gap, site: Site) -> Floats:

@@ -37,7 +37,7 @@ class ViscousNonlinear(JointCause):
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Say which way the damping bends and how much that is at top speed."""
-        speed = float(np.quantile(np.abs(gap.motion.velocity[:, site.joint]), 0.99))
+        speed = float(gap.motion.top_speed[site.joint])
         sliding = gap.body.sliding[site.joint]
         bend = "grows faster" if strengths[0] > 0.0 else "grows more slowly"
         return (
