@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import OptimizeResult, least_squares
 from scipy.stats import t as student
 
 from mjfriction.errors import LogError
@@ -20,6 +20,8 @@ from mjfriction.laws.law import Floats, Law
 MOST_LEVERAGE = 0.999  # of a speed that a fit follows wherever it lies
 FIRST_SAMPLES = 5  # of a map, that the cubic near zero is drawn through
 FADING_STARTS = 7  # speeds at which a level may fall, between the slowest and the fastest of a map
+FIRST_ROUNDS, MOST_ROUNDS = 20, 400  # of the fit from every start, and from where the best of them came
+TOLERANCE = 1e-10  # relative, of that fit
 
 
 @dataclass(frozen=True)
@@ -52,8 +54,20 @@ def fit_map(points: FrictionMap, law: Law, side: Side, gear_ratio: float) -> Map
             f"law '{law.name}' has {len(names)} static parameters, and the passes have {speed.size} speeds; "
             f"record at least {len(names) + 1} speeds, or identify a law with fewer parameters"
         )
-    fits = [_fitted(law, names, start, speed, friction, error) for start in begin]
-    coordinates, x, slopes, left = min(fits, key=lambda fit: float(np.sum(np.square(fit[3]))))
+    coordinates = Coordinates(law, names, {name: value for name, value in begin[0].items() if name not in names})
+    around = ambient(speed.size)
+
+    def missed(x: Floats) -> Floats:
+        return (friction - law.along(speed, around, law.pack(coordinates.values(x)))) / error
+
+    def fitted(start: Floats, rounds: int) -> OptimizeResult:
+        bounds = coordinates.bounds()
+        inside = np.clip(start, *bounds)
+        return least_squares(missed, inside, bounds=bounds, x_scale="jac", max_nfev=rounds, xtol=TOLERANCE, ftol=TOLERANCE)
+
+    first = min((fitted(coordinates.vector(start), FIRST_ROUNDS) for start in begin), key=lambda found: found.cost)
+    found = fitted(first.x, MOST_ROUNDS)
+    x, slopes, left = np.asarray(found.x), np.asarray(found.jac), np.asarray(found.fun)
     freedoms = speed.size - x.size
     scatter = max(1.0, float(np.sum(np.square(left))) / freedoms)
     covariance = scatter * np.linalg.pinv(slopes.T @ slopes)
@@ -106,21 +120,6 @@ def on_side(points: FrictionMap, side: Side, gear_ratio: float) -> tuple[Floats,
     """Return speed, friction and its error on a side of the gear."""
     ratio = abs(gear_ratio) if side == "motor" else 1.0
     return points.speed * ratio, points.friction / ratio, points.error / ratio
-
-
-def _fitted(
-    law: Law, names: tuple[str, ...], start: dict[str, float], speed: Floats, friction: Floats, error: Floats
-) -> tuple[Coordinates, Floats, Floats, Floats]:
-    coordinates = Coordinates(law, names, {n: v for n, v in start.items() if n not in names})
-    around = ambient(speed.size)
-
-    def left(x: Floats) -> Floats:
-        return (friction - law.along(speed, around, law.pack(coordinates.values(x)))) / error
-
-    low, high = coordinates.bounds()
-    begin = np.clip(coordinates.vector(start), low, high)
-    found = least_squares(left, begin, bounds=(low, high), x_scale="jac", max_nfev=400, xtol=1e-12, ftol=1e-12)
-    return coordinates, np.asarray(found.x), np.asarray(found.jac), np.asarray(found.fun)
 
 
 def _usual(speed: Floats, friction: Floats) -> Usual:
