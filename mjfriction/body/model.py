@@ -7,7 +7,7 @@ import os
 import sys
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -57,6 +57,12 @@ class Body:
     def armature(self) -> Floats:
         """The rotors' inertia at the joints, (joints,): kg·m², or kg on sliding joints."""
         return np.array(self.model.armature)[list(self.columns)]
+
+    def holding(self, load: Load) -> Body:
+        """Return the bodies with a mass besides; :class:`RobotError` where its parent is none of them."""
+        model = pin.Model(self.model)
+        _append(model, load)
+        return replace(self, model=model)
 
     def on_link(self, parent: str, point: Floats, link: str) -> Floats:
         """Return a ``point`` (m) of a payload's ``parent`` frame in the frame of the ``link`` it is fixed to, (3,)."""
@@ -118,7 +124,10 @@ def load_body(
         inertia = model.inertias[index]
         model.inertias[index] = pin.Inertia(inertia.mass, inertia.lever + np.array(shift), inertia.inertia)
     if payload is not None:
-        _append(model, payload, path)
+        try:
+            _append(model, payload)
+        except RobotError as error:
+            raise RobotError(f"{path}: payload {error}") from None
     for joint, scale in (link_scale or {}).items():
         index = _index(model, joint, "link_scale", path)
         inertia = model.inertias[index]
@@ -238,15 +247,14 @@ def _native_messages_dropped() -> Iterator[None]:
             os.close(saved)
 
 
-def _append(model: pin.Model, payload: Load, path: Path) -> None:
-    frame = _link_frame(model, payload.parent)
+def _append(model: pin.Model, load: Load) -> None:
+    frame = _link_frame(model, load.parent)
     if frame is None:
         names = [frame.name for frame in model.frames]
         raise RobotError(
-            f"{path}: payload parent '{payload.parent}' is no link of the model, nor a joint of it"
-            f"{suggestion(payload.parent, names)}"
+            f"parent '{load.parent}' is no link of the model, nor a joint of it{suggestion(load.parent, names)}"
         )
-    point = pin.Inertia(payload.mass, np.array(payload.com), np.zeros((3, 3)))
+    point = pin.Inertia(load.mass, np.array(load.com), np.zeros((3, 3)))
     model.appendBodyToJoint(frame.parentJoint, point, frame.placement)
 
 

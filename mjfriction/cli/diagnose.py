@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
-from mjfriction.cli.logs import read_logs
-from mjfriction.cli.options import Json, LogPaths, MapSource, RobotSource
+from mjfriction.cli.logs import held_masses, read_logs
+from mjfriction.cli.options import HeldMasses, Json, LogPaths, MapSource, RobotSource
 from mjfriction.cli.progress import WRITING, telling
 from mjfriction.cli.show import show
 
@@ -18,7 +18,13 @@ Seed = Annotated[int, typer.Option(help="Sets the resampling behind the interval
 
 
 def diagnose(
-    logs: LogPaths, robot: RobotSource, out: Out, map_: MapSource = None, seed: Seed = 0, json: Json = False
+    logs: LogPaths,
+    robot: RobotSource,
+    out: Out,
+    held: HeldMasses = None,
+    map_: MapSource = None,
+    seed: Seed = 0,
+    json: Json = False,
 ) -> None:
     """Say what the robot's model gets wrong, name the cause, and write the extended robot with the proof.
 
@@ -26,10 +32,19 @@ def diagnose(
 
     Example: mjfriction diagnose run1.parquet --robot arm/robot.toml --out result
     """
-    report_diagnosis(logs, robot, out, mapping=map_, seed=seed, json=json)
+    report_diagnosis(logs, robot, out, held=held, mapping=map_, seed=seed, json=json)
 
 
-def report_diagnosis(logs: list[Path], robot: str, out: Path, *, mapping: str | None, seed: int, json: bool) -> None:
+def report_diagnosis(
+    logs: list[Path],
+    robot: str,
+    out: Path,
+    *,
+    held: list[float] | None = None,
+    mapping: str | None,
+    seed: int,
+    json: bool,
+) -> None:
     """Diagnose, write the four files, and print the report."""
     from mjfriction.diagnose.diagnosis import diagnose_log
     from mjfriction.report.folder import whole_folder
@@ -40,7 +55,8 @@ def report_diagnosis(logs: list[Path], robot: str, out: Path, *, mapping: str | 
 
     with whole_folder(out) as folder, telling() as tell:
         stated = read_robot(robot)
-        diagnosis = diagnose_log(read_logs(logs, stated.joints, mapping), stated, seed=seed, tell=tell)
+        log = read_logs(logs, stated.joints, mapping, held_masses(held, logs, stated))
+        diagnosis = diagnose_log(log, stated, seed=seed, tell=tell)
         report = make_report(diagnosis)
         tell("writing the report", WRITING)
         write_results(diagnosis, report, folder)

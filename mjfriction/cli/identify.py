@@ -9,8 +9,8 @@ from typing import Annotated
 
 import typer
 
-from mjfriction.cli.logs import read_logs
-from mjfriction.cli.options import Json, LogPaths, MapSource, RobotSource
+from mjfriction.cli.logs import held_masses, read_logs
+from mjfriction.cli.options import HeldMasses, Json, LogPaths, MapSource, RobotSource
 from mjfriction.cli.progress import WRITING, telling
 from mjfriction.cli.show import show
 from mjfriction.errors import InputError
@@ -43,6 +43,7 @@ def identify(
         float | None,
         typer.Option(metavar="S", help="Refine on simulated motion, S seconds at a time; inf for the whole log."),
     ] = None,
+    held: HeldMasses = None,
     map_: MapSource = None,
     json: Json = False,
 ) -> None:
@@ -62,7 +63,7 @@ def identify(
 
     with whole_folder(out) as folder, telling() as tell:
         stated = read_robot(robot)
-        log = read_logs(logs, stated.joints, map_)
+        log = read_logs(logs, stated.joints, map_, held_masses(held, logs, stated))
         identification = identify_log(
             log, stated, law=_laws(law or []), side=side.value, links=links, simulated=simulated, tell=tell
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,12 +12,16 @@ if TYPE_CHECKING:
 
     from mjfriction.record.log import Log
     from mjfriction.record.mapping import Mapping
+    from mjfriction.robot.robot import Robot
 
 GUESS = "guess"
 
 
-def read_logs(paths: Sequence[Path], joints: Sequence[str], mapping: str | None) -> Log:
-    """Read logs of one robot and join them; ``mapping`` is a mapping file, or ``guess`` to take what the names say.
+def read_logs(paths: Sequence[Path], joints: Sequence[str], mapping: str | None, held: Sequence[float] = ()) -> Log:
+    """Read logs of one robot and join them.
+
+    ``mapping`` is a mapping file, or ``guess`` to take what the names say; ``held`` the mass (kg) that the robot held
+    during each log, none for logs that say it themselves or of none.
 
     Raises :class:`~mjfriction.errors.LogError`; where a log lacks columns that can be guessed, it says so.
     """
@@ -25,7 +30,10 @@ def read_logs(paths: Sequence[Path], joints: Sequence[str], mapping: str | None)
     from mjfriction.record.readers import read_log
 
     try:
-        return merge_logs([read_log(path, _mapping(path, joints, mapping)) for path in paths])
+        logs = [read_log(path, _mapping(path, joints, mapping)) for path in paths]
+        if held:
+            logs = [log.holding(mass) for log, mass in zip(logs, held, strict=True)]
+        return merge_logs(logs)
     except LogError as error:
         guessed = guess_of(paths[0], joints) if mapping is None else None
         if guessed is None:
@@ -36,6 +44,29 @@ def read_logs(paths: Sequence[Path], joints: Sequence[str], mapping: str | None)
             f"{error} Its columns look like {shown}{more}: look at all with mjfriction inspect {paths[0]} --robot R, "
             "and take them with --map guess"
         ) from None
+
+
+def held_masses(held: Sequence[float] | None, paths: Sequence[Path], robot: Robot) -> Sequence[float]:
+    """Return the masses held during each log as ``--held`` gave them, none where it was not given.
+
+    Raises :class:`~mjfriction.errors.InputError` where they are not one of each log, or the robot does not say where it
+    holds them.
+    """
+    from mjfriction.errors import InputError
+
+    if not held:
+        return ()
+    if len(held) != len(paths):
+        raise InputError(f"--held is given {len(held)} times for {len(paths)} logs; give the mass held during each")
+    impossible = [mass for mass in held if not (math.isfinite(mass) and mass >= 0.0)]
+    if impossible:
+        raise InputError(f"--held {impossible[0]:g}: a mass is 0 kg or more")
+    if robot.table.held is None:
+        raise InputError(
+            f"--held: robot '{robot.name}' does not say where it holds a mass; add held = {{ com = [0.0, 0.0, 0.1], "
+            'parent = "link" } to its file, com in m from that link'
+        )
+    return held
 
 
 def guess_of(path: Path, joints: Sequence[str]) -> Mapping | None:

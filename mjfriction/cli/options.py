@@ -21,4 +21,13 @@ MapSource = Annotated[
     str | None,
     typer.Option("--map", metavar="M", help="Columns by other names: a mapping file, or guess.", show_default=False),
 ]
+HeldMasses = Annotated[
+    list[float] | None,
+    typer.Option(
+        "--held",
+        metavar="KG",
+        help="Mass held during a log, where the robot file's 'held' says; once for each log.",
+        show_default=False,
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print the machine's version on standard output.")]

@@ -6,13 +6,13 @@ from collections.abc import Collection
 
 import numpy as np
 
-from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.diagnose.model import Model, build_model
 from mjfriction.diagnose.shapes import reshaped
 from mjfriction.diagnose.tangent import straightened
 from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats
 from mjfriction.robot.effort import without_offsets
+from mjfriction.robot.links_torque import links_torque
 from mjfriction.robot.robot import Robot
 
 HEARD = 0.02  # periods of the band, by which a delay must have moved for columns to be drawn anew
@@ -58,8 +58,7 @@ def _load_changes(gap: Gap, robot: Robot) -> bool:
     some = slice(None, None, max(1, gap.motion.time.size // WEIGHED_SAMPLES))
     thin, loads = gap.motion.part(some), []
     for one, body in ((robot, robot.body()), (gap.known.robot, gap.known.body)):
-        at = without_offsets(one, thin)
-        loads.append(inverse_dynamics(body, at.position, at.velocity, at.acceleration))
+        loads.append(links_torque(one, body, without_offsets(one, thin)))
     moved, size = (np.sqrt(np.mean(np.square(values), axis=0)) for values in (loads[0] - loads[1], loads[1]))
     return bool(np.any(moved > WEIGHED * size))
 

@@ -152,7 +152,10 @@ def fit_law(problem: Problem, law: Law) -> LawFit:
         return _thinned(problem, _best(problem, [_at(law, free, {**begin[0], **arrays}, elements)]))
     if sibling is not None:
         bristle = [name for name in free if name in DYNAMIC]
-        begin = [_best(problem, [_at(law, bristle, start) for start in begin]).values]
+        first = _best(problem, [_at(law, bristle, start) for start in begin]).values
+        # Where much of the motion is before sliding, the sibling takes that for a fall of the level.
+        given = {name: first[name] for name in bristle}
+        begin = [first, *({**start, **given} for start in plain[:: len(GIVING_TRAVELS)])]
     return _best(problem, [_at(law, free, start) for start in begin])
 
 

@@ -1,7 +1,8 @@
 """Friction against speed from passes forward and backward over the same stretch: half their difference.
 
 At the same place gravity acts alike in both directions, so that τ_f = (τ₊ − τ₋)/2 holds friction alone, with no model
-of the links (Indri, Lazzero, Antoniazza, Bottero, ETFA 2013, section III).
+of the links, and τ_m = (τ₊ + τ₋)/2 the load that the joint transmits (Indri, Lazzero, Antoniazza, Bottero, ETFA 2013,
+section III).
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ SAME_SPEED = 0.04  # relative, that two passes of one speed may differ by
 FEWEST_SPEEDS = 3
 OVERLAP = 0.3  # of the shorter pass, that both must share
 BINS = 40  # places along a pass at which its directions are compared
+SAME_LOAD = 0.1  # of the most that a joint carries or rubs with, that the loads of two passes may differ by
 CUTOFF = 10.0  # Hz, of the fourth-order Butterworth without phase lag that the torques pass
 
 
@@ -25,21 +27,34 @@ CUTOFF = 10.0  # Hz, of the fourth-order Butterworth without phase lag that the 
 class FrictionMap:
     """A joint's friction at each speed.
 
-    ``speed`` (k,) > 0, ``friction`` (k,), its ``spread`` along the stroke (k,) and the ``gravity`` (k,) that cancelled,
-    all in rad/s (m/s) and N·m (N) at the joint; ``places`` (k,) along the stroke that tell by themselves.
+    ``speed`` (k,) > 0, ``friction`` (k,), its ``spread`` along the stroke (k,) and the ``load`` (k,), the mean size of
+    the gravity that cancelled, all in rad/s (m/s) and N·m (N) at the joint; ``places`` (k,) along the stroke that tell
+    by themselves.  A speed that was passed at different loads has a point for each.
     """
 
     joint: int
     speed: Floats
     friction: Floats
     spread: Floats
-    gravity: Floats
+    load: Floats
     places: Floats
 
     @property
     def error(self) -> Floats:
         """The standard error of each point: its spread over the root of its independent places, (k,)."""
         return np.asarray(np.maximum(self.spread, 1e-3 * np.max(self.friction)) / np.sqrt(self.places))
+
+    def up_to(self, speed: float) -> FrictionMap:
+        """Return the points up to a speed, rad/s or m/s."""
+        own = self.speed <= speed
+        points = (self.speed, self.friction, self.spread, self.load, self.places)
+        return FrictionMap(self.joint, *(values[own] for values in points))
+
+    @property
+    def tells_load(self) -> bool:
+        """Whether three speeds or more were passed at different loads each."""
+        same = self.speed[1:] < (1.0 + SAME_SPEED) * self.speed[:-1]
+        return int(np.count_nonzero(same)) >= FEWEST_SPEEDS
 
 
 def friction_maps(motion: Motion, torque: Floats, phases: list[Phase]) -> list[FrictionMap]:
@@ -53,11 +68,25 @@ def friction_maps(motion: Motion, torque: Floats, phases: list[Phase]) -> list[F
         if not own or not np.isfinite(torque[0, joint]):
             continue
         smooth = motion.low_passed(torque[:, joint], CUTOFF)
-        points = [point for group in _by_speed(own) if (point := _point(motion, smooth, group)) is not None]
-        if len(points) >= FEWEST_SPEEDS:
-            columns = np.array(points).T
-            out.append(FrictionMap(joint, *columns))
+        speeds = [_pairs(motion, smooth, group) for group in _by_speed(own)]
+        points = [_point(group) for pairs in speeds for group in _by_load(pairs, _size(speeds))]
+        if sum(bool(pairs) for pairs in speeds) >= FEWEST_SPEEDS:
+            out.append(FrictionMap(joint, *np.array(points).T))
     return out
+
+
+@dataclass(frozen=True)
+class _Pair:
+    """A pass there and one back: friction and load at places (BINS,) that both went over."""
+
+    speed: float
+    friction: Floats
+    load: Floats
+    places: float
+
+    @property
+    def carried(self) -> float:
+        return float(np.mean(np.abs(self.load)))
 
 
 def _by_speed(phases: list[Phase]) -> list[list[Phase]]:
@@ -70,10 +99,12 @@ def _by_speed(phases: list[Phase]) -> list[list[Phase]]:
     return groups
 
 
-def _point(motion: Motion, torque: Floats, group: list[Phase]) -> tuple[float, ...] | None:
-    forward = [phase for phase in group if phase.velocity > 0.0]
-    backward = [phase for phase in group if phase.velocity < 0.0]
-    frictions, gravities, speeds, places = [], [], [], 0.0
+def _pairs(motion: Motion, torque: Floats, group: list[Phase]) -> list[_Pair]:
+    # In time, so that of two logs each one's own are together.
+    inorder = sorted(group, key=lambda phase: phase.first)
+    forward = [phase for phase in inorder if phase.velocity > 0.0]
+    backward = [phase for phase in inorder if phase.velocity < 0.0]
+    out = []
     for there, back in zip(forward, backward, strict=False):
         (q1, t1), (q2, t2) = (_course(motion, torque, phase) for phase in (there, back))
         low, high = max(q1[0], q2[0]), min(q1[-1], q2[-1])
@@ -81,17 +112,38 @@ def _point(motion: Motion, torque: Floats, group: list[Phase]) -> tuple[float, .
             continue
         place = np.linspace(low, high, BINS)
         a, b = np.interp(place, q1, t1), np.interp(place, q2, t2)
-        frictions.append(0.5 * (a - b))
-        gravities.append(0.5 * (a + b))
-        speeds.append(0.5 * (there.velocity - back.velocity))
+        speed = 0.5 * (there.velocity - back.velocity)
         # The low-pass lets two independent values a second through per hertz.
-        places += min(float(BINS), max(1.0, 2.0 * CUTOFF * (high - low) / speeds[-1]))
-    if not frictions:
-        return None
-    all_points = np.concatenate(frictions)
-    spread = float(np.std(all_points, ddof=1))
-    gravity = float(np.mean(np.concatenate(gravities)))
-    return float(np.mean(speeds)), float(np.mean(all_points)), spread, gravity, places
+        places = min(float(BINS), max(1.0, 2.0 * CUTOFF * (high - low) / speed))
+        out.append(_Pair(speed, 0.5 * (a - b), 0.5 * (a + b), places))
+    return out
+
+
+def _size(speeds: list[list[_Pair]]) -> float:
+    # What a joint carries or rubs with at most: beside it loads are alike or not.
+    pairs = [pair for group in speeds for pair in group]
+    return max((max(pair.carried, float(np.mean(pair.friction))) for pair in pairs), default=0.0)
+
+
+def _by_load(pairs: list[_Pair], size: float) -> list[list[_Pair]]:
+    groups: list[list[_Pair]] = []
+    for pair in sorted(pairs, key=lambda pair: pair.carried):
+        if groups and pair.carried < groups[-1][0].carried + SAME_LOAD * size:
+            groups[-1].append(pair)
+        else:
+            groups.append([pair])
+    return groups
+
+
+def _point(pairs: list[_Pair]) -> tuple[float, ...]:
+    friction = np.concatenate([pair.friction for pair in pairs])
+    return (
+        float(np.mean([pair.speed for pair in pairs])),
+        float(np.mean(friction)),
+        float(np.std(friction, ddof=1)),
+        float(np.mean([pair.carried for pair in pairs])),
+        float(sum(pair.places for pair in pairs)),
+    )
 
 
 def _course(motion: Motion, torque: Floats, phase: Phase) -> tuple[Floats, Floats]:

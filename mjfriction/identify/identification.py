@@ -178,7 +178,7 @@ def _passes(gap: Gap, joints: Sequence[int]) -> dict[int, Passes]:
     phases, efforts = constant_speed_phases(gap.motion), _efforts(gap)
     points = {found.joint: found for found in friction_maps(gap.motion, efforts, phases)}
     return {
-        joint: Passes(points[joint], by_pendulum(gap.motion, efforts[:, joint], gap.body, phases, joint))
+        joint: Passes(points[joint], by_pendulum(gap.motion, efforts[:, joint], gap.robot, gap.body, phases, joint))
         if joint in points
         else Passes(None, lacking=why_no_map(gap.motion, phases, joint))
         for joint in joints

@@ -45,7 +45,7 @@ def fit_map(points: FrictionMap, law: Law, side: Side, gear_ratio: float) -> Map
     Raises :class:`LogError` when the map has fewer speeds than the law parameters.
     """
     speed, friction, error = on_side(points, side, gear_ratio)
-    usual = _usual(speed, friction)
+    usual = _usual(speed, friction, float(np.max(points.load)) / _ratio(side, gear_ratio))
     fading = np.geomspace(2.0 * speed[0], 0.5 * speed[-1], FADING_STARTS) / usual.speed
     begin = starts(law, usual, fading.tolist())
     names = static_names(law)
@@ -55,7 +55,7 @@ def fit_map(points: FrictionMap, law: Law, side: Side, gear_ratio: float) -> Map
             f"record at least {len(names) + 1} speeds, or identify a law with fewer parameters"
         )
     coordinates = Coordinates(law, names, {name: value for name, value in begin[0].items() if name not in names})
-    around = ambient(speed.size)
+    around = ambient(speed.size, load=points.load / _ratio(side, gear_ratio))
 
     def missed(x: Floats) -> Floats:
         return (friction - law.along(speed, around, law.pack(coordinates.values(x)))) / error
@@ -63,7 +63,9 @@ def fit_map(points: FrictionMap, law: Law, side: Side, gear_ratio: float) -> Map
     def fitted(start: Floats, rounds: int) -> OptimizeResult:
         bounds = coordinates.bounds()
         inside = np.clip(start, *bounds)
-        return least_squares(missed, inside, bounds=bounds, x_scale="jac", max_nfev=rounds, xtol=TOLERANCE, ftol=TOLERANCE)
+        return least_squares(
+            missed, inside, bounds=bounds, x_scale="jac", max_nfev=rounds, xtol=TOLERANCE, ftol=TOLERANCE
+        )
 
     first = min((fitted(coordinates.vector(start), FIRST_ROUNDS) for start in begin), key=lambda found: found.cost)
     found = fitted(first.x, MOST_ROUNDS)
@@ -118,11 +120,15 @@ def arctan_procedure(points: FrictionMap, side: Side, gear_ratio: float) -> MapF
 
 def on_side(points: FrictionMap, side: Side, gear_ratio: float) -> tuple[Floats, Floats, Floats]:
     """Return speed, friction and its error on a side of the gear."""
-    ratio = abs(gear_ratio) if side == "motor" else 1.0
+    ratio = _ratio(side, gear_ratio)
     return points.speed * ratio, points.friction / ratio, points.error / ratio
 
 
-def _usual(speed: Floats, friction: Floats) -> Usual:
+def _ratio(side: Side, gear_ratio: float) -> float:
+    return abs(gear_ratio) if side == "motor" else 1.0
+
+
+def _usual(speed: Floats, friction: Floats, load: float) -> Usual:
     level = float(np.median(friction))
     rise = float((friction[-1] - np.min(friction)) / max(speed[-1] - speed[int(np.argmin(friction))], 1e-9 * speed[-1]))
     return Usual(
@@ -130,5 +136,5 @@ def _usual(speed: Floats, friction: Floats) -> Usual:
         damping=max(rise, 1e-3 * level / speed[-1]),
         speed=float(speed[-1]),
         stroke=1.0,
-        load=1.0,
+        load=load,
     )

@@ -9,15 +9,16 @@ pendulum gets wrong.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.body.model import Body
 from mjfriction.identify.phases import Phase
 from mjfriction.record.log import Floats
 from mjfriction.record.motion import Motion
+from mjfriction.robot.links_torque import links_torque
+from mjfriction.robot.robot import Robot
 
 CUTOFF = 10.0  # Hz, of the efforts of a pass
 FEWEST = 3  # phases each way
@@ -47,7 +48,9 @@ class ByPendulum:
         return np.asarray(np.sqrt(np.mean(np.square(0.5 * (there - back)), axis=0)))
 
 
-def by_pendulum(motion: Motion, torque: Floats, body: Body, phases: Sequence[Phase], joint: int) -> ByPendulum | None:
+def by_pendulum(
+    motion: Motion, torque: Floats, robot: Robot, body: Body, phases: Sequence[Phase], joint: int
+) -> ByPendulum | None:
     """Return a joint's friction by pendulums, None for one that slides or has fewer than three phases each way.
 
     ``torque`` (n,) is the joint's effort along the motion, N·m.
@@ -59,13 +62,14 @@ def by_pendulum(motion: Motion, torque: Floats, body: Body, phases: Sequence[Pha
     smooth = motion.low_passed(torque, CUTOFF)
     samples = np.concatenate([np.arange(phase.first, phase.past) for phase in own])
     which = np.repeat(np.arange(len(own)), [phase.past - phase.first for phase in own])
-    position, still = motion.position[samples], np.zeros((samples.size, len(motion.joints)))
-    place = position[:, joint]
+    place = motion.position[samples, joint]
     waves = np.column_stack([np.sin(place), np.cos(place)])
     velocity = np.array([phase.velocity for phase in own])
     friction = np.column_stack([np.sign(velocity), velocity])[which]
     numbers = np.linalg.lstsq(np.hstack([waves, friction]), smooth[samples], rcond=None)[0]
-    gravity = np.column_stack([inverse_dynamics(body, position, still, still)[:, joint], waves @ numbers[:2]])
+    still = replace(motion, velocity=0.0 * motion.velocity, acceleration=0.0 * motion.acceleration)
+    model = links_torque(robot, body, still)[samples, joint]
+    gravity = np.column_stack([model, waves @ numbers[:2]])
     count = np.bincount(which)
     left = np.column_stack([np.bincount(which, smooth[samples] - own_gravity) / count for own_gravity in gravity.T])
     left *= np.sign(velocity)[:, None]

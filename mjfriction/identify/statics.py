@@ -16,6 +16,9 @@ from mjfriction.laws.arctan import ARCTAN
 from mjfriction.laws.catalog import find_law
 from mjfriction.laws.law import Law
 
+TOLD_BY_LOADS = ("load_dependent", "arctan_load")
+"""Laws that passes tell where they were made at several loads; of driving and being driven they tell the mean only."""
+
 
 @dataclass(frozen=True)
 class Passes:
@@ -34,7 +37,7 @@ class Passes:
         What reads more than the speed, or differs between directions, does not show in the directions' difference.
         """
         law = _static(fit)
-        if self.points is None or law.reads or not law.odd:
+        if self.points is None or not self._shows(law):
             return None
         if law.name not in self._found:
             try:
@@ -55,17 +58,21 @@ class Passes:
 
     def tells(self, law: Law) -> bool:
         """Return whether a law is all in the difference of passes forward and backward."""
-        return not law.reads and law.odd and not law.has_state
+        return self._shows(law) and not law.has_state
 
     def why_none(self, fit: LawFit) -> str:
         """Say why a fit's statics are not those of the passes; nothing where none were meant."""
         if self.points is None:
             return f"; {self.lacking}" if self.lacking else ""
         law = _static(fit)
-        if law.reads or not law.odd:
+        if not self._shows(law):
             return f"; the passes' differences do not tell {law.name}"
         needed = len(static_names(law)) + 1
         return f"; {self.points.speed.size} speeds were steady both ways, {law.name} needs {needed}"
+
+    def _shows(self, law: Law) -> bool:
+        loaded = self.points is not None and self.points.tells_load and law.name in TOLD_BY_LOADS
+        return (not law.reads or loaded) and law.odd
 
     def by_slope(self, fit: LawFit) -> MapFit | None:
         """Return law (14) by the manipulator paper's own procedure, None where the fit's statics are another law's."""

@@ -12,7 +12,8 @@ import numpy as np
 
 from mjfriction.errors import RobotError
 from mjfriction.identify.gap import Gap
-from mjfriction.record.log import Floats, Integers
+from mjfriction.record.log import HELD_MASS, Floats, Integers
+from mjfriction.robot.links_torque import held_mass
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.simulation import not_in_model, robot_laws, robot_spec
 from mjfriction.sim.attach import attach
@@ -69,6 +70,11 @@ def cut_stretches(gap: Gap, robot: Robot, seconds: float) -> Stretches:
     if not seconds >= SHORTEST:
         raise RobotError(f"{seconds} s are no stretch to simulate; give {SHORTEST} s or more, or inf for the whole log")
     motion = gap.motion
+    if held_mass(robot, motion) is not None:
+        raise RobotError(
+            f"{gap.log.source}: its '{HELD_MASS}' is not in the MuJoCo model, so that simulated motion cannot be "
+            "compared; take logs of one mass by themselves, and state it as the robot's payload"
+        )
     lacking = [joint for i, joint in enumerate(robot.joints) if i not in gap.examined]
     if lacking:
         raise RobotError(f"simulated motion needs the efforts of all joints, and {', '.join(lacking)} has none")

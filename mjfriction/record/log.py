@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ POSITION, VELOCITY, EFFORT, CURRENT = "position", "velocity", "effort", "current
 SUPPLY_PRESSURE = "supply_pressure"
 TEMPERATURE, HEAD_PRESSURE, ROD_PRESSURE, VOLTAGE = "temperature", "pressure_head", "pressure_rod", "voltage"
 PUSH = "push"
+HELD_MASS = "held_mass"
 KNOWN = (
     *(POSITION, VELOCITY, EFFORT, CURRENT),
     *(TEMPERATURE, "position_ref", "velocity_ref", HEAD_PRESSURE, ROD_PRESSURE),
@@ -63,6 +64,10 @@ class Log:
         out = np.full(self.kept.size, np.nan)
         out[self.kept] = values
         return out
+
+    def holding(self, mass: float) -> Log:
+        """Return the log of a robot that held a mass (kg) all the while."""
+        return replace(self, columns={**self.columns, HELD_MASS: np.full(self.time.size, mass)})
 
     def torque_quantity(self, joint: str) -> str | None:
         """Return ``"effort"`` or ``"current"``, whichever the log measured on the joint (effort first), or None."""

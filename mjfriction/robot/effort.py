@@ -13,12 +13,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mjfriction.body.inverse import inertia_along, inverse_dynamics
+from mjfriction.body.inverse import inertia_along
 from mjfriction.body.model import Body
 from mjfriction.errors import RobotError
 from mjfriction.laws.law import Floats
 from mjfriction.record.log import CURRENT
 from mjfriction.record.motion import Motion, smooth_derivatives
+from mjfriction.robot.links_torque import links_torque
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import forward_share, friction_along, states_along, waves_along
 from mjfriction.robot.schema import EffortSensor, Joint
@@ -144,7 +145,7 @@ def carry(robot: Robot, body: Body, motion: Motion) -> Carried:
     """Return what a robot's drives carry along a motion as its sensors saw it."""
     motor = without_offsets(robot, motion)
     linked = link_motion(robot, body, motor)
-    rigid = inverse_dynamics(body, linked.position, linked.velocity, linked.acceleration)
+    rigid = links_torque(robot, body, linked)
     # Rotors turn with the sensor, not with the link.
     rigid += body.armature * (motor.acceleration - linked.acceleration)
     for i, joint in enumerate(robot.table.joint):
@@ -208,7 +209,7 @@ def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
     rubbed = np.array([joint.transmission.carries_friction for joint in robot.table.joint])
     linked = motion
     for _ in range(GIVING_ROUNDS):
-        load = inverse_dynamics(body, linked.position, linked.velocity, linked.acceleration)
+        load = links_torque(robot, body, linked)
         carried = load - body.armature * linked.acceleration
         if np.any(rubbed):
             carried += rubbed * friction_along(robot, linked, load)

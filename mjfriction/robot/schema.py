@@ -309,6 +309,13 @@ class Payload(Table):
     parent: str
 
 
+class Place(Table):
+    """Where a mass is held: ``com`` (m) in the frame of ``parent``, a link or the joint that moves it."""
+
+    com: Vector = (0.0, 0.0, 0.0)
+    parent: str
+
+
 class LinkInertia(Table):
     """The inertia of the link that a joint moves: ``mass`` (kg), its centre ``com`` (m, along the axes of the link's
     frame from the joint on) and ``inertia`` about that, xx, yy, zz, xy, xz, yz (kg·m²).
@@ -332,15 +339,17 @@ class LinkInertia(Table):
 class RobotTable(Table):
     """A whole robot file.
 
-    For links, each named by the joint that moves it: ``link_inertia`` takes the place of what the model says;
-    ``link_shift`` is by how much the centre of mass lies elsewhere, m along the axes of the link's frame;
-    ``link_scale`` is what multiplies the mass and inertia, a payload on the link included.
+    ``held`` is where the arm holds what logs speak of in their column ``held_mass``.  For links, each named by the
+    joint that moves it: ``link_inertia`` takes the place of what the model says; ``link_shift`` is by how much the
+    centre of mass lies elsewhere, m along the axes of the link's frame; ``link_scale`` is what multiplies the mass and
+    inertia, a payload on the link included.
     """
 
     name: str
     model: str
     gravity: Vector | None = None
     payload: Payload | None = None
+    held: Place | None = None
     link_inertia: dict[str, LinkInertia] = {}
     link_scale: dict[str, Positive] = {}
     link_shift: dict[str, Vector] = {}

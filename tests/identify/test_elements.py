@@ -31,6 +31,9 @@ STRIBECK = "coulomb = 1.5, static = 2.2, stribeck_velocity = 0.05, stribeck_expo
 TRUTH = {
     "maxwell_slip": f"viscous = 0.5, {SPRINGS}, level = [1.0, 0.9, 0.6]",
     "gms": f"{STRIBECK}, attraction = 200.0, {SPRINGS}, share = [0.4, 0.35, 0.25]",
+    "dahl": "coulomb = 2.0, viscous = 0.5, bristle_stiffness = 80.0, shape_exponent = 1.5",
+    "lugre": f"{STRIBECK}, bristle_stiffness = 80.0, bristle_damping = 1.0",
+    "leuven": f"{STRIBECK}, bristle_damping = 1.0, shape_exponent = 1.0, {SPRINGS}, level = [0.9, 0.8, 0.5]",
     "position_dependent": "coulomb = 1.5, viscous = 0.5, wavenumber = [12.0], cosine = [0.3], sine = [-0.2]",
 }
 
@@ -83,6 +86,31 @@ def test_the_generalized_law_is_found_whole(identified) -> None:
     assert values["attraction"] == pytest.approx(200.0, rel=0.5)
     lugre = identified("gms", "lugre").joints[0].rms_heldout_after
     assert identified("gms", "gms").joints[0].rms_heldout_after < 0.5 * lugre
+
+
+@pytest.mark.parametrize(
+    ("law", "truth"),
+    [
+        ("dahl", {"coulomb": 2.0, "bristle_stiffness": 80.0, "shape_exponent": 1.5}),
+        ("lugre", {"coulomb": 1.5, "bristle_stiffness": 80.0, "bristle_damping": 1.0}),
+        pytest.param(
+            "leuven",
+            {"coulomb": 1.5, "bristle_damping": 1.0, "shape_exponent": 1.0},
+            marks=pytest.mark.bench,
+        ),
+    ],
+)
+def test_a_bristle_is_found_beside_its_statics(law: str, truth: dict[str, float], identified) -> None:
+    found = identified(law, law)
+    values = {fitted.name: fitted.value for fitted in found.laws[0].parameters}
+    for name, value in truth.items():
+        assert values[name] == pytest.approx(value, rel=0.02 if name in ("coulomb", "bristle_stiffness") else 0.12), (
+            name
+        )
+    # Nothing but the sensor's noise is left, where a law without a state leaves many times that.
+    assert found.joints[0].rms_heldout_after < 1.1 * found.joints[0].noise_floor
+    plain = identified(law, "stribeck")
+    assert plain.joints[0].rms_heldout_after > 5.0 * found.joints[0].rms_heldout_after
 
 
 def test_a_wave_of_the_level_is_found_with_its_period(identified) -> None:

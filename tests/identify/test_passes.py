@@ -99,7 +99,7 @@ def test_gravity_cancels_between_the_directions() -> None:
     assert points is not None
     truth = ARCTAN.along(points.speed * 101.0, ambient(points.speed.size), ARCTAN.pack(ELBOW_LAW)) * 101.0
     np.testing.assert_allclose(points.friction, truth, rtol=0.01)
-    assert np.max(np.abs(points.gravity)) > 0.5 * np.max(points.friction)  # what had to be cancelled
+    assert np.max(np.abs(points.load)) > 0.5 * np.max(points.friction)  # what had to be cancelled
     assert np.all(points.spread < 0.02 * points.friction)
 
 

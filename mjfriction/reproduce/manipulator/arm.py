@@ -15,6 +15,7 @@ from mjfriction.control.servo import Control
 from mjfriction.errors import LogError
 from mjfriction.identify.friction_map import FrictionMap, friction_maps
 from mjfriction.identify.map_fit import MapFit, arctan_procedure, fit_map, on_side
+from mjfriction.identify.pendulum import ByPendulum, by_pendulum
 from mjfriction.identify.phases import constant_speed_phases
 from mjfriction.identify.protocol import plan_passes, room
 from mjfriction.laws.ambient import ambient
@@ -25,7 +26,7 @@ from mjfriction.plant.motions import pick_and_place
 from mjfriction.plant.sensors import Recorder
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.record.log import CURRENT, Log
-from mjfriction.record.motion import estimate_motion
+from mjfriction.record.motion import Motion, estimate_motion
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.bandwidth import choose_cutoff
 from mjfriction.robot.effort import effort_per_reported
@@ -42,8 +43,6 @@ LINKS_OFF = 0.03  # of every link, that its mass and inertia lie beside what is 
 RATE = 500.0  # Hz of the logs
 BANDWIDTH = 20.0  # Hz of the arms' own control
 SLOW_AMPLITUDE, SLOW_FREQUENCY, SLOW_PERIODS = 0.25, 0.1, 2.0  # rad, Hz: the near-sinusoidal motion
-STIFFNESSES = np.geomspace(1e1, 1e6, 11)  # N·m/rad of the motor, that the dynamic law is tried with
-AS_GOOD = 1.01  # of the least error, up to which a stiffness explains the log as well
 
 
 @dataclass(frozen=True)
@@ -51,6 +50,8 @@ class JointFit:
     """What the passes gave for one joint, on the motor's side: its map, the Coulomb-viscous law, law (14) by least
     squares and by the document's procedure (None where friction does not fall), and the RMS, N·m, that the first two
     leave of new passes.
+
+    ``pendulum`` is its friction from passes one way, gravity taken away by pendulums, at the joint.
     """
 
     points: FrictionMap
@@ -59,6 +60,7 @@ class JointFit:
     static: MapFit
     procedure: MapFit | None
     checked: tuple[float, float]
+    pendulum: ByPendulum | None
 
 
 def stated_arm(name: str) -> Robot:
@@ -89,9 +91,10 @@ def classes(robot: Robot) -> list[str]:
 def identify_arm(name: str, seed: int = 0) -> list[JointFit]:
     """Run passes of every joint, identify its statics, and judge them on new passes at other speeds."""
     robot, out = stated_arm(name), []
-    fitted, checked = (
-        maps_of(record_passes(name, count, robot.joints, seed + k), robot) for k, count in enumerate((FITTED, CHECKED))
-    )
+    passes, others = (record_passes(name, count, robot.joints, seed + k) for k, count in enumerate((FITTED, CHECKED)))
+    fitted, checked = maps_of(passes, robot), maps_of(others, robot)
+    motion, torque = _efforts(passes, robot)
+    phases, body = constant_speed_phases(motion), robot.body()
     for i, joint in enumerate(robot.table.joint):
         ratio = joint.actuator.gear_ratio
         if i not in fitted or i not in checked:
@@ -102,7 +105,8 @@ def identify_arm(name: str, seed: int = 0) -> list[JointFit]:
         except LogError:
             procedure = None
         left = (_left(plain, checked[i], ratio), _left(static, checked[i], ratio))
-        out.append(JointFit(fitted[i], ratio, plain, static, procedure, left))
+        pendulum = by_pendulum(motion, torque[:, i], robot, body, phases, i)
+        out.append(JointFit(fitted[i], ratio, plain, static, procedure, left, pendulum))
     return out
 
 
@@ -117,10 +121,17 @@ def record_passes(name: str, count: int, joints: Sequence[str], seed: int, paylo
 
 def maps_of(log: Log, robot: Robot) -> dict[int, FrictionMap]:
     """Return the friction maps of a log of passes, by joint."""
+    motion, torque = _efforts(log, robot)
+    return {points.joint: points for points in friction_maps(motion, torque, constant_speed_phases(motion))}
+
+
+def _efforts(log: Log, robot: Robot) -> tuple[Motion, Floats]:
     motion = estimate_motion(log, robot.joints, choose_cutoff(log, robot, robot.body()))
-    worth = np.array([effort_per_reported(joint, CURRENT, robot.name) for joint in robot.table.joint])
-    found = friction_maps(motion, motion.torque * worth, constant_speed_phases(motion))
-    return {points.joint: points for points in found}
+    return motion, motion.torque * _per_ampere(robot)
+
+
+def _per_ampere(robot: Robot) -> Floats:
+    return np.array([effort_per_reported(joint, CURRENT, robot.name) for joint in robot.table.joint])
 
 
 def with_payload(robot: Robot, mass: float) -> Robot:
@@ -158,15 +169,6 @@ def with_laws(robot: Robot, law: str, values: list[dict[str, float]]) -> Robot:
     return robot
 
 
-def dynamic_values(fits: list[JointFit], stiffness: Floats, damping: Floats) -> list[dict[str, float]]:
-    """Return law (22) to (29) with the statics identified and bristles (joints,) given, N·m/rad and N·m·s/rad."""
-    kept = ("static", "stribeck_fall", "viscous", "viscous_bend", "stribeck_steepness")
-    return [
-        {**{name: fit.static.values[name] for name in kept}, "bristle_stiffness": float(k), "bristle_damping": float(d)}
-        for fit, k, d in zip(fits, stiffness, damping, strict=True)
-    ]
-
-
 def slow_sine(robot: Robot) -> Trajectory:
     """Return the near-sinusoidal motion of all joints, each at its own phase."""
     middle, reach = room(robot.body())
@@ -197,8 +199,7 @@ def currents_told(robot: Robot, trajectory: Trajectory, log: Log, *, friction: b
     torque = feedforward_rigid(robot, "dynamics", course)
     if friction:
         torque = torque + feedforward_friction(robot, "law", course, step)
-    worth = np.array([effort_per_reported(joint, CURRENT, robot.name) for joint in robot.table.joint])
-    return np.asarray(torque / worth)
+    return np.asarray(torque / _per_ampere(robot))
 
 
 def currents_measured(log: Log, robot: Robot) -> Floats:

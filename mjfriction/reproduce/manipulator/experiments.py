@@ -7,17 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mjfriction.identify.bristle_fit import BristleFit, fit_bristle
 from mjfriction.laws.law import Floats
+from mjfriction.laws.lugre_arctan import LUGRE_ARCTAN
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.record.log import Log
 from mjfriction.reproduce.manipulator.arm import (
-    AS_GOOD,
-    STIFFNESSES,
     JointFit,
     classes,
     currents_measured,
     currents_told,
-    dynamic_values,
     identify_arm,
     record,
     slow_sine,
@@ -28,7 +27,6 @@ from mjfriction.reproduce.manipulator.arm import (
 from mjfriction.reproduce.manipulator.load import LoadExtension, load_extension
 from mjfriction.robot.robot import Robot
 
-DAMPING_TIME = 1.9e-3  # s, σ₁/σ₀ of the document's first joint
 LAWS = ("Coulomb-viscous", "static law", "dynamic law")
 STEPS = 4  # of an arm's experiments
 
@@ -52,14 +50,14 @@ class Told:
 
 @dataclass(frozen=True)
 class Arm:
-    """One arm's experiments: fits by joint, the bristle stiffnesses that explain the slow motion as well as any, what
+    """One arm's experiments: fits by joint, the bristles that the slow motion tells, what
     a payload adds, and the currents of both motions.
     """
 
     name: str
     classes: list[str]
     fits: list[JointFit]
-    stiffness: list[tuple[float, float]]
+    bristles: list[BristleFit]
     loads: list[LoadExtension]
     slow: Told
     work: Told
@@ -73,19 +71,18 @@ def run_arm(name: str, begin: Callable[[str], None], seed: int) -> Arm:
     begin(f"{name}: near-sinusoidal motion")
     trajectory = slow_sine(robot)
     log = record(name, trajectory, seed + 10)
-    stiffness = _stiffnesses(robot, fits, trajectory, log)
+    bristles = _bristles(robot, fits, trajectory, log)
     begin(f"{name}: pick and place")
     other = work(robot)
-    best = np.array([pair[1] for pair in stiffness])
     models = {
         LAWS[0]: with_laws(robot, "coulomb_viscous", [fit.coulomb_viscous.values for fit in fits]),
         LAWS[1]: with_laws(robot, "arctan", [fit.static.values for fit in fits]),
-        LAWS[2]: with_laws(robot, "lugre_arctan", dynamic_values(fits, best, DAMPING_TIME * best)),
+        LAWS[2]: with_laws(robot, "lugre_arctan", [fit.together for fit in bristles]),
     }
     slow = _told(models, trajectory, log)
     worked = _told(models, other, record(name, other, seed + 11))
     begin(f"{name}: passes with its payload")
-    return Arm(name, classes(robot), fits, stiffness, load_extension(name, fits, seed + 20), slow, worked)
+    return Arm(name, classes(robot), fits, bristles, load_extension(name, seed + 20), slow, worked)
 
 
 def _told(models: dict[str, Robot], trajectory: Trajectory, log: Log) -> Told:
@@ -97,18 +94,14 @@ def _told(models: dict[str, Robot], trajectory: Trajectory, log: Log) -> Told:
     return Told(log.time, speed, currents_measured(log, robot), links, by)
 
 
-def _stiffnesses(robot: Robot, fits: list[JointFit], trajectory: Trajectory, log: Log) -> list[tuple[float, float]]:
-    # With the statics held, each joint's error for every stiffness: the least one that explains the slow motion as well
-    # as any, and the best.
-    measured = currents_measured(log, robot)
-    errors = []
-    for stiffness in STIFFNESSES.tolist():
-        own = np.full(len(fits), stiffness)
-        model = with_laws(robot, "lugre_arctan", dynamic_values(fits, own, DAMPING_TIME * own))
-        told = currents_told(model, trajectory, log)
-        errors.append(np.sqrt(np.mean(np.square(measured - told), axis=0)))
+def _bristles(robot: Robot, fits: list[JointFit], trajectory: Trajectory, log: Log) -> list[BristleFit]:
+    # Simulated along the wanted motion, as the document's simulator does: the machine's own jitter is not to be fitted.
+    left = currents_measured(log, robot) - currents_told(robot, trajectory, log, friction=False)
+    step, speed = float(np.median(np.diff(log.time))), trajectory.at(log.time)[1]
     out = []
-    for column in np.array(errors).T:
-        good = STIFFNESSES[column <= AS_GOOD * np.min(column)]
-        out.append((float(good[0]), float(STIFFNESSES[int(np.argmin(column))])))
+    for i, (joint, fit) in enumerate(zip(robot.table.joint, fits, strict=True)):
+        constant, ratio = joint.actuator.torque_constant, joint.actuator.gear_ratio
+        assert constant is not None
+        course = ratio * speed[:, i], constant * left[:, i]
+        out.append(fit_bristle(LUGRE_ARCTAN, fit.static, fit.points, "motor", ratio, *course, step))
     return out

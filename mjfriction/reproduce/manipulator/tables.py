@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from mjfriction.reproduce.manipulator.arm import (
-    ARMS,
-    stated_arm,
-)
+import numpy as np
+
+from mjfriction.body.gravity_pose import GravityClass
+from mjfriction.identify.bristle_fit import BRISTLE
+from mjfriction.reproduce.manipulator.arm import ARMS, stated_arm
 from mjfriction.reproduce.manipulator.experiments import LAWS, Arm, Told
 from mjfriction.reproduce.outcome import Row, Table
 
@@ -28,8 +29,6 @@ PRINTED_CURRENT = (
     (0.28456245, 0.20124577),
 )
 """Table 4: RMS of currents with Coulomb-viscous and with the dynamic law, A."""
-
-PRINTED_STIFFNESS = (765500.0, 795920.0, 398901.0, 31129.0, 297090.0, 8973.0)
 
 
 def gravity_classes(arms: list[Arm]) -> Table:
@@ -60,34 +59,73 @@ def static_parameters(arm: Arm) -> Table:
     )
 
 
-def stiffness_found(arm: Arm) -> Table:
-    """Return the bristle stiffnesses that a slow motion tells."""
-    printed = PRINTED_STIFFNESS if arm.name == ARMS[0] else (None,) * len(arm.fits)
-    rows = tuple(
-        Row(f"J{i + 1}", (least, best, value))
-        for i, ((least, best), value) in enumerate(zip(arm.stiffness, printed, strict=True))
-    )
+def bristles_found(arm: Arm) -> Table:
+    """Return the bristles that the near-sinusoidal motion tells, beside what is true."""
+    rows, truth = [], stated_arm(arm.name)
+    for i, fit in enumerate(arm.bristles):
+        (law,) = truth.table.joint[i].friction or ()
+        cells = [
+            cell for name in BRISTLE for cell in (fit.values[name], fit.together[name], fit.half[name], law.value(name))
+        ]
+        rows.append(Row(f"J{i + 1}", (*cells, *(1e3 * left for left in fit.rms))))
+    true = "printed" if arm.name == ARMS[0] else "stated"
     return Table(
-        f"{arm.name}: Table 2, bristle stiffness from the near-sinusoidal motion, statics held",
-        ("as good from, N·m/rad", "best of those tried", "printed"),
-        rows,
-        "Within 1 % of the least error. Where the first column lies far below the last, the log does not tell the "
-        "stiffness.",
+        f"{arm.name}: Table 2, bristles from the near-sinusoidal motion",
+        (
+            *("σ₀ N·m/rad, statics held", "σ₀ all together", "± 95 %", f"σ₀ {true}"),
+            *("σ₁ N·m·s/rad, statics held", "σ₁ all together", "± 95 % ", f"σ₁ {true}"),
+            *("mN·m left by the statics", "with the bristle", "by all together"),
+        ),
+        tuple(rows),
+        "By the error of the friction simulated along the wanted motion, statics from the passes held; then all "
+        "together to the motion and the passes. Where an interval is wider than its value, the log does not tell it.",
     )
+
+
+def pendulums(arms: list[Arm]) -> Table:
+    """Return what gravity as a pendulum's gets wrong, beside what forward and backward passes leave."""
+    rows = tuple(Row(name, (*apart, spread)) for name, apart, spread in loaded_pendulums(arms))
+    return Table(
+        "Gravity by a pendulum, N·m of the motor",
+        ("pendulum of the model", "pendulum by least squares", "forward and backward"),
+        rows,
+        "By how much friction of passes forward and of passes backward differ, half of it, once a pendulum's gravity "
+        "is taken away; and the standard error of half their difference, in which gravity cancels by itself.",
+    )
+
+
+def loaded_pendulums(arms: list[Arm]) -> list[tuple[str, tuple[float, float], float]]:
+    """Return, for every joint that gravity loads, what both pendulums get wrong and the standard error of passes both
+    ways, N·m of the motor.
+    """
+    out = []
+    for arm in arms:
+        for i, fit in enumerate(arm.fits):
+            if fit.pendulum is not None and arm.classes[i] != GravityClass.NEVER.value:
+                model, fitted = (fit.pendulum.apart / abs(fit.ratio)).tolist()
+                spread = float(np.sqrt(np.mean(np.square(fit.points.error)))) / abs(fit.ratio)
+                out.append((f"{arm.name}, joint {i + 1}", (model, fitted), spread))
+    return out
 
 
 def load_found(arms: list[Arm]) -> Table:
     """Return what a payload adds to friction, beside what is true."""
-    rows = [
-        Row(f"{arm.name}, joint {own.joint + 1}", (*own.load, *own.static, *own.fall))
-        for arm in arms
-        for own in arm.loads
-    ]
+    rows = []
+    for arm in arms:
+        for own in arm.loads:
+            found, half = own.found.values, own.found.half
+            cells = [
+                cell
+                for name, true in (("static_load", own.static), ("fall_load", own.fall))
+                for cell in (found[name], half[name], true)
+            ]
+            rows.append(Row(f"{arm.name}, joint {own.joint + 1}", (*own.load, *cells)))
     return Table(
         "Extension (30) to (32): what each N·m of load adds, from passes without and with the rated payload",
-        ("load N·m", "with payload", "τ_s,m", "true ", "τ_sc,m", "true"),
+        ("load N·m", "with payload", "τ_s,m", "± 95 %", "true", "τ_sc,m", "± 95 % ", "true "),
         tuple(rows),
-        "On the motor's side. The document found the relation to be about linear and printed no figures.",
+        "On the motor's side, law arctan_load fitted to one map of both runs; the load is half the sum of passes "
+        "forward and backward. The document found the relation to be about linear and printed no figures.",
     )
 
 

@@ -1,0 +1,115 @@
+"""What a bristle adds to a law's statics, by the error of the friction simulated along a motion.
+
+The manipulator paper's order (Indri and others, section IV): statics from passes are held while the bristle is fitted;
+then all is fitted together, to the motion and to the passes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import OptimizeResult, least_squares
+from scipy.stats import t as student
+
+from mjfriction.identify.coordinates import Coordinates
+from mjfriction.identify.friction_map import FrictionMap
+from mjfriction.identify.map_fit import MapFit, on_side
+from mjfriction.identify.problem import Side
+from mjfriction.laws.ambient import ambient
+from mjfriction.laws.law import Floats, Law
+
+TRAVELS = np.geomspace(1e-7, 1e-1, 13)  # of the level over the stiffness, to begin from, rad or m
+RELAXED = (1e-3, 5e-3, 2.5e-2)  # s, σ₁ over σ₀ to begin from
+STARTS = 4  # the best of these, that fits begin from
+MOST_ROUNDS = 60
+DIFFERENCE = 1e-4  # of a coordinate, for slopes
+BRISTLE = ("bristle_stiffness", "bristle_damping")
+
+
+@dataclass(frozen=True)
+class BristleFit:
+    """A law with a bristle, on its side: its ``values`` with the statics held and with all fitted ``together``, and the
+    95 % half-widths of the ``together`` by name.
+
+    ``rms`` is what is left of the motion's friction by the statics alone, with the bristle, and by all together.
+    """
+
+    law: Law
+    values: dict[str, float]
+    together: dict[str, float]
+    half: dict[str, float]
+    rms: tuple[float, float, float]
+
+
+def fit_bristle(
+    law: Law,
+    statics: MapFit,
+    points: FrictionMap,
+    side: Side,
+    gear_ratio: float,
+    speed: Floats,
+    friction: Floats,
+    step: float,
+) -> BristleFit:
+    """Fit a law's bristle to the ``friction`` (n,) along a motion of ``speed`` (n,), both on the law's side, whose
+    samples lie ``step`` seconds apart.
+
+    ``statics`` are those of the law's sibling, fitted to the passes ``points``.  Half-widths count as many independent
+    errors as the motion turns and the passes have speeds, for what a law leaves of a motion is coloured.
+    """
+    names = [parameter.name for parameter in law.parameters]
+    around = ambient(speed.size)
+    of_pass, level, error = on_side(points, side, gear_ratio)
+    at_passes = ambient(of_pass.size)
+    held = {name: value for name, value in statics.values.items() if name in names}
+
+    def missed(values: dict[str, float]) -> Floats:
+        return friction - law.follow(speed, around, step, law.pack(values))[0]
+
+    travels = float(np.max(np.abs(friction))) / TRAVELS
+    begin = [{**held, **dict(zip(BRISTLE, (k, k * s), strict=True))} for k in travels.tolist() for s in RELAXED]
+    errors = np.array([_rms(missed(values)) for values in begin])
+    alone = Coordinates(law, BRISTLE, held)
+    tried = [_fitted(alone, begin[k], missed) for k in np.argsort(errors, kind="stable")[:STARTS]]
+    found = alone.told(min(tried, key=lambda fit: fit.cost).x)
+    left = _rms(missed({**held, **found}))
+    stiff = dict(zip(BRISTLE, (float(travels[0]), 0.0), strict=True))
+    turns = max(2, int(np.count_nonzero(np.diff(np.sign(speed)))))
+    # A motion's thousands of samples say no more than its turns do: passes and motion by what each is worth.
+    weigh = np.sqrt(turns / speed.size) / left
+
+    def both(values: dict[str, float]) -> Floats:
+        told = law.along(of_pass, at_passes, law.pack(values))
+        return np.concatenate([weigh * missed(values), (level - told) / np.maximum(error, statics.rms)])
+
+    whole = Coordinates(law, tuple(names), {})
+    last = _fitted(whole, {**held, **found}, both)
+    together = whole.told(last.x)
+    freedoms = max(1, turns + of_pass.size - len(names))
+    scatter = max(1.0, 2.0 * float(last.cost) / freedoms)
+    turned = whole.slopes(last.x)
+    size = np.maximum(np.linalg.norm(last.jac, axis=0), 1e-300)
+    spread = scatter * (turned / size) @ np.linalg.pinv((last.jac / size).T @ (last.jac / size)) @ (turned / size).T
+    half = float(student.ppf(0.975, freedoms)) * np.sqrt(np.maximum(np.diag(spread), 0.0))
+    rms = (_rms(missed({**held, **stiff})), left, _rms(missed(together)))
+    return BristleFit(law, {**held, **found}, together, dict(zip(together, half.tolist(), strict=True)), rms)
+
+
+def _fitted(
+    coordinates: Coordinates, start: dict[str, float], left: Callable[[dict[str, float]], Floats]
+) -> OptimizeResult:
+    bounds = coordinates.bounds()
+    begin = np.clip(coordinates.vector(start), np.nextafter(bounds[0], np.inf), np.nextafter(bounds[1], -np.inf))
+
+    def values(x: Floats) -> dict[str, float]:
+        return {**coordinates.fixed, **coordinates.told(x)}
+
+    return least_squares(
+        lambda x: left(values(x)), begin, bounds=bounds, x_scale="jac", diff_step=DIFFERENCE, max_nfev=MOST_ROUNDS
+    )
+
+
+def _rms(values: Floats) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
