@@ -74,6 +74,9 @@ def test_the_documents_orders_come_out_at_any_number_of_processes(tmp_path: Path
         "On parsimony model 3 is chosen over model 2.",
         "Friction is larger in retraction than in extension.",
         "Sharp switching makes the control chatter, smooth switching cures it.",
+        "Along the near-sinusoidal motion the dynamic law tells the currents of every joint better.",
+        "What a payload adds to friction comes out of passes without it and with it.",
+        "Where gravity loads a joint, the model's pendulum tells its friction worse than passes both ways.",
         "At every joint the static law fits new passes better than Coulomb and viscous friction.",
     ):
         assert claims[sentence], sentence

@@ -51,7 +51,8 @@ class JointFit:
     squares and by the document's procedure (None where friction does not fall), and the RMS, N·m, that the first two
     leave of new passes.
 
-    ``pendulum`` is its friction from passes one way, gravity taken away by pendulums, at the joint.
+    ``off`` is how far friction is from the machine's own, RMS over the speeds, N·m: from passes one way with gravity
+    taken away as the stated model's pendulum and as a fitted one, and from passes both ways.
     """
 
     points: FrictionMap
@@ -60,7 +61,7 @@ class JointFit:
     static: MapFit
     procedure: MapFit | None
     checked: tuple[float, float]
-    pendulum: ByPendulum | None
+    off: tuple[float, float, float]
 
 
 def stated_arm(name: str) -> Robot:
@@ -106,7 +107,8 @@ def identify_arm(name: str, seed: int = 0) -> list[JointFit]:
             procedure = None
         left = (_left(plain, checked[i], ratio), _left(static, checked[i], ratio))
         pendulum = by_pendulum(motion, torque[:, i], robot, body, phases, i)
-        out.append(JointFit(fitted[i], ratio, plain, static, procedure, left, pendulum))
+        off = _off_truth(name, fitted[i], pendulum)
+        out.append(JointFit(fitted[i], ratio, plain, static, procedure, left, off))
     return out
 
 
@@ -159,6 +161,27 @@ def _left(fit: MapFit, points: FrictionMap, ratio: float) -> float:
     speed, friction, _ = on_side(points, "motor", ratio)
     told = fit.law.along(speed, ambient(speed.size), fit.law.pack(fit.values))
     return float(np.sqrt(np.mean(np.square(friction - told))))
+
+
+def _off_truth(name: str, points: FrictionMap, pendulum: ByPendulum | None) -> tuple[float, float, float]:
+    joint = true_arm(name).table.joint[points.joint]
+    ratio = joint.actuator.gear_ratio
+    (own,) = [term.friction(ratio) for term in joint.friction or ()]
+
+    def off(speed: Floats, friction: Floats) -> Floats:
+        load = np.interp(speed, points.speed, points.load)
+        return np.asarray(friction - own.steady(speed, ambient(speed.size, load=load))) / abs(ratio)
+
+    ways = [] if pendulum is None else [pendulum.forward_friction, pendulum.backward_friction]
+    speeds = [] if pendulum is None else [pendulum.forward, pendulum.backward]
+    model, fitted = (
+        np.concatenate([off(speed, way[:, k]) for speed, way in zip(speeds, ways, strict=True)] or [np.full(1, np.nan)])
+        for k in range(2)
+    )
+    model_off, fitted_off, both_off = (
+        float(np.sqrt(np.mean(np.square(own)))) for own in (model, fitted, off(points.speed, points.friction))
+    )
+    return model_off, fitted_off, both_off
 
 
 def with_laws(robot: Robot, law: str, values: list[dict[str, float]]) -> Robot:

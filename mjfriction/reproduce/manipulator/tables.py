@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from mjfriction.body.gravity_pose import GravityClass
 from mjfriction.identify.bristle_fit import BRISTLE
 from mjfriction.reproduce.manipulator.arm import ARMS, stated_arm
@@ -83,29 +81,22 @@ def bristles_found(arm: Arm) -> Table:
 
 
 def pendulums(arms: list[Arm]) -> Table:
-    """Return what gravity as a pendulum's gets wrong, beside what forward and backward passes leave."""
-    rows = tuple(Row(name, (*apart, spread)) for name, apart, spread in loaded_pendulums(arms))
+    """Return how far friction is from the machine's own with gravity taken away as a pendulum's, and by passes both
+    ways, at the joints that gravity loads.
+    """
+    rows = tuple(
+        Row(f"{arm.name}, joint {i + 1}", tuple(1e3 * own for own in fit.off))
+        for arm in arms
+        for i, fit in enumerate(arm.fits)
+        if arm.classes[i] != GravityClass.NEVER.value
+    )
     return Table(
-        "Gravity by a pendulum, N·m of the motor",
+        "Friction with gravity taken away in three ways: RMS off the machine's own, mN·m of the motor",
         ("pendulum of the model", "pendulum by least squares", "forward and backward"),
         rows,
-        "By how much friction of passes forward and of passes backward differ, half of it, once a pendulum's gravity "
-        "is taken away; and the standard error of half their difference, in which gravity cancels by itself.",
+        "Gravity of these simulated links is a pendulum's, so that a fitted one takes it away as well as passes both "
+        "ways do; that of a machine also has hoses and balancers in it.",
     )
-
-
-def loaded_pendulums(arms: list[Arm]) -> list[tuple[str, tuple[float, float], float]]:
-    """Return, for every joint that gravity loads, what both pendulums get wrong and the standard error of passes both
-    ways, N·m of the motor.
-    """
-    out = []
-    for arm in arms:
-        for i, fit in enumerate(arm.fits):
-            if fit.pendulum is not None and arm.classes[i] != GravityClass.NEVER.value:
-                model, fitted = (fit.pendulum.apart / abs(fit.ratio)).tolist()
-                spread = float(np.sqrt(np.mean(np.square(fit.points.error)))) / abs(fit.ratio)
-                out.append((f"{arm.name}, joint {i + 1}", (model, fitted), spread))
-    return out
 
 
 def load_found(arms: list[Arm]) -> Table:
