@@ -30,7 +30,8 @@ bench: $(READY)
 	$(BIN)/python -m scripts.hidden_effects --cases 200 --beside 60
 	$(BIN)/python -m scripts.five_cases
 	$(BIN)/python -m scripts.long_logs
-	test -z "$$MJFRICTION_DATA" || { $(BIN)/python -m scripts.identify_peers && $(BIN)/python -m scripts.real_case; }
+	test -z "$$MJFRICTION_DATA" || { $(BIN)/python -m scripts.identify_peers && $(BIN)/python -m scripts.real_case && \
+	  $(BIN)/python -m scripts.real_machines; }
 
 # The lock carries hashes and no index address: pip takes the packages from wherever this machine is set up to.
 $(READY): requirements.lock pyproject.toml

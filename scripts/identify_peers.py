@@ -29,13 +29,14 @@ from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
 from scripts.marked import write_marked
-from scripts.real_runs import open_loop_error, xl330, xl330_error, xl330_log
+from scripts.real_runs.emps import open_loop_error
+from scripts.real_runs.xl330 import PUBLISHED, xl330, xl330_error, xl330_log
 from scripts.sysid_baseline import fit, fitted_robot
 
 ROUNDS = 3  # of every fit, the quickest counts
 EMPS_KINDS = ("damping", "frictionloss", "mass", "zero")
 TRIALS, TRIAL = 100_000, 0.033  # BAM's default, and the least seconds that one trial was measured to take
-PUBLISHED = 0.048  # rad of position error, of BAM's model with friction that grows with the load
+EMPS_TIMES, BAM_TIMES, PROTOCOL_SECONDS = 10.0, 100.0, 10.0  # held to, of the peers' seconds and in seconds
 SPEEDS, PROTOCOL_RATE = 12, 125.0  # of every joint's passes, and Hz of their log
 
 
@@ -96,12 +97,12 @@ def bam(data: Path) -> list[Fit]:
 
 @dataclass(frozen=True)
 class Protocol:
-    """Passes of all joints of an arm: how long the log is, s, the seconds of its identification, and how far the levels
-    are off at most, relative.
+    """Passes of all joints of an arm: how long the log is, s, and the seconds of its identification ``by`` law; how far
+    the Coulomb-viscous levels are off at most, relative.
     """
 
     length: float
-    seconds: float
+    by: dict[str, float]
     missed: float
 
 
@@ -111,13 +112,16 @@ def protocol() -> Protocol:
     trajectory = plan_passes(robot, robot.joints, count=SPEEDS).trajectory
     columns = simulate(robot, trajectory, recorder=Recorder(PROTOCOL_RATE), seed=1)
     log = log_from_table(pa.table(columns), "passes")
-    seconds, found = _quickest(lambda: identify_log(log, robot, law="coulomb_viscous").robot)
+    by, robots = {}, {}
+    for name, law in (("coulomb_viscous", "coulomb_viscous"), ("arctan", "arctan"), ("the law each needs", None)):
+        by[name], robots[name] = _quickest(lambda law=law: identify_log(log, robot, law=law).robot)
+    found = robots["coulomb_viscous"]
     levels = [
         (own.friction[0].value("coulomb"), stated.friction[0].value("coulomb"))
         for own, stated in zip(found.table.joint, robot.table.joint, strict=True)
         if own.friction and stated.friction
     ]
-    return Protocol(float(log.time[-1]), seconds, max(abs(own / stated - 1.0) for own, stated in levels))
+    return Protocol(float(log.time[-1]), by, max(abs(own / stated - 1.0) for own, stated in levels))
 
 
 def _quickest(way: Callable[[], Robot]) -> tuple[float, Robot]:
@@ -129,9 +133,8 @@ def _quickest(way: Callable[[], Robot]) -> tuple[float, Robot]:
     return min(spent), robot
 
 
-def words(data: Path) -> str:
+def words(axis: list[Fit], servo: list[Fit], passes: Protocol) -> str:
     """Return what came out, as a section of a page."""
-    axis, servo, passes = emps(data), bam(data), protocol()
     lines = ["| tool | fit | position error | force error |", "|---|---:|---:|---:|"]
     lines += [
         f"| {one.tool} | {one.seconds / axis[0].seconds:.3g} times | {1e3 * one.position:.2f} mm | "
@@ -150,10 +153,36 @@ is {PUBLISHED} rad off over all runs; its default search of {TRIALS} trials, at 
 that one takes, would last {servo[1].seconds / seconds[1]:.0f} times as long.
 
 Passes of all six joints of a UR5 at {SPEEDS} speeds, {passes.length / 60:.0f} min of log at {PROTOCOL_RATE:.0f} Hz:
-identified in {passes.seconds:.1f} s, the levels within {100 * passes.missed:.2g} %."""
+identified in {passes.by["coulomb_viscous"]:.1f} s as `coulomb_viscous`, the levels within {100 * passes.missed:.2g} %;
+in {passes.by["arctan"]:.1f} s as `arctan`, and in {passes.by["the law each needs"]:.1f} s with each joint the law it
+needs."""
+
+
+def fallen_short(axis: list[Fit], servo: list[Fit], passes: Protocol) -> list[str]:
+    """Return in what the fits are slower or worse than they are held to be."""
+    own, toolbox = axis[0], axis[1:]
+    short = []
+    if min(other.seconds for other in toolbox) < EMPS_TIMES * own.seconds:
+        short.append(f"EMPS: not {EMPS_TIMES:.0f} times as fast as mujoco.sysid")
+    if own.position > min(other.position for other in toolbox) and own.force > min(other.force for other in toolbox):
+        short.append("EMPS: a test error above that of mujoco.sysid")
+    if servo[1].seconds < BAM_TIMES * servo[0].seconds or servo[0].position > PUBLISHED:
+        short.append(f"XL330: not {BAM_TIMES:.0f} times as fast as BAM, or an error above its published")
+    if max(passes.by["coulomb_viscous"], passes.by["arctan"]) > PROTOCOL_SECONDS:
+        short.append(f"six-axis passes: not within {PROTOCOL_SECONDS:.0f} s")
+    return short
+
+
+def main() -> None:
+    data = Path(os.environ["MJFRICTION_DATA"])
+    came = emps(data), bam(data), protocol()
+    told = words(*came)
+    write_marked(Path(__file__).resolve().parent.parent / "docs/identification.md", "peers", told)
+    print(told)
+    short = fallen_short(*came)
+    if short:
+        raise SystemExit("; ".join(short))
 
 
 if __name__ == "__main__":
-    told = words(Path(os.environ["MJFRICTION_DATA"]))
-    write_marked(Path(__file__).resolve().parent.parent / "docs/identification.md", "peers", told)
-    print(told)
+    main()

@@ -132,3 +132,27 @@ def test_every_law_can_be_fitted(law: str, short, tmp_path: Path) -> None:
     (error,) = found.joints
     # Plain friction is in each of them, so that none may do worse than the stated one, which is half of what it was.
     assert error.rms_heldout_after < 0.8 * error.rms_before
+
+
+@pytest.mark.bench
+def test_six_joints_that_were_read_coarsely_are_brought_back_to_the_log(tmp_path: Path) -> None:
+    # Encoders of a step of 0.3 degrees: nothing of an acceleration is left, but where efforts lead still is.
+    stated = read_robot("ur5")
+    machine = stated
+    for joint in stated.table.joint:
+        (term,) = joint.friction or ()
+        more = {name: 1.3 * term.value(name) for name in term.parameters}
+        sensor = joint.position_sensor.model_copy(update={"resolution": 0.005})
+        term = term.model_copy(update={"parameters": more})
+        machine = machine.with_joint(joint.model_copy(update={"friction": (term,), "position_sensor": sensor}))
+    middle = np.array([0.0, -1.2, 1.2, -0.5, 0.5, 0.0])
+    motion = excitation(stated.joints, middle, np.full(6, 0.8), np.full(6, 1.5), 30.0, seed=4)
+    log = log_from_table(pa.table(simulate(machine, motion, recorder=Recorder(250.0), seed=1)), "six")
+    found = identify_log(log, stated, law="coulomb_viscous", links=False, simulated=0.5)
+    assert found.simulated is not None
+    assert np.all(found.simulated.after < found.simulated.before)
+    for law, joint in zip(found.laws, machine.table.joint, strict=True):
+        (term,) = joint.friction or ()
+        for fitted in law.parameters:
+            assert fitted.low < term.value(fitted.name) < fitted.high, (law.joint, fitted)
+            assert fitted.value == pytest.approx(term.value(fitted.name), rel=0.1), (law.joint, fitted)

@@ -10,8 +10,7 @@ import pytest
 from mjfriction.identify.identification import identify_log
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
-from scripts.real_runs import open_loop_error
-from tests.real.test_machines import relative_error
+from scripts.real_runs.emps import force_error, open_loop_error
 
 
 def test_the_published_four_parameters_are_found(data: Path) -> None:
@@ -52,6 +51,6 @@ def test_open_loop_position_on_the_other_run(data: Path) -> None:
     ids=["four", "directions"],
 )
 def test_force_errors_are_those_published_for_the_law(law: str, published: tuple[float, float], data: Path) -> None:
-    runs = [data / f"emps/{run}.parquet" for run in ("estimation", "pulses")]
-    found = identify_log(read_log(runs[0]), read_robot(data / "emps/robot.toml"), law=law)
-    assert [relative_error(run, found.robot) for run in runs] == pytest.approx(published, abs=0.3)
+    runs = [read_log(data / f"emps/{run}.parquet") for run in ("estimation", "pulses")]
+    found = identify_log(runs[0], read_robot(data / "emps/robot.toml"), law=law)
+    assert [force_error(run, found.robot) for run in runs] == pytest.approx(published, abs=0.3)

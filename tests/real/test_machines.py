@@ -6,8 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pyarrow import parquet
-from scipy.signal import decimate
 
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis
@@ -15,23 +13,16 @@ from mjfriction.identify.identification import identify_log
 from mjfriction.record.log import Log
 from mjfriction.record.merge import merge_logs
 from mjfriction.record.readers import read_log
-from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot, write_robot
-from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import EffortSensor
+from scripts.real_runs.emps import force_error
+from scripts.real_runs.ur10 import BASE_PARAMETERS, STRUCTURES, parts, relative_errors
 
 
 @pytest.fixture(scope="module")
 def estimation(data: Path) -> Diagnosis:
     return diagnose_log(read_log(data / "emps/estimation.parquet"), read_robot(data / "emps/robot.toml"))
-
-
-def relative_error(log_path: Path, robot: Robot) -> float:
-    """100·‖y − ŷ‖/‖y‖ of the force, decimated by ten as the data set's authors do."""
-    log = read_log(log_path)
-    measured, predicted = (decimate(values["effort.axis"], 10) for values in (log.columns, predict_log(log, robot)))
-    return float(100.0 * np.linalg.norm(measured - predicted) / np.linalg.norm(measured))
 
 
 def test_the_directions_differ_and_there_is_no_stribeck(estimation: Diagnosis) -> None:
@@ -56,9 +47,9 @@ def test_error_falls_on_the_held_out_part(estimation: Diagnosis) -> None:
 def test_force_error_is_the_published_one(
     run: str, published: float, estimation: Diagnosis, data: Path, tmp_path: Path
 ) -> None:
-    log = data / f"emps/{run}.parquet"
-    stated = relative_error(log, read_robot(data / "emps/robot.toml"))
-    extended = relative_error(log, read_robot(write_robot(estimation.robot, tmp_path)))
+    log = read_log(data / f"emps/{run}.parquet")
+    stated = force_error(log, read_robot(data / "emps/robot.toml"))
+    extended = force_error(log, read_robot(write_robot(estimation.robot, tmp_path)))
     assert extended < stated - 2.0
     # It may be better, on the run it was not fitted to as well: in both the force leads the motion by less than a
     # sample and friction takes a quarter of a millimetre to turn over, which the published model does not know.
@@ -86,17 +77,7 @@ def test_friction_drifts_between_the_two_runs(data: Path) -> None:
 
 @pytest.fixture(scope="module")
 def ur10_parts(data: Path) -> tuple[Log, Log]:
-    """The first 60 % of the UR10's log, and the rest."""
-    table = parquet.read_table(data / "ur10/exciting.parquet")
-    part = int(0.6 * table.num_rows)
-    return log_from_table(table.slice(0, part), "first"), log_from_table(table.slice(part), "rest")
-
-
-def relative_errors(log: Log, robot: Robot) -> np.ndarray:
-    """100·‖y − ŷ‖/‖y‖ of every joint's effort as it was reported."""
-    predicted = predict_log(log, robot)
-    pairs = [(log.columns[f"effort.{joint}"], predicted[f"effort.{joint}"]) for joint in robot.joints]
-    return np.array([100.0 * np.linalg.norm(y - own) / np.linalg.norm(y) for y, own in pairs])
+    return parts(data)
 
 
 def test_a_ur10_that_is_wrong_everywhere_is_predicted_on_motion_not_fitted(
@@ -105,13 +86,11 @@ def test_a_ur10_that_is_wrong_everywhere_is_predicted_on_motion_not_fitted(
     first, rest = ur10_parts
     stated = read_robot(data / "ur10/robot.toml")
     assert np.all(relative_errors(rest, stated) > 30.0)
-    structures = {"shoulder_pan_joint": "saturating_viscous", "shoulder_lift_joint": "load_dependent"}
-    best = identify_log(first, stated, law=structures)
+    best = identify_log(first, stated, law=STRUCTURES)
     errors = relative_errors(rest, best.robot)
     assert errors[0] < 6.0
     assert errors[1] < 4.0
-    # Base parameters with Coulomb and viscous friction at every joint, as others fitted them to this log.
-    assert np.all(errors[:4] < [15.2, 6.2, 5.4, 11.6])
+    assert np.all(errors[:4] < BASE_PARAMETERS[:4])
     # What the drives leave of an effort is part of that.
     plain = [joint.model_copy(update={"effort_sensor": EffortSensor()}) for joint in best.robot.table.joint]
     sharp = Robot(best.robot.table.model_copy(update={"joint": tuple(plain)}), best.robot.folder)
@@ -133,8 +112,7 @@ def test_a_ur10_is_told_to_be_wrong_everywhere_and_what_is_told_of_it_holds_on_t
         "wrist_2_joint",
         "wrist_3_joint",
     }
-    # Base parameters with Coulomb and viscous friction at every joint, as others fitted them to this part.
-    assert np.all(relative_errors(rest, diagnosis.robot) < [15.2, 6.2, 5.4, 11.6, 12.6, 32.4])
+    assert np.all(relative_errors(rest, diagnosis.robot) < BASE_PARAMETERS)
 
 
 def test_the_efforts_of_the_ur10_are_compared_below_their_filter(data: Path) -> None:

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet
 import pytest
 
 from mjfriction.diagnose.causes.cause import Site
@@ -20,48 +17,13 @@ from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.identification import identify_log
-from mjfriction.record.log import Log
-from mjfriction.record.readers.table import log_from_table
-from mjfriction.robot.files import read_robot
-from mjfriction.robot.robot import Robot
-
-JOINTS = tuple(f"joint_{i}" for i in range(1, 7))
-RATIO = np.array([32.0, 32.0, 45.0, -48.0, 45.0, 32.0])
-ZERO = np.array([-np.pi, -np.pi / 2.0, np.pi / 2.0, 0.0, 0.0, np.pi])
-COULOMB = (7.14, 8.26, 6.34, 2.48, 3.03, 0.282)
-VISCOUS = (8.05, 5.53, 1.97, 1.11, 1.86, 0.65)
-ROTOR = (0.362, 0.362, 0.0988, 0.0313, 0.0468, 0.0105)  # kg·m² at the joint
-
-
-def on_joint_side(data: Path) -> Log:
-    table = pyarrow.parquet.read_table(data / "tx40/motor_side.parquet")
-    turns = np.diag(RATIO)
-    turns[5, 4] = RATIO[5]
-    motor = np.column_stack([table[f"motor_position.{joint}"].to_numpy() for joint in JOINTS])
-    torque = np.column_stack([table[f"motor_torque.{joint}"].to_numpy() for joint in JOINTS])
-    position, effort = np.linalg.solve(turns, motor.T).T + ZERO, torque @ turns
-    columns = {"time": table["time"].to_numpy()}
-    columns |= {f"position.{joint}": position[:, i] for i, joint in enumerate(JOINTS)}
-    columns |= {f"effort.{joint}": effort[:, i] for i, joint in enumerate(JOINTS)}
-    return log_from_table(pa.table(columns), "tx40")
-
-
-def stated(data: Path, folder: Path, rotors: Sequence[float] = ROTOR) -> Robot:
-    lines = ['name = "tx40"', f'model = "{data / "tx40/tx40.urdf"}"']
-    for i, joint in enumerate(JOINTS):
-        lines += ["[[joint]]", f'name = "{joint}"']
-        rotor = rotors[i] / RATIO[i] ** 2
-        lines += [f"actuator = {{ gear_ratio = {RATIO[i]}, torque_constant = 1.0, rotor_inertia = {rotor} }}"]
-        parameters = f"{{ coulomb = {COULOMB[i]}, viscous = {VISCOUS[i]} }}"
-        lines += [f'friction = {{ law = "coulomb_viscous", parameters = {parameters} }}']
-    path = folder / "robot.toml"
-    path.write_text("\n".join(lines), encoding="utf-8")
-    return read_robot(path)
+from scripts.real_runs.tx40 import COULOMB, RATIO, ROTOR, VISCOUS, tx40_log
+from scripts.real_runs.tx40 import tx40 as tx40_robot
 
 
 @pytest.fixture(scope="module")
 def tx40(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
-    return diagnose_log(on_joint_side(data), stated(data, tmp_path_factory.mktemp("tx40")))
+    return diagnose_log(tx40_log(data), tx40_robot(data, tmp_path_factory.mktemp("tx40")))
 
 
 def test_the_coupling_of_the_wrist_is_found_with_its_published_size(tx40: Diagnosis) -> None:
@@ -104,7 +66,7 @@ def test_friction_identified_beside_the_coupling_is_as_published(tx40: Diagnosis
 
 @pytest.mark.bench
 def test_rotors_that_are_not_stated_are_found_as_published(data: Path, tmp_path: Path) -> None:
-    found = diagnose_log(on_joint_side(data), stated(data, tmp_path, (*ROTOR[:2], 0.0, 0.0, 0.0, 0.0)))
+    found = diagnose_log(tx40_log(data), tx40_robot(data, tmp_path, (*ROTOR[:2], 0.0, 0.0, 0.0, 0.0)))
     assert {("drive.rotor_inertia", f"joint_{i}") for i in (3, 4)} <= {(f.cause, f.joint) for f in found.findings}
     (fourth,) = next(f for f in found.findings if (f.cause, f.joint) == ("drive.rotor_inertia", "joint_4")).parameters
     assert fourth.low * RATIO[3] ** 2 < ROTOR[3] < fourth.high * RATIO[3] ** 2
@@ -112,7 +74,7 @@ def test_rotors_that_are_not_stated_are_found_as_published(data: Path, tmp_path:
 
 def test_rotors_that_are_not_stated_lie_where_they_were_published(data: Path, tmp_path: Path) -> None:
     # Those of joints 1 and 2 turn with their links alone: no motion tells them from these.
-    gap = measure_gap(on_joint_side(data), stated(data, tmp_path, (*ROTOR[:2], 0.0, 0.0, 0.0, 0.0)))
+    gap = measure_gap(tx40_log(data), tx40_robot(data, tmp_path, (*ROTOR[:2], 0.0, 0.0, 0.0, 0.0)))
     cause, drive = RotorInertia(), SumDrive()
     shared = next(site for site in drive.sites(gap) if (site.joint, site.other) == (4, 5))
     rotors = [Chosen(cause, Site(joint)) for joint in range(6)]

@@ -10,10 +10,7 @@ import pytest
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.identify.identification import identify_log
 from mjfriction.record.merge import merge_logs
-from scripts.real_runs import xl330, xl330_error, xl330_log
-
-PUBLISHED = 0.048  # rad: the published model with friction of the load added
-COULOMB_VISCOUS = 0.086  # rad: the published model without
+from scripts.real_runs.xl330 import COULOMB_VISCOUS, PUBLISHED, xl330, xl330_error, xl330_log
 
 
 def test_friction_grows_with_the_load(data: Path, tmp_path: Path) -> None:
