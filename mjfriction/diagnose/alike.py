@@ -49,7 +49,9 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
     """
     gap, joint = model.gap, target.site.joint
     rest = tuple(choice for choice in model.chosen if choice.key != target.key)
-    free = model.nuisance.without_level(joint) if target.cause is STATED_LEVELS else model.nuisance
+    # Levels that are near what is stated beside a cause might do without it, were they free.
+    of_levels = target.cause is STATED_LEVELS or model.nuisance.level_near(joint)
+    free = model.nuisance.without_level(joint) if of_levels else model.nuisance
     without = build_model(gap, free, rest)
     own = try_out(without, target)
     if own is None:

@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mjfriction.diagnose.alike import EVEN, standing
+from mjfriction.diagnose.alike import EVEN, Standing, standing
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.links import LinkScale
+from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.causes.whole_arm import Payload
 from mjfriction.diagnose.field import Field
 from mjfriction.diagnose.intervals import half_widths
@@ -63,6 +64,8 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
     for choice, without, own, width in found:
         joint = choice.site.joint
         stands = standing(model, choice, field)
+        if joint in settled.scaled:
+            stands = _of_one_factor(choice, stands)
         if stands.alternatives and stands.confidence < ONE_OF_MANY and joint in untold.left:
             of_many.add(choice.key)
             continue
@@ -93,6 +96,16 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
         experiment = design_experiment(model, choice, rival)
     findings.sort(key=lambda finding: -finding.gain.reduction)
     return Told(tuple(findings), experiment, untold.keys | of_many)
+
+
+def _of_one_factor(choice: Chosen, stands: Standing) -> Standing:
+    # Of levels that are both off by one factor, and of a drive that is, either may be meant.
+    pair = (STATED_LEVELS.name, TorqueConstant.name)
+    if choice.cause.name not in pair:
+        return stands
+    other = pair[1 - pair.index(choice.cause.name)]
+    alternatives = tuple(dict.fromkeys((*stands.alternatives, other)))
+    return replace(stands, alternatives=alternatives, confidence=min(stands.confidence, EVEN))
 
 
 def _beside_links(finding: Finding, findings: list[Finding]) -> Finding:

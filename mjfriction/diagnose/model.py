@@ -122,9 +122,9 @@ class Model:
         return out
 
     def beyond_levels(self, effort: Floats, joint: int) -> Floats:
-        """Return what refitted levels cannot make of an effort (rows,) at a joint, N·m or N."""
+        """Return what freely refitted levels cannot make of an effort (rows,) at a joint, N·m or N."""
         for level in self.nuisance.levels:
-            if level.site.joint == joint:
+            if level.site.joint == joint and not level.near:
                 columns = level.columns[joint]
                 effort = effort - columns @ np.linalg.lstsq(columns, effort, rcond=None)[0]
         return effort

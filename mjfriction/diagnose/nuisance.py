@@ -33,16 +33,18 @@ ROTOR, CONSTANT = 0.04, 0.015  # relative, and a drive's rotor inertia and torqu
 FARTHEST = 3.0  # of these deviations, that a link or a drive goes at most
 LET_GO = 1.5  # by which a link that is let go may be off in each of its ten numbers, relative to what is stated
 PER_LINK = 4  # a scale and three shifts
+HELD = 1e12  # precision of what is not to move
 LEVEL_SCALE = 10.0  # of the joint's RMS effort: next to no restraint
 
 
 @dataclass(frozen=True)
 class Level:
-    """The Coulomb and viscous level of one joint: two columns."""
+    """The Coulomb and viscous level of one joint: two columns; ``near`` what is stated, or free."""
 
     site: Site
     columns: Columns
     precision: Floats
+    near: bool = False
 
 
 @dataclass(frozen=True)
@@ -176,6 +178,18 @@ class Nuisance:
     def without_level(self, joint: int) -> Nuisance:
         """Return the nuisances with one joint's levels held at what is stated."""
         return replace(self, levels=tuple(level for level in self.levels if level.site.joint != joint))
+
+    def with_level_near(self, joint: int, stated: tuple[float, float], spread: float) -> Nuisance:
+        """Return the nuisances with one joint's levels near what is ``stated``, off by a ``spread`` (relative) as a
+        rule; one that is stated as nothing is held.
+        """
+        known = np.array([(spread * value) ** -2.0 if value > 0.0 else HELD for value in stated])
+        near = (replace(one, precision=known, near=True) if one.site.joint == joint else one for one in self.levels)
+        return replace(self, levels=tuple(near))
+
+    def level_near(self, joint: int) -> bool:
+        """Return whether a joint's levels are kept near what is stated."""
+        return any(level.near for level in self.levels if level.site.joint == joint)
 
     def without_links(self) -> Nuisance:
         """Return the nuisances with every link as stated."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
+from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.causes.varying import Step, WarmUpDrift
 from mjfriction.diagnose.exact import stated_exactly
 from mjfriction.diagnose.links_off import links_far_off
@@ -104,7 +105,10 @@ def without_cause(model: Model, choice: Chosen) -> Model:
         return model.without(choice).without_links()  # the links that are refitted along would scale instead
     if choice.cause is STATED_LEVELS:
         return build_model(model.gap, model.nuisance.without_level(choice.site.joint), model.chosen)
-    return model.without(choice)
+    without, joint = model.without(choice), choice.site.joint
+    if isinstance(choice.cause, TorqueConstant) and model.nuisance.level_near(joint):
+        return build_model(model.gap, model.nuisance.without_level(joint), without.chosen)
+    return without
 
 
 def shows(gap: Gap, before: Floats, after: Floats, joints: Iterable[int], left: dict[int, float], bare: Floats) -> bool:
