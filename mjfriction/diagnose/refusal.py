@@ -72,7 +72,8 @@ def _of_landings(model: Model) -> list[Chosen]:
 
 def _torn(model: Model) -> list[Chosen]:
     # A drive that reports late reports all of its effort late.  Where friction tells of quite another delay than the
-    # rest of the effort does, something else is wrong with one of the two.  A shift within a sample is refitted along.
+    # rest of the effort does, something else is wrong with one of the two; but friction that comes later still than a
+    # rest that is late is that of a contact which yields.  A shift within a sample is refitted along.
     gap = model.gap
     out = []
     for choice, place in zip(model.chosen, model.places, strict=True):
@@ -85,6 +86,8 @@ def _torn(model: Model) -> list[Chosen]:
         normal = model.system.extended(own, np.zeros(1))
         strengths = normal.strengths(np.ones(gap.blocks.count, dtype=bool))
         deviation = float(np.sqrt(normal.covariance(strengths, np.arange(gap.blocks.count))[-1, -1]))
-        if abs(strengths[-1]) > max(APART * abs(delay), SURELY_APART * deviation):
+        rest, beside = float(strengths[place][0]), float(strengths[-1])
+        yields = rest > APART * delay > 0.0 and beside > 0.0
+        if abs(beside) > max(APART * abs(delay), SURELY_APART * deviation) and not yields:
             out.append(choice)
     return out

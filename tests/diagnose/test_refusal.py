@@ -62,6 +62,17 @@ def test_a_delay_of_which_only_friction_knows_is_none(part: str, tmp_path: Path)
     assert [choice.key for choice in refused(model)] == ([] if part == "all" else [delay.key])
 
 
+def test_friction_that_comes_later_still_does_not_take_a_delay_away(tmp_path: Path) -> None:
+    def hidden(instant: Instant) -> np.ndarray:
+        return late(instant.friction, instant, 0.025) + late(instant.rigid, instant, 0.01)
+
+    gap = gap_of_machine(tmp_path, Machine(hidden={SHOULDER: hidden}))
+    delay = Chosen(JointDelay(), Site(SHOULDER))
+    model = build_model(gap, make_nuisance(gap), (delay,))
+    assert 0.008 < model.strengths[-1] < 0.02
+    assert refused(model) == []
+
+
 @pytest.mark.parametrize("part", ["all", "friction"])
 def test_so_is_a_delay_of_the_whole_arm(part: str, tmp_path: Path) -> None:
     def hidden(instant: Instant) -> np.ndarray:
