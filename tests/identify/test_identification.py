@@ -16,6 +16,7 @@ from mjfriction.identify.identification import identify_log
 from mjfriction.identify.outcome import Identification, JointLaw
 from mjfriction.record.log import Log
 from mjfriction.record.readers.table import log_from_table
+from mjfriction.report.identified import make_identified_report
 from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
@@ -198,3 +199,20 @@ def test_the_summary_says_which_way_the_error_went(tmp_path: Path) -> None:
     assert "the stated friction was nearer than this law can be" in worse
     far = identify_log(log_of("stribeck"), robot_of(machine("plain"), tmp_path, off=0.3), law="coulomb_viscous")
     assert " falls from " in far.summary
+
+
+def test_a_drive_that_gave_no_more_is_named_and_its_samples_are_not_used(tmp_path: Path) -> None:
+    columns = record(machine("plain"), 11, 30.0)
+    whole = columns["effort.elbow_joint"]
+    most = 0.8 * float(np.max(np.abs(whole)))
+    columns["effort.elbow_joint"] = np.clip(whole, -most, most)
+    found = identify_log(
+        log_from_table(pa.table(columns), "clipped"), robot_of(machine("plain"), tmp_path), law="coulomb_viscous"
+    )
+    (problem,) = make_identified_report(found).data_problems
+    assert problem.kind == "data.saturation"
+    assert problem.where.startswith("effort.elbow_joint")
+    assert "record slower motion" in problem.action
+    values = {fitted.name: fitted for fitted in at_elbow(found).parameters}
+    assert values["coulomb"].low < UR5_COULOMB[ELBOW] < values["coulomb"].high
+    assert values["viscous"].low < UR5_VISCOUS[ELBOW] < values["viscous"].high
