@@ -10,6 +10,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.outcome import Verdict
 from mjfriction.errors import LogError, RobotError
 from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.identification import identify_log
@@ -127,3 +129,15 @@ def test_held_masses_that_make_no_sense_are_one_line(
     assert done.returncode == 2
     assert said in done.stderr
     assert done.stderr.count("\n") == 1
+
+
+def test_logs_of_several_masses_are_diagnosed_together() -> None:
+    diagnosis = diagnose_log(merge_logs(logs()), stated())
+    assert {(finding.cause, finding.joint) for finding in diagnosis.findings} == {
+        ("friction.coulomb_viscous", ELBOW),
+        ("friction.load", ELBOW),
+    }
+    values = {own.name: own.value for finding in diagnosis.findings for own in finding.parameters}
+    assert values == pytest.approx(TRUE, rel=0.05)
+    # Unsaid, the second mass is a payload that comes and goes, which no cause is.
+    assert diagnose_log(merge_logs(logs()), stated(None)).verdict is Verdict.UNEXPLAINED
