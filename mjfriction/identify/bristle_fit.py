@@ -25,6 +25,7 @@ RELAXED = (1e-3, 5e-3, 2.5e-2)  # s, σ₁ over σ₀ to begin from
 STARTS = 4  # the best of these, that fits begin from
 MOST_ROUNDS = 60
 DIFFERENCE = 1e-4  # of a coordinate, for slopes
+UNTOLD = 1e-10  # of the most that a combination of parameters can show, below which its interval grows no further
 BRISTLE = ("bristle_stiffness", "bristle_damping")
 
 
@@ -53,8 +54,8 @@ def fit_bristle(
     friction: Floats,
     step: float,
 ) -> BristleFit:
-    """Fit a law's bristle to the ``friction`` (n,) along a motion of ``speed`` (n,), both on the law's side, whose
-    samples lie ``step`` seconds apart.
+    """Fit a law's bristle, its stiffness and damping, to the ``friction`` (n,) along a motion of ``speed`` (n,), both
+    on the law's side, whose samples lie ``step`` seconds apart.
 
     ``statics`` are those of the law's sibling, fitted to the passes ``points``.  Half-widths count as many independent
     errors as the motion turns and the passes have speeds, for what a law leaves of a motion is coloured.
@@ -90,8 +91,10 @@ def fit_bristle(
     freedoms = max(1, turns + of_pass.size - len(names))
     scatter = max(1.0, 2.0 * float(last.cost) / freedoms)
     turned = whole.slopes(last.x)
-    size = np.maximum(np.linalg.norm(last.jac, axis=0), 1e-300)
-    spread = scatter * (turned / size) @ np.linalg.pinv((last.jac / size).T @ (last.jac / size)) @ (turned / size).T
+    shown = np.linalg.norm(last.jac, axis=0)
+    size = np.maximum(shown, UNTOLD * np.max(shown))
+    gram = (last.jac / size).T @ (last.jac / size) + UNTOLD * np.eye(size.size)
+    spread = scatter * (turned / size) @ np.linalg.inv(gram) @ (turned / size).T
     half = float(student.ppf(0.975, freedoms)) * np.sqrt(np.maximum(np.diag(spread), 0.0))
     rms = (_rms(missed({**held, **stiff})), left, _rms(missed(together)))
     return BristleFit(law, {**held, **found}, together, dict(zip(together, half.tolist(), strict=True)), rms)
