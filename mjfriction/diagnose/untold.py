@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
+from mjfriction.diagnose.causes.moved_link import MovedLink
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.causes.varying import Step, WarmUpDrift
 from mjfriction.diagnose.exact import stated_exactly
@@ -49,8 +50,9 @@ def find_untold(
     cause is, ``remaining``, can be told in part by many, a brake that drags as a warm-up; and what only spells out one
     of ``curves`` tells of nothing else.  A course over time that is small beside another on its joint is what that
     other's form leaves.  A link is none where all links a few percent off, in all of their ten parameters, do as well,
-    nor is a torque constant a few percent off on a robot that is so throughout.  The other half of a cause that is told
-    was asked for by name, and is told too.
+    nor is a torque constant or a rotor a few percent off on a robot that is so throughout, or at a joint that has play
+    or gives: what its accelerations are in between is a matter of how that is drawn.  The other half of a cause that is
+    told was asked for by name, and is told too.
     """
     model, strengths = settled.model, settled.model.strengths
     gap = model.gap
@@ -60,11 +62,12 @@ def find_untold(
     left = {joint: share for joint, share in left.items() if joint not in spelt | oscillating}
     left |= beside_oscillations(model, heldout)
     exact = stated_exactly(model)
+    giving = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, MovedLink)}
     common = {
         choice.key
         for choice, place in zip(model.chosen, model.places, strict=True)
         if not choice.cause.noteworthy(gap, choice.site, strengths[place])
-        or (choice.cause.usual(gap, choice.site, strengths[place]) and not exact)
+        or (choice.cause.usual(gap, choice.site, strengths[place]) and (not exact or choice.site.joint in giving))
     }
     causes = (*model.chosen, *settled.levels)
     before = {choice.key: without_cause(model, choice).heldout_residual() for choice in causes}
