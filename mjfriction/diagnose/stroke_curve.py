@@ -6,12 +6,14 @@ from dataclasses import dataclass
 
 from mjfriction.diagnose.causes.spring import BentSpring, Spring
 from mjfriction.diagnose.causes.waves import Cogging
+from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Key, Model
 from mjfriction.identify.structure import Structure, covariate_rows, curve_share
 from mjfriction.record.log import Floats
 
 FEWEST = 2  # causes along the position, waves among them, that may be one curve
 ALONG_STROKE = "one smooth curve along its stroke"
+KNOWN_TO = 0.2  # of its wavenumber, that a wave's own is known to
 AS_GOOD = 0.97  # of what the one takes off the mean square, that the other takes too
 
 
@@ -28,9 +30,11 @@ def stroke_curves(model: Model, heldout: Floats) -> list[StrokeCurve]:
 
     One wave is a wave, and so are those of gears and poles, too short for a smooth curve to follow.  But several waves
     of a few periods over the stroke, or some with a spring, that one smooth curve over position does as well as, say
-    nothing of gears or poles.  And a spring that bends, but does not do as well as a smooth curve, is none.
+    nothing of gears or poles; nor do those of which the period is not known to a fifth.  And a spring that bends, but
+    does not do as well as a smooth curve, is none.
     """
     gap, out = model.gap, []
+    widths = dict(zip((choice.key for choice in model.chosen), half_widths(model).causes, strict=True))
     for joint in gap.examined:
         own = [c for c in model.chosen if c.site.joint == joint and isinstance(c.cause, Cogging | Spring | BentSpring)]
         waves = len(own) >= FEWEST and any(isinstance(choice.cause, Cogging) for choice in own)
@@ -42,7 +46,11 @@ def stroke_curves(model: Model, heldout: Floats) -> list[StrokeCurve]:
         before = without.heldout_residual()
         taken = 1.0 - (gap.rms(heldout[:, joint], joint) / max(gap.rms(before[:, joint], joint), 1e-300)) ** 2
         share = curve_share(gap, joint, covariate_rows(gap, joint, "position"), before)
-        if share > AS_GOOD * taken if waves else taken < AS_GOOD * share:
+        unsure = any(
+            isinstance(choice.cause, Cogging) and widths[choice.key][-1] > KNOWN_TO * choice.site.shape[0]
+            for choice in own
+        )
+        if unsure or share > AS_GOOD * taken if waves else taken < AS_GOOD * share:
             structure = Structure(gap.robot.joints[joint], ALONG_STROKE, share)
             out.append(StrokeCurve(frozenset(choice.key for choice in own), structure))
     return out

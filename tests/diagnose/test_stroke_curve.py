@@ -71,3 +71,15 @@ def test_a_straight_spring_is_not_bent(tmp_path: Path) -> None:
 def test_waves_of_a_gear_beside_a_spring_stay_what_they_are(tmp_path: Path) -> None:
     found = diagnosed(tmp_path, lambda i: 2.5 * np.cos(17.0 * i.q) + 9.0 * i.q)
     assert {finding.cause for finding in found.findings} == {"drive.cogging", "body.spring"}
+
+
+def test_waves_of_which_the_period_is_not_known_are_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # A stop so steep that no smooth curve follows it; what the curve says is left aside here.
+    def stop(i):  # type: ignore[no-untyped-def]
+        return 25.0 * np.maximum(i.q - np.max(i.q) + 0.2 * np.ptp(i.q), 0.0)
+
+    monkeypatch.setattr(stroke_curve, "AS_GOOD", np.inf)
+    found = diagnosed(tmp_path / "as it is", stop)
+    assert (found.verdict, found.findings) == (Verdict.UNEXPLAINED, ())
+    monkeypatch.setattr(stroke_curve, "KNOWN_TO", np.inf)
+    assert diagnosed(tmp_path / "without", stop).verdict is Verdict.EXPLAINED
