@@ -23,6 +23,8 @@ from mjfriction.robot.friction import stated_levels
 MOST_JOINTS = 0.75  # share of joints whose changes are typical
 EXACT = 0.01  # of the stated friction: typical change of the other joints up to which a robot, links and all, is right
 FEWEST_JOINTS = 3  # that can say so
+FEWEST_OTHERS = 2  # joints, that can say how far friction usually is off
+UNKNOWN = 0.04  # of the stated friction, that is taken for it where they lack
 NEARLY_ALL = 0.99  # of the mean square that refitted links take off any joint's error, that one cause may take instead
 AS_GOOD = 1.02  # of what refitted links leave at any joint, that one cause may leave in their place
 
@@ -30,6 +32,12 @@ AS_GOOD = 1.02  # of what refitted links leave at any joint, that one cause may 
 def typical(changes: Sequence[float]) -> float:
     """Return the change that most joints stay below."""
     return float(np.quantile(changes, MOST_JOINTS))
+
+
+def usually_off(changes: Mapping[int, float], joint: int) -> float:
+    """Return by how much the friction of joints beside one is off as a rule; a few percent where too few can say."""
+    others = [value for other, value in changes.items() if other != joint]
+    return typical(others) if len(others) >= FEWEST_OTHERS else UNKNOWN
 
 
 def stated_exactly(model: Model) -> bool:

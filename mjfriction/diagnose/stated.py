@@ -7,20 +7,25 @@ from dataclasses import dataclass
 import numpy as np
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
-from mjfriction.diagnose.causes.cause import Site
-from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.causes.varying import Step, Warming, WarmUpDrift
 from mjfriction.diagnose.causes.waves import PositionFriction
-from mjfriction.diagnose.exact import AS_GOOD, EXACT, held_links, level_changes, relative_change, typical
+from mjfriction.diagnose.exact import (
+    AS_GOOD,
+    EXACT,
+    FEWEST_OTHERS,
+    held_links,
+    level_changes,
+    relative_change,
+    usually_off,
+)
 from mjfriction.diagnose.field import Field, in_place_of_levels, size
 from mjfriction.diagnose.model import Chosen, Model, build_model
-from mjfriction.diagnose.nuisance import FARTHEST, Level
+from mjfriction.diagnose.nuisance import Level
+from mjfriction.diagnose.one_factor import beside_factors, scaled_levels
 from mjfriction.diagnose.refusal import BENDING
 from mjfriction.diagnose.shapes import reshaped
 from mjfriction.diagnose.short_list import contenders
 from mjfriction.diagnose.trial import FALSE_ALARM, Trial, try_out
-from mjfriction.record.log import Floats
-from mjfriction.robot.friction import stated_levels
 
 MOST_LINK_CHANGE = 0.8  # past which a scaled link is no link any more, and the fit a sign of something else
 LEAST_CHANGE = 0.04  # that counts on a robot stated exactly
@@ -29,7 +34,6 @@ OUTLYING = 3.0  # times the typical change that it must be there besides
 AS_MUCH = 1.0  # of the stated friction: no way of writing a curve down makes up for that
 ALWAYS = 0.25  # of the stated friction: a quarter off is a finding whatever the others are
 MOMENTS = 61  # of a course, its own length before and after it included, of which stated levels may be
-FEWEST_OTHERS = 2  # joints, that can say how far friction usually is off
 BAR = 2.0  # standard errors by which drives, or links, that are let go must help on motion not fitted
 
 
@@ -50,13 +54,13 @@ def settle(model: Model, field: Field) -> Settled:
     A level is a finding when it helps beyond chance and by enough to matter, and when its change stands out: more than
     4 % of the stated friction on a robot stated exactly, more than 10 % and than three times what is typical where the
     other joints are a little off too, or a quarter in any case; where friction follows temperature or settles, none of
-    this at any moment of that course.  Where another cause does
-    as much with fewer freedoms (a torque constant scales both levels alike), that cause takes its place and the level
-    stays as stated.  Refitted links are held where one cause does as well and all else is stated exactly.
+    this at any moment of that course.  Where another cause does as much with fewer freedoms, that takes its place and
+    the level stays as stated; and where both levels are off by one factor, the torque constant that is so too does.
+    Refitted links are held where one cause does as well and all else is stated exactly.
     """
     field_size = len(model.nuisance.levels)
     change = level_changes(model)
-    model, alike = _beside_factors(model, change)
+    model, alike = beside_factors(model, change)
     findings: list[Chosen] = []
     for level in model.nuisance.levels:
         joint = level.site.joint
@@ -73,7 +77,7 @@ def settle(model: Model, field: Field) -> Settled:
             model = held
         elif trial.passes(field_size) and change[joint] > _bar(change, joint):
             rival = _simpler(held, trial, field)
-            scaled = _scaled(model, held, trial, change) if rival is None else None
+            scaled = scaled_levels(model, held, trial, change) if rival is None else None
             if rival is not None:
                 model = build_model(held.gap, held.nuisance, (*held.chosen, rival))
             elif scaled is not None and scaled.one_factor:
@@ -144,72 +148,6 @@ def _simpler(held: Model, own: Trial, field: Field) -> Chosen | None:
     return best.chosen if best is not None and _left_with(held, best) < AS_GOOD * _left_with(held, own) else None
 
 
-@dataclass(frozen=True)
-class _Scaled:
-    """A model in which a torque constant does what both levels of a joint do, these as near what is stated as levels
-    are elsewhere; ``one_factor`` says that they are no farther from it than that.
-    """
-
-    model: Model
-    one_factor: bool
-
-
-def _scaled(model: Model, held: Model, own: Trial, change: dict[int, float]) -> _Scaled | None:
-    # Both levels off by one factor, as far as stated levels ever agree with each other: what the drive reports may be
-    # off by that factor, one number for two.
-    joint = own.chosen.site.joint
-    factor = Chosen(TorqueConstant(), Site(joint))
-    if factor.key in {choice.key for choice in model.chosen}:
-        return None
-    near, moved = _near(build_model(model.gap, model.nuisance, (*held.chosen, factor)), joint, change)
-    strength = near.strengths[near.places[-1]]
-    if not factor.cause.admissible(model.gap, factor.site, strength) or _common(near, factor):
-        return None
-    free = build_model(held.gap, held.nuisance, (*held.chosen, own.chosen))
-    if np.any(moved > FARTHEST**2) or not _leaves_as_little(near, free):
-        return None
-    return _Scaled(near, bool(np.mean(moved) <= 1.0))
-
-
-def _beside_factors(model: Model, change: dict[int, float]) -> tuple[Model, set[int]]:
-    # Where a torque constant was chosen that free levels would have done as well without, these are as near what is
-    # stated as others are, that it can be told from them at all; also returns where that is.
-    alike: set[int] = set()
-    for level in model.nuisance.levels:
-        joint = level.site.joint
-        for choice in model.chosen:
-            if choice.key != (TorqueConstant.name, joint, 0) or _common(model, choice):
-                continue
-            near, moved = _near(model, joint, change)
-            without = model.without(choice)
-            if np.all(moved <= FARTHEST**2) and _leaves_as_little(near, model) and _leaves_as_little(without, near):
-                model = near
-                alike.add(joint)
-    return model, alike
-
-
-def _near(model: Model, joint: int, change: dict[int, float]) -> tuple[Model, Floats]:
-    # The model with a joint's levels as near what is stated as others are, and how far they are from it, (2,) squares.
-    spread = max(EXACT, _usually_off(change, joint))
-    stated = stated_levels(model.gap.robot.table.joint[joint])
-    near = build_model(model.gap, model.nuisance.with_level_near(joint, stated, spread), model.chosen)
-    place = near.nuisance.of_level(joint)
-    return near, near.nuisance.precision[place] * np.square(near.strengths[place])
-
-
-def _common(model: Model, choice: Chosen) -> bool:
-    # Off by no more than such stated values are on any robot.
-    place = model.places[[one.key for one in model.chosen].index(choice.key)]
-    return choice.cause.usual(model.gap, choice.site, model.strengths[place])
-
-
-def _leaves_as_little(model: Model, other: Model) -> bool:
-    # At every joint, on motion not fitted.
-    lefts = model.heldout_residual(), other.heldout_residual()
-    gap = model.gap
-    return all(gap.rms(lefts[0][:, j], j) < AS_GOOD * gap.rms(lefts[1][:, j], j) for j in gap.examined)
-
-
 def _left_with(held: Model, trial: Trial) -> float:
     # At the joint whose levels are asked for: what takes more off others' errors is no reason to leave its own.
     model, joint = build_model(held.gap, held.nuisance, (*held.chosen, trial.chosen)), trial.chosen.site.joint
@@ -231,14 +169,8 @@ def _helps(model: Model, place: slice) -> bool:
     return bool(np.mean(gain) > BAR * np.std(gain, ddof=1) / np.sqrt(gain.size))
 
 
-def _usually_off(change: dict[int, float], joint: int) -> float:
-    # By how much the other joints' friction is off, as a rule; a few percent where too few can say.
-    others = [value for other, value in change.items() if other != joint]
-    return typical(others) if len(others) >= FEWEST_OTHERS else LEAST_CHANGE
-
-
 def _bar(change: dict[int, float], joint: int) -> float:
     if len(change) - 1 < FEWEST_OTHERS:
         return LEAST_CHANGE_ROUGH
-    usual = _usually_off(change, joint)
+    usual = usually_off(change, joint)
     return LEAST_CHANGE if usual < EXACT else min(ALWAYS, max(LEAST_CHANGE_ROUGH, OUTLYING * usual))

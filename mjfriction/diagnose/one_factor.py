@@ -1,0 +1,92 @@
+"""Both levels of a joint off by one factor: what its drive reports may be off by that instead, one number for two.
+
+Stated levels agree with each other no better than they do elsewhere on the robot, so that a torque constant is tried
+with levels as near what is stated as those of other joints are.  At a joint that carries next to nothing free levels
+leave nothing to tell it by.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.torque_constant import TorqueConstant
+from mjfriction.diagnose.exact import AS_GOOD, EXACT, usually_off
+from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.nuisance import FARTHEST
+from mjfriction.diagnose.trial import Trial
+from mjfriction.record.log import Floats
+from mjfriction.robot.friction import stated_levels
+
+
+@dataclass(frozen=True)
+class Scaled:
+    """A model in which a torque constant does what both levels of a joint do, these as near what is stated as levels
+    are elsewhere; ``one_factor`` says that they are no farther from it than those are.
+    """
+
+    model: Model
+    one_factor: bool
+
+
+def scaled_levels(model: Model, held: Model, own: Trial, change: dict[int, float]) -> Scaled | None:
+    """Return what a torque constant comes to in the place of a joint's levels, which were tried as ``own`` beside a
+    model that has them as stated, ``held``; None where it does not leave as little, or needs levels that are farther
+    off than any.
+
+    ``change`` is by how much each joint's friction is off, by joint.
+    """
+    joint = own.chosen.site.joint
+    factor = Chosen(TorqueConstant(), Site(joint))
+    if factor.key in {choice.key for choice in model.chosen}:
+        return None
+    near, moved = _near(build_model(model.gap, model.nuisance, (*held.chosen, factor)), joint, change)
+    strength = near.strengths[near.places[-1]]
+    if not factor.cause.admissible(model.gap, factor.site, strength) or _common(near, factor):
+        return None
+    free = build_model(held.gap, held.nuisance, (*held.chosen, own.chosen))
+    if np.any(moved > FARTHEST**2) or not _leaves_as_little(near, free):
+        return None
+    return Scaled(near, bool(np.mean(moved) <= 1.0))
+
+
+def beside_factors(model: Model, change: dict[int, float]) -> tuple[Model, set[int]]:
+    """Return a model with levels as near what is stated as others are, wherever a torque constant was chosen that free
+    levels would do as well without, and at which joints that is; ``change`` as in :func:`scaled_levels`.
+    """
+    alike: set[int] = set()
+    for level in model.nuisance.levels:
+        joint = level.site.joint
+        for choice in model.chosen:
+            if choice.key != (TorqueConstant.name, joint, 0) or _common(model, choice):
+                continue
+            near, moved = _near(model, joint, change)
+            without = model.without(choice)
+            if np.all(moved <= FARTHEST**2) and _leaves_as_little(near, model) and _leaves_as_little(without, near):
+                model = near
+                alike.add(joint)
+    return model, alike
+
+
+def _near(model: Model, joint: int, change: dict[int, float]) -> tuple[Model, Floats]:
+    # The model with a joint's levels as near what is stated as others are, and how far they are from it, (2,) squares.
+    spread = max(EXACT, usually_off(change, joint))
+    stated = stated_levels(model.gap.robot.table.joint[joint])
+    near = build_model(model.gap, model.nuisance.with_level_near(joint, stated, spread), model.chosen)
+    place = near.nuisance.of_level(joint)
+    return near, near.nuisance.precision[place] * np.square(near.strengths[place])
+
+
+def _common(model: Model, choice: Chosen) -> bool:
+    # Off by no more than such stated values are on any robot.
+    place = model.places[[one.key for one in model.chosen].index(choice.key)]
+    return choice.cause.usual(model.gap, choice.site, model.strengths[place])
+
+
+def _leaves_as_little(model: Model, other: Model) -> bool:
+    # At every joint, on motion not fitted.
+    lefts = model.heldout_residual(), other.heldout_residual()
+    gap = model.gap
+    return all(gap.rms(lefts[0][:, j], j) < AS_GOOD * gap.rms(lefts[1][:, j], j) for j in gap.examined)
