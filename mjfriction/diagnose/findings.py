@@ -8,15 +8,17 @@ import numpy as np
 
 from mjfriction.diagnose.alike import EVEN, Standing, standing
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
+from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LinkScale
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.causes.whole_arm import Payload
 from mjfriction.diagnose.field import Field
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.link_finding import link_finding
-from mjfriction.diagnose.model import Chosen, Key
+from mjfriction.diagnose.model import Chosen, Key, Model
+from mjfriction.diagnose.one_factor import with_factor
 from mjfriction.diagnose.outcome import Finding
-from mjfriction.diagnose.separate import Experiment, design_experiment
+from mjfriction.diagnose.separate import Experiment, design_experiment, with_rival
 from mjfriction.diagnose.stated import Settled
 from mjfriction.diagnose.trial import shown_at
 from mjfriction.diagnose.untold import Untold, without_cause
@@ -25,6 +27,7 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.proof import gain_at
 from mjfriction.record.log import Floats
 
+OF_ONE_FACTOR = {STATED_LEVELS.name: TorqueConstant.name, TorqueConstant.name: STATED_LEVELS.name}
 ONE_OF_MANY = 0.25  # confidence of what is one of so many alternatives that it names nothing
 
 
@@ -60,7 +63,7 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
         found.append((choice, without_cause(model, choice), strengths[level], widths.nuisance[level]))
     findings: list[Finding] = []
     of_many: set[Key] = set()
-    unsure: list[tuple[float, Chosen, Chosen]] = []
+    unsure: list[tuple[float, Chosen, str, Model]] = []
     for choice, without, own, width in found:
         joint = choice.site.joint
         stands = standing(model, choice, field)
@@ -71,8 +74,9 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
             continue
         before = without.heldout_residual(oscillations=True)
         shown = shown_at(model, choice, before, heldout)
-        if stands.rival is not None and choice in model.chosen and stands.rival.cause is not STATED_LEVELS:
-            unsure.append((stands.confidence, choice, stands.rival))
+        if stands.alternatives:
+            instead = _instead(settled, choice, stands)
+            unsure += [(stands.confidence, choice, *instead)] if instead is not None else []
         finding = Finding(
             cause=choice.cause.name,
             joint=None if choice.cause.whole_arm else model.gap.robot.joints[joint],
@@ -92,19 +96,31 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
     findings = [_beside_links(finding, findings) for finding in findings]
     experiment = None
     if unsure:
-        _, choice, rival = min(unsure, key=lambda entry: entry[0])
-        experiment = design_experiment(model, choice, rival)
+        _, choice, rival, other = min(unsure, key=lambda entry: entry[0])
+        experiment = design_experiment(model, other, choice.site.joint, (choice.cause.name, rival))
     findings.sort(key=lambda finding: -finding.gain.reduction)
     return Told(tuple(findings), experiment, untold.keys | of_many)
 
 
+def _instead(settled: Settled, choice: Chosen, stands: Standing) -> tuple[str, Model] | None:
+    # The likeliest other explanation: its cause's name, and the whole model.
+    model, joint = settled.model, choice.site.joint
+    if joint in settled.scaled and choice.cause is STATED_LEVELS:
+        return TorqueConstant.name, with_factor(model, joint, settled.scaled[joint])
+    if joint in settled.scaled and isinstance(choice.cause, TorqueConstant):
+        other = with_rival(model, choice, Chosen(STATED_LEVELS, Site(joint)))
+        return None if other is None else (STATED_LEVELS.name, other)
+    if stands.rival is None:
+        return None
+    other = with_rival(model, choice, stands.rival)
+    return None if other is None else (stands.rival.cause.name, other)
+
+
 def _of_one_factor(choice: Chosen, stands: Standing) -> Standing:
     # Of levels that are both off by one factor, and of a drive that is, either may be meant.
-    pair = (STATED_LEVELS.name, TorqueConstant.name)
-    if choice.cause.name not in pair:
+    if choice.cause.name not in OF_ONE_FACTOR:
         return stands
-    other = pair[1 - pair.index(choice.cause.name)]
-    alternatives = tuple(dict.fromkeys((*stands.alternatives, other)))
+    alternatives = tuple(dict.fromkeys((*stands.alternatives, OF_ONE_FACTOR[choice.cause.name])))
     return replace(stands, alternatives=alternatives, confidence=min(stands.confidence, EVEN))
 
 

@@ -39,12 +39,23 @@ LEVEL_SCALE = 10.0  # of the joint's RMS effort: next to no restraint
 
 @dataclass(frozen=True)
 class Level:
-    """The Coulomb and viscous level of one joint: two columns; ``near`` what is stated, or free."""
+    """The Coulomb and viscous level of one joint: two columns; ``free`` is their precision were they free, where they
+    are kept near what is stated.
+    """
 
     site: Site
     columns: Columns
     precision: Floats
-    near: bool = False
+    free: Floats | None = None
+
+    @property
+    def near(self) -> bool:
+        """Whether they are kept near what is stated."""
+        return self.free is not None
+
+    def freed(self) -> Level:
+        """Return the levels free."""
+        return self if self.free is None else replace(self, precision=self.free, free=None)
 
 
 @dataclass(frozen=True)
@@ -184,8 +195,15 @@ class Nuisance:
         rule; one that is stated as nothing is held.
         """
         known = np.array([(spread * value) ** -2.0 if value > 0.0 else HELD for value in stated])
-        near = (replace(one, precision=known, near=True) if one.site.joint == joint else one for one in self.levels)
+        near = (
+            replace(one, precision=known, free=one.freed().precision) if one.site.joint == joint else one
+            for one in self.levels
+        )
         return replace(self, levels=tuple(near))
+
+    def with_level_free(self, joint: int) -> Nuisance:
+        """Return the nuisances with one joint's levels free."""
+        return replace(self, levels=tuple(one.freed() if one.site.joint == joint else one for one in self.levels))
 
     def level_near(self, joint: int) -> bool:
         """Return whether a joint's levels are kept near what is stated."""

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.exact import AS_GOOD, EXACT, usually_off
 from mjfriction.diagnose.model import Chosen, Model, build_model
@@ -24,10 +25,11 @@ from mjfriction.robot.friction import stated_levels
 @dataclass(frozen=True)
 class Scaled:
     """A model in which a torque constant does what both levels of a joint do, these as near what is stated as levels
-    are elsewhere; ``one_factor`` says that they are no farther from it than those are.
+    are elsewhere, which is a ``spread``; ``one_factor`` says that they are no farther from it than that.
     """
 
     model: Model
+    spread: float
     one_factor: bool
 
 
@@ -39,40 +41,53 @@ def scaled_levels(model: Model, held: Model, own: Trial, change: dict[int, float
     ``change`` is by how much each joint's friction is off, by joint.
     """
     joint = own.chosen.site.joint
-    factor = Chosen(TorqueConstant(), Site(joint))
+    factor, rotor = Chosen(TorqueConstant(), Site(joint)), (RotorInertia.name, joint, 0)
     if factor.key in {choice.key for choice in model.chosen}:
         return None
-    near, moved = _near(build_model(model.gap, model.nuisance, (*held.chosen, factor)), joint, change)
-    strength = near.strengths[near.places[-1]]
-    if not factor.cause.admissible(model.gap, factor.site, strength) or _common(near, factor):
-        return None
     free = build_model(held.gap, held.nuisance, (*held.chosen, own.chosen))
-    if np.any(moved > FARTHEST**2) or not _leaves_as_little(near, free):
-        return None
-    return Scaled(near, bool(np.mean(moved) <= 1.0))
+    spread = _spread(change, joint)
+    # A rotor that is off by the same factor is one number more that it does away with.
+    for rest in (tuple(choice for choice in held.chosen if choice.key != rotor), held.chosen):
+        near, moved = _near(build_model(model.gap, model.nuisance, (*rest, factor)), joint, spread)
+        strength = near.strengths[near.places[-1]]
+        possible = factor.cause.admissible(model.gap, factor.site, strength) and not _common(near, factor)
+        if possible and np.all(moved <= FARTHEST**2) and _leaves_as_little(near, free):
+            return Scaled(near, spread, bool(np.mean(moved) <= 1.0) or len(rest) < len(held.chosen))
+    return None
 
 
-def beside_factors(model: Model, change: dict[int, float]) -> tuple[Model, set[int]]:
+def beside_factors(model: Model, change: dict[int, float]) -> tuple[Model, dict[int, float]]:
     """Return a model with levels as near what is stated as others are, wherever a torque constant was chosen that free
-    levels would do as well without, and at which joints that is; ``change`` as in :func:`scaled_levels`.
+    levels would do as well without, and how near that is, by joint; ``change`` as in :func:`scaled_levels`.
     """
-    alike: set[int] = set()
+    alike: dict[int, float] = {}
     for level in model.nuisance.levels:
         joint = level.site.joint
         for choice in model.chosen:
             if choice.key != (TorqueConstant.name, joint, 0) or _common(model, choice):
                 continue
-            near, moved = _near(model, joint, change)
+            near, moved = _near(model, joint, _spread(change, joint))
             without = model.without(choice)
             if np.all(moved <= FARTHEST**2) and _leaves_as_little(near, model) and _leaves_as_little(without, near):
                 model = near
-                alike.add(joint)
+                alike[joint] = _spread(change, joint)
     return model, alike
 
 
-def _near(model: Model, joint: int, change: dict[int, float]) -> tuple[Model, Floats]:
+def with_factor(model: Model, joint: int, spread: float) -> Model:
+    """Return a model with a torque constant in the place of a joint's levels, which are within a ``spread`` of what is
+    stated.
+    """
+    factor = Chosen(TorqueConstant(), Site(joint))
+    return _near(build_model(model.gap, model.nuisance, (*model.chosen, factor)), joint, spread)[0]
+
+
+def _spread(change: dict[int, float], joint: int) -> float:
+    return max(EXACT, usually_off(change, joint))
+
+
+def _near(model: Model, joint: int, spread: float) -> tuple[Model, Floats]:
     # The model with a joint's levels as near what is stated as others are, and how far they are from it, (2,) squares.
-    spread = max(EXACT, usually_off(change, joint))
     stated = stated_levels(model.gap.robot.table.joint[joint])
     near = build_model(model.gap, model.nuisance.with_level_near(joint, stated, spread), model.chosen)
     place = near.nuisance.of_level(joint)

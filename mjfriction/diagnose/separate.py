@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.extend import extend_robot
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.identify.gap import Gap
@@ -39,32 +40,40 @@ class Experiment:
         )
 
 
-def design_experiment(model: Model, target: Chosen, rival: Chosen) -> Experiment | None:
-    """Return the motion, of many within the joints' limits, on which a cause and its rival differ most.
+def with_rival(model: Model, target: Chosen, rival: Chosen) -> Model | None:
+    """Return a model with a rival in the place of a cause; None where, beside what else was found, it is not
+    possible.
 
-    Both are fitted to the log with everything else.  Where motions in the middle of the range tell nothing, the cause's
-    own joint is moved alone to its sides.  None where they differ nowhere by more than on the log itself,
-    or where the rival, beside what else was found, is not possible.
+    In the place of a joint's levels, these are as stated; levels in the place of a cause are free.
+    """
+    rest = tuple(choice for choice in model.chosen if choice.key != target.key)
+    if rival.cause is STATED_LEVELS:
+        return build_model(model.gap, model.nuisance.with_level_free(rival.site.joint), rest).admissible()
+    held = target.cause is STATED_LEVELS
+    nuisance = model.nuisance.without_level(target.site.joint) if held else model.nuisance
+    other = build_model(model.gap, nuisance, (*rest, rival)).admissible()
+    return other if rival.key in [choice.key for choice in other.chosen] else None
+
+
+def design_experiment(model: Model, other: Model, joint: int, between: tuple[str, str]) -> Experiment | None:
+    """Return the motion, of many within the joints' limits, on which two explanations of a log, ``between`` whose
+    causes at a ``joint`` it is to choose, differ most.
+
+    Both are fitted to the log.  Where motions in the middle of the range tell nothing, that joint is moved alone to its
+    sides.  None where they differ nowhere by more than on the log itself.
     """
     gap = model.gap
-    rest = tuple(choice for choice in model.chosen if choice.key != target.key)
-    other = build_model(gap, model.nuisance, (*rest, rival)).admissible()
-    if rival.key not in [choice.key for choice in other.chosen]:
-        return None
     robots = [extend_robot(model), extend_robot(other)]
     noise = _noise(model)
     on_log, _ = _apart(gap, robots, noise, None)
     best: Experiment | None = None
     top = FASTER * np.max(np.abs(gap.motion.velocity), axis=0)
     for side in (0.0, -1.0, 1.0):
-        motions = candidate_motions(
-            gap.robot.joints, gap.body, top, target.site.joint, all_joints=side == 0.0, side=side
-        )
+        motions = candidate_motions(gap.robot.joints, gap.body, top, joint, all_joints=side == 0.0, side=side)
         for trajectory in motions:
-            apart, joint = _apart(gap, robots, noise, trajectory)
+            apart, shown = _apart(gap, robots, noise, trajectory)
             if apart > on_log and (best is None or apart > best.apart):
-                between = (target.cause.name, rival.cause.name)
-                best = Experiment(trajectory, gap.robot.joints[joint], apart, on_log, between)
+                best = Experiment(trajectory, gap.robot.joints[shown], apart, on_log, between)
         if side == 0.0 and best is not None and best.apart > TOLD:
             break
     return best

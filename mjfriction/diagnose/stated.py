@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -39,16 +40,17 @@ BAR = 2.0  # standard errors by which drives, or links, that are let go must hel
 
 @dataclass(frozen=True)
 class Settled:
-    """The final model, and those of its friction levels that are findings; ``scaled`` are the joints at which both
-    levels are off by about one factor, which their drives' torque constants may be off by instead.
+    """The final model, and those of its friction levels that are findings; ``scaled`` tells at which joints both levels
+    are off by about one factor, which the drive's torque constant may be off by instead, and how near what is stated
+    levels then are.
     """
 
     model: Model
     levels: tuple[Chosen, ...]
-    scaled: frozenset[int] = frozenset()
+    scaled: Mapping[int, float] = field(default_factory=dict)
 
 
-def settle(model: Model, field: Field) -> Settled:
+def settle(model: Model, asked: Field) -> Settled:
     """Keep of the refitted values those that help on motion not fitted; name the friction levels that are findings.
 
     A level is a finding when it helps beyond chance and by enough to matter, and when its change stands out: more than
@@ -67,7 +69,7 @@ def settle(model: Model, field: Field) -> Settled:
         if level.near:
             continue
         if _bent(model, joint) and change[joint] > _bar(change, joint):
-            unbent = _unbent(model, joint, field)
+            unbent = _unbent(model, joint, asked)
             if unbent is not None:
                 model = unbent
                 continue
@@ -76,7 +78,7 @@ def settle(model: Model, field: Field) -> Settled:
         if trial is None or trial.chance > FALSE_ALARM or trial.gain <= 0.0:
             model = held
         elif trial.passes(field_size) and change[joint] > _bar(change, joint):
-            rival = _simpler(held, trial, field)
+            rival = _simpler(held, trial, asked)
             scaled = scaled_levels(model, held, trial, change) if rival is None else None
             if rival is not None:
                 model = build_model(held.gap, held.nuisance, (*held.chosen, rival))
@@ -84,12 +86,12 @@ def settle(model: Model, field: Field) -> Settled:
                 model = scaled.model
             elif _own(model, level, change):
                 findings.append(trial.chosen)
-            alike |= {joint} if scaled is not None else set()
+            alike |= {joint: scaled.spread} if scaled is not None else {}
     if model.nuisance.drives and not _helps(model, model.nuisance.of_drives):
         model = model.without_drives()
-    model = held_links(model, field, change) if _links_help(model) else model.without_links()
+    model = held_links(model, asked, change) if _links_help(model) else model.without_links()
     # Holding levels moves what is left.
-    return Settled(model.admissible(), tuple(findings), frozenset(alike))
+    return Settled(model.admissible(), tuple(findings), alike)
 
 
 def _bent(model: Model, joint: int) -> bool:
@@ -103,7 +105,7 @@ def _bent(model: Model, joint: int) -> bool:
     )
 
 
-def _unbent(model: Model, joint: int, field: Field) -> Model | None:
+def _unbent(model: Model, joint: int, asked: Field) -> Model | None:
     # Levels and damping that are off, and a bend besides, may together be one curve that motion does not see the end
     # of.  Where that leaves as little, it is the simpler.
     bends = [choice for choice in model.chosen if choice.site.joint == joint and choice.cause.name in BENDING]
@@ -112,7 +114,7 @@ def _unbent(model: Model, joint: int, field: Field) -> Model | None:
     trials = contenders(held, in_place_of_levels(model.gap, joint)) if bends else []
     whole = model.gap.rms(model.heldout_residual()[:, joint], joint)
     for trial in trials:
-        if trial.passes(size(field)) and _left_with(held, trial) < AS_GOOD * whole:
+        if trial.passes(size(asked)) and _left_with(held, trial) < AS_GOOD * whole:
             return build_model(held.gap, held.nuisance, (*rest, trial.chosen))
     return None
 
@@ -140,10 +142,10 @@ def _of_another_time(model: Model, level: Level, bar: float) -> bool:
     return False
 
 
-def _simpler(held: Model, own: Trial, field: Field) -> Chosen | None:
+def _simpler(held: Model, own: Trial, asked: Field) -> Chosen | None:
     joint = own.chosen.site.joint
-    here = tuple(entrant for entrant in field if entrant.joint == joint) + in_place_of_levels(held.gap, joint)
-    rivals = [trial for trial in contenders(held, here) if trial.passes(size(field)) and trial.merit > own.merit]
+    here = tuple(entrant for entrant in asked if entrant.joint == joint) + in_place_of_levels(held.gap, joint)
+    rivals = [trial for trial in contenders(held, here) if trial.passes(size(asked)) and trial.merit > own.merit]
     best = max(rivals, key=lambda trial: trial.merit, default=None)
     return best.chosen if best is not None and _left_with(held, best) < AS_GOOD * _left_with(held, own) else None
 

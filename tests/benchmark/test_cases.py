@@ -122,6 +122,7 @@ def test_play_is_no_delay() -> None:
     assert named(diagnosed(case)) == {("drive.backlash", "wrist_2_joint")}
 
 
+@pytest.mark.bench
 def test_play_of_a_sliding_table_is_found_with_its_size() -> None:
     case = make_case(12, Setting("machine_table", seconds=40.0, noise=0.1), (draw_of("drive.backlash"),), 2.0)
     (hidden,) = case.hidden

@@ -38,6 +38,7 @@ def test_ours_names_the_cause_and_removes_what_can_be_removed(case: Case, tmp_pa
     assert row.ours is found
 
 
+@pytest.mark.bench
 def test_the_naive_tool_is_scored_alike(case: Case, tmp_path: Path, monkeypatch) -> None:
     monkeypatch.chdir(ROOT)
     found = outcome(f"{shlex.quote(sys.executable)} -m scripts.naive_baseline", case, tmp_path)

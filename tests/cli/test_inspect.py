@@ -118,6 +118,7 @@ def test_there_is_nothing_to_guess(case: Path, tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.bench
 def test_names_that_tell_nothing_give_a_mapping_to_fill_in(case: Path, tmp_path: Path) -> None:
     columns = (case / "log.csv").read_text().splitlines()
     names = columns[0].replace('"', "").split(",")

@@ -430,6 +430,7 @@ def test_a_late_effort_is_timed(tmp_path: Path) -> None:
     assert delays.pop() == pytest.approx(0.02, rel=0.1)
 
 
+@pytest.mark.bench
 def test_a_torque_constant_a_few_percent_off_is_a_finding_on_an_exact_robot_only(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -542,6 +543,7 @@ def test_a_warm_up_of_two_time_constants_is_one_warm_up(tmp_path: Path, monkeypa
     assert ("event.change", "elbow_joint") in names(run(tmp_path / "two", machine, seed=21))
 
 
+@pytest.mark.bench
 def test_what_a_late_drive_reports_of_another_cause_is_late_too(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

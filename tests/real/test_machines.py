@@ -115,6 +115,7 @@ def test_a_ur10_is_told_to_be_wrong_everywhere_and_what_is_told_of_it_holds_on_t
     assert np.all(relative_errors(rest, diagnosis.robot) < BASE_PARAMETERS)
 
 
+@pytest.mark.bench
 def test_the_efforts_of_the_ur10_are_compared_below_their_filter(data: Path) -> None:
     diagnosis = diagnose_log(read_log(data / "ur10/exciting.parquet"), read_robot(data / "ur10/robot.toml"))
     assert diagnosis.gap.chain.band < 3.0  # its efforts hold nothing above some 2 Hz
