@@ -107,6 +107,7 @@ def identify_arm(name: str, seed: int = 0) -> list[JointFit]:
             procedure = None
         left = (_left(plain, checked[i], ratio), _left(static, checked[i], ratio))
         pendulum = by_pendulum(motion, torque[:, i], robot, body, phases, i)
+        assert pendulum is not None  # a hinge that has a map has passes enough
         off = _off_truth(name, fitted[i], pendulum)
         out.append(JointFit(fitted[i], ratio, plain, static, procedure, left, off))
     return out
@@ -163,25 +164,23 @@ def _left(fit: MapFit, points: FrictionMap, ratio: float) -> float:
     return float(np.sqrt(np.mean(np.square(friction - told))))
 
 
-def _off_truth(name: str, points: FrictionMap, pendulum: ByPendulum | None) -> tuple[float, float, float]:
+def _off_truth(name: str, points: FrictionMap, pendulum: ByPendulum) -> tuple[float, float, float]:
     joint = true_arm(name).table.joint[points.joint]
     ratio = joint.actuator.gear_ratio
     (own,) = [term.friction(ratio) for term in joint.friction or ()]
 
-    def off(speed: Floats, friction: Floats) -> Floats:
-        load = np.interp(speed, points.speed, points.load)
-        return np.asarray(friction - own.steady(speed, ambient(speed.size, load=load))) / abs(ratio)
+    def off(*passes: tuple[Floats, Floats]) -> float:
+        missed = []
+        for speed, friction in passes:
+            load = np.interp(speed, points.speed, points.load)
+            missed.append((friction - own.steady(speed, ambient(speed.size, load=load))) / ratio)
+        return float(np.sqrt(np.mean(np.square(np.concatenate(missed)))))
 
-    ways = [] if pendulum is None else [pendulum.forward_friction, pendulum.backward_friction]
-    speeds = [] if pendulum is None else [pendulum.forward, pendulum.backward]
     model, fitted = (
-        np.concatenate([off(speed, way[:, k]) for speed, way in zip(speeds, ways, strict=True)] or [np.full(1, np.nan)])
+        off((pendulum.forward, pendulum.forward_friction[:, k]), (pendulum.backward, pendulum.backward_friction[:, k]))
         for k in range(2)
     )
-    model_off, fitted_off, both_off = (
-        float(np.sqrt(np.mean(np.square(own)))) for own in (model, fitted, off(points.speed, points.friction))
-    )
-    return model_off, fitted_off, both_off
+    return model, fitted, off((points.speed, points.friction))
 
 
 def with_laws(robot: Robot, law: str, values: list[dict[str, float]]) -> Robot:
