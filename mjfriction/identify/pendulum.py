@@ -66,10 +66,13 @@ def by_pendulum(
     waves = np.column_stack([np.sin(place), np.cos(place)])
     velocity = np.array([phase.velocity for phase in own])
     friction = np.column_stack([np.sign(velocity), velocity])[which]
-    numbers = np.linalg.lstsq(np.hstack([waves, friction]), smooth[samples], rcond=None)[0]
     still = replace(motion, velocity=0.0 * motion.velocity, acceleration=0.0 * motion.acceleration)
-    model = links_torque(robot, body, still)[samples, joint]
-    gravity = np.column_stack([model, waves @ numbers[:2]])
+    # What was held for a while is known, and no part of the pendulum.
+    empty = replace(robot, table=robot.table.model_copy(update={"held": None}))
+    model, alone = (links_torque(own, body, still)[samples, joint] for own in (robot, empty))
+    held = model - alone
+    numbers = np.linalg.lstsq(np.hstack([waves, friction]), smooth[samples] - held, rcond=None)[0]
+    gravity = np.column_stack([model, waves @ numbers[:2] + held])
     count = np.bincount(which)
     left = np.column_stack([np.bincount(which, smooth[samples] - own_gravity) / count for own_gravity in gravity.T])
     left *= np.sign(velocity)[:, None]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ SUPPLY_PRESSURE = "supply_pressure"
 TEMPERATURE, HEAD_PRESSURE, ROD_PRESSURE, VOLTAGE = "temperature", "pressure_head", "pressure_rod", "voltage"
 PUSH = "push"
 HELD_MASS = "held_mass"
+JOINED = " + "  # between the sources of logs that were joined
 KNOWN = (
     *(POSITION, VELOCITY, EFFORT, CURRENT),
     *(TEMPERATURE, "position_ref", "velocity_ref", HEAD_PRESSURE, ROD_PRESSURE),
@@ -52,6 +54,11 @@ class Log:
         """The file, how much it holds, and of which joints."""
         seconds = float(self.time[-1] - self.time[0]) if self.time.size else 0.0
         return f"<Log '{self.source}': {self.time.size} rows over {seconds:.4g} s; {', '.join(self.joints)}>"
+
+    @property
+    def name(self) -> str:
+        """The file's name, without its folder; all of them where logs were joined."""
+        return JOINED.join(Path(source).name for source in self.source.split(JOINED))
 
     def channel(self, quantity: str, joint: str) -> Floats | None:
         """Return a joint's column (``position``, ``velocity``, ``effort``, ``current``, …), or None if not recorded."""

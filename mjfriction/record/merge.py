@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from mjfriction.errors import LogError
-from mjfriction.record.log import Log
+from mjfriction.record.log import JOINED, Log
 from mjfriction.record.resample import read_clock
 
 PAUSE = 1.0  # s between two logs
@@ -47,7 +47,7 @@ def merge_logs(logs: Sequence[Log]) -> Log:
         segments.append(numbered + offset)
         offset = int(segments[-1][-1]) + 1
     return Log(
-        source=" + ".join(log.source for log in logs),
+        source=JOINED.join(log.source for log in logs),
         time=np.concatenate(times),
         segment=np.concatenate(segments),
         joints=first.joints,

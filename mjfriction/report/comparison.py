@@ -20,7 +20,7 @@ def comparison_table(comparison: Comparison) -> dict[str, object]:
         return None if value is None else float(f"{value:.7g}")
 
     return {
-        "log": Path(comparison.gap.log.source).name,
+        "log": comparison.gap.log.name,
         "robots": list(comparison.names),
         "best": comparison.best,
         "simulated_seconds": number(comparison.seconds),
@@ -57,7 +57,7 @@ def write_comparison(comparison: Comparison, folder: Path) -> None:
         pictures.append((joint.joint, Markup(figure_html(figure, f"course-{k}"))))
     page = rendered(
         "comparison.html.j2",
-        log_name=Path(gap.log.source).name,
+        log_name=gap.log.name,
         names=comparison.names,
         summary=comparison.summary,
         joints=comparison.joints,

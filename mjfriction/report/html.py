@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
@@ -61,7 +60,7 @@ def _page(template: str, compared: Compared, report: Report, first: Sequence[str
         template,
         report=report,
         robot=gap.robot.name,
-        log_name=Path(gap.log.source).name,
+        log_name=gap.log.name,
         seconds=gap.motion.time.size / gap.motion.rate,
         rate=gap.motion.rate,
         band=gap.chain.band,

@@ -24,7 +24,7 @@ def write_results(diagnosis: Diagnosis, report: Report, folder: Path) -> None:
     write_recording(diagnosis, report, folder / "recording.rrd")
     if diagnosis.next_experiment is not None:
         pyarrow.parquet.write_table(diagnosis.next_experiment.trajectory.table(), folder / "next_experiment.parquet")
-    source = Path(diagnosis.gap.log.source).name
+    source = diagnosis.gap.log.name
     made = "As stated: nothing was fitted to" if report.verdict == "bad_data" else "Extended by mjfriction from"
     write_robot(diagnosis.robot, folder, comment=f"{made} {source}.\n{report.summary}")
 
@@ -45,5 +45,5 @@ def write_identified(identification: Identification, report: Report, folder: Pat
     (folder / "report.json").write_text(report_json(report), encoding="utf-8")
     (folder / "report.html").write_text(identified_html(identification, report), encoding="utf-8")
     write_identified_recording(identification, report, folder / "recording.rrd")
-    source = Path(identification.gap.log.source).name
+    source = identification.gap.log.name
     write_robot(identification.robot, folder, comment=f"Identified by mjfriction from {source}.\n{report.summary}")

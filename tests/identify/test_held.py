@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -85,6 +86,14 @@ def test_passes_at_two_masses_tell_what_a_load_adds() -> None:
         assert parameter.high - parameter.low < 0.2 * TRUE[parameter.name], parameter
     assert law.passes is not None
     assert law.passes.tells_load
+    # What was held is no part of the pendulum that gravity is taken for: unsaid, the two would be 5 N·m apart.
+    assert law.pendulum is not None
+    assert np.all(law.pendulum.apart < 0.5)
+
+
+def test_joined_logs_are_called_by_the_names_of_all_their_files() -> None:
+    folders = [replace(log, source=f"runs/{k}/log{k}.csv") for k, log in enumerate(logs())]
+    assert merge_logs(folders).name == "log0.csv + log1.csv"
 
 
 def test_passes_at_one_mass_do_not() -> None:
