@@ -16,6 +16,7 @@ from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 
 TOLD = 3.0  # times the noise, from which on two explanations are told apart
+USELESS = 0.05  # times the noise: a thousand rows that differ so much may do so by chance
 QUIETEST = 1e-9  # N·m or N
 FASTER = 1.5  # times the speed that the log reached
 
@@ -44,10 +45,11 @@ def with_rival(model: Model, target: Chosen, rival: Chosen) -> Model | None:
     """Return a model with a rival in the place of a cause; None where, beside what else was found, it is not
     possible.
 
-    In the place of a joint's levels, these are as stated; levels in the place of a cause are free.
+    In the place of a joint's levels, these are as stated; levels in the place of a cause are free, rather than as
+    stated or near it.
     """
     rest = tuple(choice for choice in model.chosen if choice.key != target.key)
-    if rival.cause is STATED_LEVELS:
+    if rival.cause is STATED_LEVELS and model.nuisance.level_near(rival.site.joint):
         return build_model(model.gap, model.nuisance.with_level_free(rival.site.joint), rest).admissible()
     held = target.cause is STATED_LEVELS
     nuisance = model.nuisance.without_level(target.site.joint) if held else model.nuisance
@@ -60,7 +62,8 @@ def design_experiment(model: Model, other: Model, joint: int, between: tuple[str
     causes at a ``joint`` it is to choose, differ most.
 
     Both are fitted to the log.  Where motions in the middle of the range tell nothing, that joint is moved alone to its
-    sides.  None where they differ nowhere by more than on the log itself.
+    sides.  None where they differ nowhere by more than on the log itself, or by so little that some minutes of it would
+    say nothing.
     """
     gap = model.gap
     robots = [extend_robot(model), extend_robot(other)]
@@ -76,7 +79,7 @@ def design_experiment(model: Model, other: Model, joint: int, between: tuple[str
                 best = Experiment(trajectory, gap.robot.joints[shown], apart, on_log, between)
         if side == 0.0 and best is not None and best.apart > TOLD:
             break
-    return best
+    return best if best is not None and best.apart > USELESS else None
 
 
 def _noise(model: Model) -> Floats:
