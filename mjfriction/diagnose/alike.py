@@ -11,6 +11,7 @@ from mjfriction.body.regressor import tip_link
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LinkScale
+from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.causes.whole_arm import Payload
 from mjfriction.diagnose.exchange import for_place_of, in_place_of
 from mjfriction.diagnose.field import Entrant, Field, in_place_of_levels, size
@@ -49,8 +50,9 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
     """
     gap, joint = model.gap, target.site.joint
     rest = tuple(choice for choice in model.chosen if choice.key != target.key)
-    # Levels that are near what is stated beside a cause might do without it, were they free.
-    of_levels = target.cause is STATED_LEVELS or model.nuisance.level_near(joint)
+    # Levels that are near what is stated beside a torque constant might do without it, were they free.
+    beside_factor = isinstance(target.cause, TorqueConstant) and model.nuisance.level_near(joint)
+    of_levels = target.cause is STATED_LEVELS or beside_factor
     free = model.nuisance.without_level(joint) if of_levels else model.nuisance
     without = build_model(gap, free, rest)
     own = try_out(without, target)

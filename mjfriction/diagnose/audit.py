@@ -14,6 +14,7 @@ from mjfriction.diagnose.units import find_unit_faults
 from mjfriction.identify.gap import Gap
 from mjfriction.record.faults import Fault
 from mjfriction.record.log import Floats
+from mjfriction.robot.links_torque import held_torque
 
 ALIKE = 0.9  # correlation from which on an effort is taken as the image of a prediction
 UNLIKE = 0.6  # and under which it is not
@@ -115,7 +116,9 @@ def _look(gap: Gap) -> _Look:
     motion = gap.motion
     rows = np.arange(0, motion.time.size, max(1, motion.time.size // SAMPLES))
     course = tuple(values[rows] for values in (motion.position, motion.velocity, motion.acceleration))
-    return _Look(gap, course, (motion.torque * gap.per_reported)[rows][:, list(gap.examined)])
+    # What was held besides is no matter of whose column is whose.
+    effort = motion.torque * gap.per_reported - held_torque(gap.robot, gap.body, motion)
+    return _Look(gap, course, effort[rows][:, list(gap.examined)])
 
 
 def _of_efforts_or_positions(gap: Gap, column: str, i: int, j: int | None) -> Fault:

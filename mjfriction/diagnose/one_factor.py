@@ -47,7 +47,8 @@ def scaled_levels(model: Model, held: Model, own: Trial, change: dict[int, float
     free = build_model(held.gap, held.nuisance, (*held.chosen, own.chosen))
     spread = _spread(change, joint)
     # A rotor that is off by the same factor is one number more that it does away with.
-    for rest in (tuple(choice for choice in held.chosen if choice.key != rotor), held.chosen):
+    fewer = tuple(choice for choice in held.chosen if choice.key != rotor)
+    for rest in (fewer, held.chosen) if len(fewer) < len(held.chosen) else (fewer,):
         near, moved = _near(build_model(model.gap, model.nuisance, (*rest, factor)), joint, spread)
         strength = near.strengths[near.places[-1]]
         possible = factor.cause.admissible(model.gap, factor.site, strength) and not _common(near, factor)

@@ -50,7 +50,7 @@ def stroke_curves(model: Model, heldout: Floats) -> list[StrokeCurve]:
             isinstance(choice.cause, Cogging) and widths[choice.key][-1] > KNOWN_TO * choice.site.shape[0]
             for choice in own
         )
-        if unsure or share > AS_GOOD * taken if waves else taken < AS_GOOD * share:
+        if (unsure or share > AS_GOOD * taken) if waves else taken < AS_GOOD * share:
             structure = Structure(gap.robot.joints[joint], ALONG_STROKE, share)
             out.append(StrokeCurve(frozenset(choice.key for choice in own), structure))
     return out

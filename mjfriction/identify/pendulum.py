@@ -17,7 +17,7 @@ from mjfriction.body.model import Body
 from mjfriction.identify.phases import Phase
 from mjfriction.record.log import Floats
 from mjfriction.record.motion import Motion
-from mjfriction.robot.links_torque import links_torque
+from mjfriction.robot.links_torque import held_torque, links_torque
 from mjfriction.robot.robot import Robot
 
 CUTOFF = 10.0  # Hz, of the efforts of a pass
@@ -68,9 +68,7 @@ def by_pendulum(
     friction = np.column_stack([np.sign(velocity), velocity])[which]
     still = replace(motion, velocity=0.0 * motion.velocity, acceleration=0.0 * motion.acceleration)
     # What was held for a while is known, and no part of the pendulum.
-    empty = replace(robot, table=robot.table.model_copy(update={"held": None}))
-    model, alone = (links_torque(own, body, still)[samples, joint] for own in (robot, empty))
-    held = model - alone
+    model, held = (torques(robot, body, still)[samples, joint] for torques in (links_torque, held_torque))
     numbers = np.linalg.lstsq(np.hstack([waves, friction]), smooth[samples] - held, rcond=None)[0]
     gravity = np.column_stack([model, waves @ numbers[:2] + held])
     count = np.bincount(which)

@@ -27,18 +27,23 @@ def held_mass(robot: Robot, motion: Motion) -> Floats | None:
     return mass
 
 
-def links_torque(robot: Robot, body: Body, motion: Motion) -> Floats:
-    """Return the torques of links, payload, rotors and of what the log says was held besides, (n, joints), N·m or N.
+def held_torque(robot: Robot, body: Body, motion: Motion) -> Floats:
+    """Return the torques of what the motion's log says was held, (n, joints), N·m or N: none where it says nothing.
 
     A point mass m at a fixed place of a link adds m times what one kilogram there adds.
     """
-    course = motion.position, motion.velocity, motion.acceleration
-    torque = inverse_dynamics(body, *course)
     mass, held = held_mass(robot, motion), robot.table.held
     if mass is None or held is None:
-        return torque
+        return np.zeros_like(motion.position)
     try:
         laden = body.holding(Load(1.0, held.com, held.parent))
     except RobotError as error:
         raise RobotError(f"robot '{robot.name}': held: {error}") from None
-    return np.asarray(torque + mass[:, None] * (inverse_dynamics(laden, *course) - torque))
+    course = motion.position, motion.velocity, motion.acceleration
+    return np.asarray(mass[:, None] * (inverse_dynamics(laden, *course) - inverse_dynamics(body, *course)))
+
+
+def links_torque(robot: Robot, body: Body, motion: Motion) -> Floats:
+    """Return the torques of links, payload, rotors and of what the log says was held besides, (n, joints), N·m or N."""
+    torque = inverse_dynamics(body, motion.position, motion.velocity, motion.acceleration)
+    return torque if held_mass(robot, motion) is None else torque + held_torque(robot, body, motion)

@@ -11,6 +11,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from mjfriction.diagnose.audit import SAMPLES, _look
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Verdict
 from mjfriction.errors import LogError, RobotError
@@ -25,6 +26,7 @@ from mjfriction.record.log import Log
 from mjfriction.record.merge import merge_logs
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot, write_robot
+from mjfriction.robot.links_torque import held_torque
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import FrictionTerm, Payload, Place
@@ -150,3 +152,14 @@ def test_logs_of_several_masses_are_diagnosed_together() -> None:
     assert values == pytest.approx(TRUE, rel=0.05)
     # Unsaid, the second mass is a payload that comes and goes, which no cause is.
     assert diagnose_log(merge_logs(logs()), stated(None)).verdict is Verdict.UNEXPLAINED
+
+
+def test_what_was_held_is_not_in_the_efforts_that_columns_are_told_by() -> None:
+    # What explains these is the links' course alone, whichever columns are exchanged.
+    gap = measure_gap(logs()[1], stated())
+    look = _look(gap)
+    assert gap.examined == (stated().joints.index(ELBOW),)
+    rows = (slice(None, None, max(1, gap.motion.time.size // SAMPLES)), list(gap.examined))
+    laden = (gap.motion.torque * gap.per_reported)[rows]
+    np.testing.assert_allclose(look.effort, laden - held_torque(gap.robot, gap.body, gap.motion)[rows])
+    assert look.left(look.course, look.effort)[0] < look.left(look.course, laden)[0]
