@@ -44,9 +44,10 @@ def feedforward_friction(
             velocity = course.velocity[:, i]
             out[:, i] = coulomb * np.tanh(velocity / TURNING) + viscous * velocity
         return out
-    load = feedforward_rigid(model, "dynamics", course)
+    rotor = body.armature * course.acceleration
+    load = feedforward_rigid(model, "dynamics", course) - rotor
     for i, joint in enumerate(stated.table.joint):
-        around = ambient(load.shape[0], load=load[:, i], position=course.position[:, i])
+        around = ambient(load.shape[0], load=load[:, i], position=course.position[:, i], rotor=rotor[:, i])
         for law in joint_laws(joint):
             out[:, i] += law.follow(course.velocity[:, i], around, step)[0]
     return out

@@ -341,14 +341,14 @@ def _held_against(
     ]
     slow = doubt_speeds(motion)
     touched = share_in_doubt(robot, motion, chain, slow, yielding)
-    resting = resting_level(robot, motion, effort.rigid, slow)
+    resting = resting_level(robot, motion, effort.load, effort.rotor, slow)
     turning = turning_speeds(chain.rows(motion.velocity), residual, touched < CLEAR, resting, motion.top_speed)
     if np.any(turning > slow):
         slow = np.maximum(slow, turning)
         touched = share_in_doubt(robot, motion, chain, slow, yielding)
     # What friction may be while its direction is unknown: what is stated, or, where that is not stated, as much as the
     # residual leaves room for.  A joint that rests holds one such friction as long as it does: many rows say one thing.
-    level = resting_level(robot, motion, effort.rigid, slow)
+    level = resting_level(robot, motion, effort.load, effort.rotor, slow)
     doubt = touched * np.maximum(level, np.sqrt(np.mean(np.square(np.nan_to_num(residual)), axis=0)))
     doubt *= np.sqrt(rows_of_rests(touched, chain))
     felt, struck = blows(body, motion, chain, slow)

@@ -51,8 +51,9 @@ class Problem:
 
     @functools.cached_property
     def _around(self) -> Floats:
-        gap = self.gap
-        return surroundings(gap.robot.table.joint[self.joint], gap.motion, self.joint, gap.effort.rigid[:, self.joint])
+        gap, joint = self.gap, self.joint
+        load, rotor = gap.effort.load[:, joint], gap.effort.rotor[:, joint]
+        return surroundings(gap.robot.table.joint[joint], gap.motion, joint, load, rotor)
 
     @functools.cached_property
     def _turned(self) -> tuple[Floats, Floats]:
@@ -99,5 +100,5 @@ class Problem:
             damping=max(float(damping), 0.01 * size / speed) / ratio**2,
             speed=speed * ratio,
             stroke=float(np.ptp(gap.motion.position[:, joint])) * ratio,
-            load=float(np.sqrt(np.mean(np.square(gap.effort.rigid[:, joint])))) / ratio,
+            load=float(np.sqrt(np.mean(np.square(gap.effort.load[:, joint])))) / ratio,
         )

@@ -48,7 +48,7 @@ def covariate_rows(gap: Gap, joint: int, covariate: str) -> Floats:
         "position": motion.position[:, joint],
         "acceleration": motion.acceleration[:, joint],
         "effort": gap.effort.rigid[:, joint],
-        "load": np.abs(gap.effort.rigid[:, joint]) * gap.forward(joint),  # as friction that grows with it acts
+        "load": np.abs(gap.effort.load[:, joint]) * gap.forward(joint),  # as friction that grows with it acts
     }
     return gap.chain.time if covariate == "time" else gap.chain.rows(sources[covariate])
 

@@ -7,8 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-LOAD, POSITION, TEMPERATURE, PRESSURE_HEAD, PRESSURE_ROD, SLIDING = range(6)
-AMBIENT_SIZE = 6
+LOAD, POSITION, TEMPERATURE, PRESSURE_HEAD, PRESSURE_ROD, SLIDING, ROTOR, AMBIENT_SIZE = range(8)
 ROOM_TEMPERATURE = 25.0  # °C, taken where nothing measures it
 
 Floats = NDArray[np.float64]
@@ -23,15 +22,16 @@ def ambient(
     pressure_head: Floats | float = 0.0,
     pressure_rod: Floats | float = 0.0,
     sliding: Floats | float = math.nan,
+    rotor: Floats | float = 0.0,
 ) -> Floats:
-    """Return the surroundings of ``count`` samples, shape (count, 6), as the kernels read them row by row.
+    """Return the surroundings of ``count`` samples, shape (count, 7), as the kernels read them row by row.
 
     ``load``: the torque the transmission carries, N·m or N.  ``position``: rad or m.  ``temperature``: °C.
     ``pressure_head`` and ``pressure_rod``: Pa in the two chambers of a hydraulic cylinder.  ``sliding``: the velocity
-    at which laws that fall with speed take their level, rad/s or m/s; NaN for the velocity of the step itself.  Each is
-    one number or shape (count,).
+    at which laws that fall with speed take their level, rad/s or m/s; NaN for the velocity of the step itself.
+    ``rotor``: the torque that the drive's own rotor takes besides, N·m or N.  Each is one number or shape (count,).
     """
     out = np.empty((count, AMBIENT_SIZE))
-    for column, value in enumerate((load, position, temperature, pressure_head, pressure_rod, sliding)):
+    for column, value in enumerate((load, position, temperature, pressure_head, pressure_rod, sliding, rotor)):
         out[:, column] = value
     return out

@@ -49,8 +49,9 @@ class Friction:
 
     ``law`` speaks of its own side of a gear: velocity there is ``gear_ratio`` times the joint's, and its torque comes
     back times the same.  ``level`` scales all of the law but its linear damping.  ``negative`` are the values for
-    motion backward, where they differ; a law with them runs one copy for each direction.  Make one with
-    :func:`friction`.
+    motion backward, where they differ; a law with them runs one copy for each direction.  The load that it reads is
+    what passes the transmission to the links, or with ``load_includes_rotor`` all that the drive's rotor takes too.
+    Make one with :func:`friction`.
     """
 
     law: Law
@@ -58,6 +59,7 @@ class Friction:
     negative: Floats | None = None
     gear_ratio: float = 1.0
     level: Level = field(default=Level())
+    load_includes_rotor: bool = False
 
     @property
     def state_count(self) -> int:
@@ -74,6 +76,7 @@ class Friction:
         header[wrapped.COUNT] = self.values.size
         header[wrapped.DAMPING] = -1.0 if damping is None else damping
         header[wrapped.TWO_WAY] = self.negative is not None
+        header[wrapped.WHOLE] = self.load_includes_rotor
         header[wrapped.LEVELLED] = self.level != Level()
         header[wrapped.PER_LOAD] = self.level.per_load
         header[wrapped.PER_KELVIN] = self.level.per_kelvin
@@ -86,7 +89,7 @@ class Friction:
         return out
 
     def steady(self, velocity: Floats, ambient: Floats) -> Floats:
-        """Return the steady torque at the joint, (n,), for ``velocity`` (n,) and ``ambient`` (n, 6) of the joint."""
+        """Return the steady torque at the joint, (n,), for ``velocity`` (n,) and ``ambient`` (n, 7) of the joint."""
         out = np.empty(velocity.shape[0])
         near = np.empty(AMBIENT_SIZE)
         wrapped.steady_wrapped_along(_even(velocity), _even(ambient), self._writable, near, out)
@@ -141,12 +144,14 @@ def friction(
     negative: Values | None = None,
     gear_ratio: float = 1.0,
     level: Level | None = None,
+    load_includes_rotor: bool = False,
     where: str = "",
 ) -> Friction:
     """Return a law by name with checked values.
 
-    ``negative`` gives the values for motion backward; what it leaves out is as in ``parameters``.  ``where`` (a joint,
-    say) is put in front of messages.  Raises :class:`LawError` for an unknown law, values that the law does not allow,
+    ``negative`` gives the values for motion backward; what it leaves out is as in ``parameters``.  With
+    ``load_includes_rotor`` the load is counted with what the drive's rotor takes.  ``where`` (a joint, say) is put in
+    front of messages.  Raises :class:`LawError` for an unknown law, values that the law does not allow,
     a negative set for a law that is not odd, or a gear ratio that is not a finite number other than 0.
     """
     at = f"{where}: " if where else ""
@@ -165,4 +170,4 @@ def friction(
         backward = found.pack(merged, where=f"{at}negative")  # type: ignore[arg-type]
         if backward.size != values.size:
             raise LawError(f"{at}law '{law}': `negative` has another number of elements; give as many")
-    return Friction(found, values, backward, gear_ratio, Level() if level is None else level)
+    return Friction(found, values, backward, gear_ratio, level or Level(), load_includes_rotor)

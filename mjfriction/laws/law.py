@@ -11,7 +11,7 @@ and comes out.
     One step of length ``h`` in which the velocity is ``v``: the state goes from ``z`` to ``z_next``, and ``torque`` is
     the friction at the end of the step.  ``slope`` ≥ 0 estimates ∂torque/∂v, so that a joint can be stepped implicitly.
 
-``v`` in rad/s or m/s; ``ambient`` (6,) holds what else a law may read (:mod:`mjfriction.laws.ambient`: the load of the
+``v`` in rad/s or m/s; ``ambient`` (7,) holds what else a law may read (:mod:`mjfriction.laws.ambient`: the load of the
 transmission, position, temperature, pressures); ``p`` holds the scalar parameters and then, one array after another,
 those that every element of the law has; ``z`` the state.  All are one-dimensional float64 arrays.
 """
@@ -176,7 +176,7 @@ class Law:
     def along(self, velocity: Floats, ambient: Floats, packed: Floats) -> Floats:
         """Return the steady friction at every sample.
 
-        ``velocity`` (n,), ``ambient`` (n, 6), ``packed`` from :meth:`pack`; the result has shape (n,).
+        ``velocity`` (n,), ``ambient`` (n, 7), ``packed`` from :meth:`pack`; the result has shape (n,).
         """
         out = np.empty(velocity.shape[0])
         _steady_loop()(self.steady, _rowwise(velocity), _rowwise(ambient), packed, out)

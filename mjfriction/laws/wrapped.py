@@ -1,29 +1,31 @@
 """Kernels that wrap any law: seen through a gear, its level scaled by its surroundings, its two directions apart.
 
 A wrapped law is one float64 vector ``w``, laid out by :meth:`mjfriction.laws.friction.Friction.packed`:
-(number of the law, gear ratio, count of parameters, where its damping stands or −1, two-way or not, level scaled or
-not, level per load, level per kelvin, reference temperature, count of waves, the waves' k, a, b in turn, the
-parameters, and, two-way, the parameters for motion backward).
+(number of the law, gear ratio, count of parameters, where its damping stands or −1, two-way or not, loaded by the
+rotor too or not, level scaled or not, level per load, level per kelvin, reference temperature, count of waves, the
+waves' k, a, b in turn, the parameters, and, two-way, the parameters for motion backward).
 """
 
 from __future__ import annotations
 
 import math
 
-from mjfriction.laws.ambient import LOAD, POSITION, PRESSURE_HEAD, PRESSURE_ROD, SLIDING, TEMPERATURE
+from mjfriction.laws.ambient import LOAD, POSITION, PRESSURE_HEAD, PRESSURE_ROD, ROTOR, SLIDING, TEMPERATURE
 from mjfriction.laws.dispatch import advance_of, steady_of
 from mjfriction.laws.law import Floats, kernel, routine
 from mjfriction.laws.window import address, window
 
-NUMBER, RATIO, COUNT, DAMPING, TWO_WAY, LEVELLED, PER_LOAD, PER_KELVIN, REFERENCE, WAVES, HEADER = range(11)
+NUMBER, RATIO, COUNT, DAMPING, TWO_WAY, WHOLE, LEVELLED, PER_LOAD, PER_KELVIN, REFERENCE, WAVES, HEADER = range(12)
 
 
 @kernel
-def through_gear(ambient: Floats, ratio: float, near: Floats) -> None:
+def through_gear(ambient: Floats, w: Floats, near: Floats) -> None:
     """Write into ``near`` the surroundings on the law's side of a gear: position and
-    sliding velocity times, load divided by the ratio.
+    sliding velocity times, load divided by the ratio, the load with the rotor's part where the law is loaded by that.
     """
-    near[LOAD] = ambient[LOAD] / ratio
+    ratio = w[RATIO]
+    near[ROTOR] = ambient[ROTOR] / ratio
+    near[LOAD] = ambient[LOAD] / ratio + w[WHOLE] * near[ROTOR]
     near[POSITION] = ambient[POSITION] * ratio
     near[TEMPERATURE] = ambient[TEMPERATURE]
     near[PRESSURE_HEAD] = ambient[PRESSURE_HEAD]
@@ -44,9 +46,9 @@ def level_factor(near: Floats, w: Floats) -> float:
 
 @kernel
 def steady_wrapped(v: float, ambient: Floats, w: Floats, near: Floats) -> float:
-    """Return the steady torque at the joint; ``near`` (6,) is room to work in."""
+    """Return the steady torque at the joint; ``near`` (7,) is room to work in."""
     number, count, at = int(w[NUMBER]), int(w[COUNT]), HEADER + 3 * int(w[WAVES])
-    through_gear(ambient, w[RATIO], near)
+    through_gear(ambient, w, near)
     own = w[RATIO] * v
     if w[TWO_WAY] > 0.0 and own < 0.0:
         at += count
@@ -60,20 +62,21 @@ def steady_wrapped(v: float, ambient: Floats, w: Floats, near: Floats) -> float:
 def advance_wrapped(
     v: float, ambient: Floats, z: Floats, h: float, w: Floats, z_next: Floats, near: Floats
 ) -> tuple[float, float]:
-    """Return (torque, slope) at the joint and write the next state; ``near`` (6,) is room to work in.
+    """Return (torque, slope) at the joint and write the next state; ``near`` (7,) is room to work in.
 
     The level's factor s multiplies all but the linear damping: s·(τ − F_v·v) + F_v·v.  A two-way law runs one copy for
     each direction, each with its own state, and is max(τ⁺, 0) + min(τ⁻, 0): continuous, and as steep as either.
     """
     number, count, ratio = int(w[NUMBER]), int(w[COUNT]), w[RATIO]
-    if ratio == 1.0 and w[LEVELLED] == 0.0 and w[TWO_WAY] == 0.0:  # nothing wrapped: the common case, and the fast one
+    if ratio == 1.0 and w[LEVELLED] == 0.0 and w[TWO_WAY] == 0.0 and w[WHOLE] == 0.0:
+        # Nothing wrapped: the common case, and the fast one.
         return advance_of(
             number, v, address(ambient, 0), address(z, 0), z.shape[0], h, address(w, HEADER), count, address(z_next, 0)
         )
     at = HEADER + 3 * int(w[WAVES])
     around = ambient
-    if ratio != 1.0:
-        through_gear(ambient, ratio, near)
+    if ratio != 1.0 or w[WHOLE] > 0.0:
+        through_gear(ambient, w, near)
         around = near
     own = ratio * v
     factor = level_factor(around, w) if w[LEVELLED] > 0.0 else 1.0

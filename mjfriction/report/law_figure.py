@@ -30,7 +30,7 @@ def friction_against_speed(identification: Identification, law: JointLaw) -> go.
     side = np.linspace(top / POINTS, top, POINTS // 2) ** 2 / top
     speeds = np.concatenate([-side[::-1], side])
     table, ratio = gap.robot.table.joint[joint], gap.robot.table.joint[joint].actuator.gear_ratio
-    load = float(np.sqrt(np.mean(np.square(gap.effort.rigid[:, joint]))))
+    load = float(np.sqrt(np.mean(np.square(gap.effort.load[:, joint]))))
     around = ambient(speeds.size, load=np.full(speeds.size, load))
     for name, colour, terms in (("stated", BEFORE, table.friction or ()), ("identified", AFTER, (law.fit.term,))):
         curve = sum((term.friction(ratio).steady(speeds, around) for term in terms), start=np.zeros(speeds.size))

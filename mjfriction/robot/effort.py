@@ -34,26 +34,39 @@ POSES = 50.0  # Hz: between two of these no joint turns far enough for its inert
 class Effort:
     """Predicted effort along a motion, each of shape (n, joints), N·m or N at the joint.
 
-    ``rigid``: links, payload, gravity and rotors; ``friction``; ``total``: these with cogging and springs;
-    ``reported``: what the drive's sensor would say.
+    ``rigid``: links, payload, gravity and rotors; ``rotor``: the part of each drive's own rotor in that; ``friction``;
+    ``total``: these with cogging and springs; ``reported``: what the drive's sensor would say.
     """
 
     rigid: Floats
+    rotor: Floats
     friction: Floats
     total: Floats
     reported: Floats
+
+    @property
+    def load(self) -> Floats:
+        """What passes the transmissions to the links, (n, joints): the load that friction may grow with."""
+        return self.rigid - self.rotor
 
 
 @dataclass(frozen=True)
 class Carried:
     """What the drives carry along a motion: the ``motor``'s motion, that of where the links are (``linked``) and of
-    where friction acts (``rubbing``), and the torques of links and rotors, ``rigid`` (n, joints), N·m or N.
+    where friction acts (``rubbing``), the torques of links and rotors, ``rigid`` (n, joints), N·m or N, and the own
+    ``rotor`` of each drive in them.
     """
 
     motor: Motion
     linked: Motion
     rubbing: Motion
     rigid: Floats
+    rotor: Floats
+
+    @property
+    def load(self) -> Floats:
+        """What passes the transmissions to the links, (n, joints)."""
+        return self.rigid - self.rotor
 
 
 def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
@@ -67,7 +80,7 @@ def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
 def effort_of(robot: Robot, motion: Motion, carried: Carried) -> Effort:
     """Return the effort of a robot whose links and rotors are ``carried`` along the motion."""
     motor, linked, rubbing, rigid = carried.motor, carried.linked, carried.rubbing, carried.rigid
-    friction = friction_along(robot, rubbing, rigid)
+    friction = friction_along(robot, rubbing, carried.load, carried.rotor)
     total = np.empty_like(rigid)
     for i, joint in enumerate(robot.table.joint):
         spring = spring_along(joint.spring, linked.position[:, i])
@@ -80,7 +93,7 @@ def effort_of(robot: Robot, motion: Motion, carried: Carried) -> Effort:
             total[:, i] += coupling.viscous * rubbing.velocity[:, other]
             if coupling.effort:
                 total[:, i] += coupling.effort * shared_effort(robot, motion, other, alone[:, other])
-    return Effort(rigid, friction, total, reported_of(robot, motion, total))
+    return Effort(rigid, carried.rotor, friction, total, reported_of(robot, motion, total))
 
 
 def reported_of(robot: Robot, motion: Motion, total: Floats) -> Floats:
@@ -138,7 +151,7 @@ def shared_effort(robot: Robot, motion: Motion, joint: int, predicted: Floats) -
 def friction_states(robot: Robot, body: Body, motion: Motion) -> dict[str, dict[str, Floats]]:
     """Return what friction's states are along a motion as its sensors saw it: by joint and law, (n, states)."""
     carried = carry(robot, body, motion)
-    return states_along(robot, carried.rubbing, carried.rigid)
+    return states_along(robot, carried.rubbing, carried.load, carried.rotor)
 
 
 def carry(robot: Robot, body: Body, motion: Motion) -> Carried:
@@ -147,14 +160,15 @@ def carry(robot: Robot, body: Body, motion: Motion) -> Carried:
     linked = link_motion(robot, body, motor)
     rigid = links_torque(robot, body, linked)
     # Rotors turn with the sensor, not with the link.
-    rigid += body.armature * (motor.acceleration - linked.acceleration)
+    rotor = body.armature * motor.acceleration
+    rigid += rotor - body.armature * linked.acceleration
     for i, joint in enumerate(robot.table.joint):
         for drive in joint.common_drive:
             other = robot.joints.index(drive.joint)
             turned = drive.inertia * (motor.acceleration[:, i] + drive.ratio * motor.acceleration[:, other])
             rigid[:, i] += turned
             rigid[:, other] += drive.ratio * turned
-    return Carried(motor, linked, _where_friction_acts(robot, motor, linked), rigid)
+    return Carried(motor, linked, _where_friction_acts(robot, motor, linked), rigid, rotor)
 
 
 def as_reported(joint: Joint, torque: Floats, motion: Motion, position: Floats) -> Floats:
@@ -209,10 +223,10 @@ def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
     rubbed = np.array([joint.transmission.carries_friction for joint in robot.table.joint])
     linked = motion
     for _ in range(GIVING_ROUNDS):
-        load = links_torque(robot, body, linked)
-        carried = load - body.armature * linked.acceleration
+        rotor = body.armature * linked.acceleration
+        carried = links_torque(robot, body, linked) - rotor
         if np.any(rubbed):
-            carried += rubbed * friction_along(robot, linked, load)
+            carried += rubbed * friction_along(robot, linked, carried, rotor)
         parts = [motion.position.copy(), motion.velocity.copy(), motion.acceleration.copy()]
         for i, joint in enumerate(robot.table.joint):
             if joint.transmission.compliance or joint.transmission.backlash:

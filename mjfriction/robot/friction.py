@@ -112,9 +112,12 @@ def with_less_stribeck(robot: Robot, joint: str, excess: float) -> Robot:
     return robot.with_joint(table.model_copy(update={"friction": lowered}))
 
 
-def stated_load(joint: Joint) -> float:
-    """Return how fast friction is stated to grow with the transmitted load; the same on either side of the gear."""
-    return sum(term.value("load") for term in terms(joint) if term.law == LOAD_DEPENDENT.name)
+def stated_load(joint: Joint, *, includes_rotor: bool = False) -> float:
+    """Return how fast friction is stated to grow with the transmitted load, counted without or with what the rotor
+    takes; the same on either side of the gear.
+    """
+    own = (term for term in terms(joint) if term.law == LOAD_DEPENDENT.name)
+    return sum(term.value("load") for term in own if term.load_includes_rotor == includes_rotor)
 
 
 def raised_levels(robot: Robot, joint: str, coulomb: float, viscous: float) -> Robot:
@@ -182,10 +185,12 @@ def _stretched(term: FrictionTerm, factor: float) -> FrictionTerm:
     return term.model_copy(update={"parameters": {**term.parameters, **own}})
 
 
-def with_term(robot: Robot, joint: str, law: str, parameters: Mapping[str, float]) -> Robot:
+def with_term(
+    robot: Robot, joint: str, law: str, parameters: Mapping[str, float], *, load_includes_rotor: bool = False
+) -> Robot:
     """Return the robot with one more friction law on a joint, on the joint's side."""
     table = robot.joint(joint)
-    term = FrictionTerm(law=law, parameters=dict(parameters))
+    term = FrictionTerm(law=law, parameters=dict(parameters), load_includes_rotor=load_includes_rotor)
     return robot.with_joint(table.model_copy(update={"friction": (*terms(table), term)}))
 
 

@@ -17,11 +17,13 @@ MOST_SHARE = 0.9  # of the places, whose level is not higher
 RESTING = 0.5  # of the way that a joint turning at a steady acceleration would go, below which it rests
 
 
-def friction_along(robot: Robot, motion: Motion, rigid: Floats) -> Floats:
-    """Return the friction of every joint along a motion of the links that needs ``rigid``, both (n, joints)."""
-    friction = np.zeros_like(rigid)
+def friction_along(robot: Robot, motion: Motion, load: Floats, rotor: Floats) -> Floats:
+    """Return the friction of every joint along a motion of which the links need the ``load``, the drives' own rotors
+    ``rotor`` besides, all (n, joints).
+    """
+    friction = np.zeros_like(load)
     for i, joint in enumerate(robot.table.joint):
-        around = surroundings(joint, motion, i, rigid[:, i])
+        around = surroundings(joint, motion, i, load[:, i], rotor[:, i])
         for term in joint.friction or ():
             friction[:, i] += term_torque(term, joint.actuator.gear_ratio, motion, i, around)
         friction[:, i] += varying_friction(joint, motion, i, forward_share(motion, i))
@@ -35,14 +37,14 @@ def friction_along(robot: Robot, motion: Motion, rigid: Floats) -> Floats:
     return friction
 
 
-def states_along(robot: Robot, motion: Motion, rigid: Floats) -> dict[str, dict[str, Floats]]:
-    """Return the states of friction along a motion of the links that needs ``rigid`` (n, joints): by joint and law,
-    (n, states), side by side where a joint has a law twice.  What :func:`term_torque` takes at its steady curve has
-    none.
+def states_along(robot: Robot, motion: Motion, load: Floats, rotor: Floats) -> dict[str, dict[str, Floats]]:
+    """Return the states of friction along a motion of which the links need the ``load``, the drives' own rotors
+    ``rotor`` besides (n, joints): by joint and law, (n, states), side by side where a joint has a law twice.  What
+    :func:`term_torque` takes at its steady curve has none.
     """
     out: dict[str, dict[str, Floats]] = {}
     for i, joint in enumerate(robot.table.joint):
-        around = surroundings(joint, motion, i, rigid[:, i])
+        around = surroundings(joint, motion, i, load[:, i], rotor[:, i])
         for term in joint.friction or ():
             friction = term.friction(joint.actuator.gear_ratio)
             if _followed(friction, motion, i):
@@ -59,14 +61,14 @@ def _followed(friction: Friction, motion: Motion, index: int) -> bool:
     return friction.state_count > 0 and friction.travel > motion.travel_noise[index]
 
 
-def resting_level(robot: Robot, motion: Motion, rigid: Floats, slow: Floats) -> Floats:
+def resting_level(robot: Robot, motion: Motion, load: Floats, rotor: Floats, slow: Floats) -> Floats:
     """Return the friction that each joint may hold while its direction of motion is not known, (joints,): the most its
-    laws give at any speed below ``slow`` (joints,), under the loads of ``rigid`` (n, joints).
+    laws give at any speed below ``slow`` (joints,), under the ``load`` of the links and of the ``rotor`` (n, joints).
     """
     out = np.zeros(len(robot.joints))
     some = slice(None, None, max(1, motion.time.size // RESTING_SAMPLES))
     for i, joint in enumerate(robot.table.joint):
-        around = surroundings(joint, motion, i, rigid[:, i])[some]
+        around = surroundings(joint, motion, i, load[:, i], rotor[:, i])[some]
         laws = [term.friction(joint.actuator.gear_ratio) for term in joint.friction or ()]
         level = sum((law.at_rest(around, float(slow[i])) for law in laws), np.zeros(around.shape[0]))
         varying = np.abs(varying_friction(joint, motion, i, np.ones(motion.time.size)))[some]
@@ -129,8 +131,8 @@ def wave_slopes_along(waves: tuple[Wave, ...], position: Floats) -> Floats:
     return waves_along(tuple(turned), position)
 
 
-def surroundings(joint: Joint, motion: Motion, index: int, load: Floats) -> Floats:
-    """Return what the joint's friction may read along a motion, shape (n, 6); room temperature where none is logged."""
+def surroundings(joint: Joint, motion: Motion, index: int, load: Floats, rotor: Floats) -> Floats:
+    """Return what the joint's friction may read along a motion, shape (n, 7); room temperature where none is logged."""
 
     def column(name: str, otherwise: float) -> Floats | float:
         return motion.columns.get(f"{name}.{joint.name}", otherwise)
@@ -138,6 +140,7 @@ def surroundings(joint: Joint, motion: Motion, index: int, load: Floats) -> Floa
     return ambient(
         load.size,
         load=load,
+        rotor=rotor,
         position=motion.position[:, index],
         temperature=column("temperature", ROOM_TEMPERATURE),
         pressure_head=column("pressure_head", 0.0),
@@ -157,7 +160,7 @@ def term_torque(
 ) -> Floats:
     """Return one friction law's torque at the joint along a motion, shape (n,).
 
-    ``around`` (n, 6) is what surrounds the joint.  A law with a state is followed sample by sample, from rest at the
+    ``around`` (n, 7) is what surrounds the joint.  A law with a state is followed sample by sample, from rest at the
     start of every piece.  One without takes the direction of :func:`direction`, or ``turned``, where it is known, and
     so does one whose springs yield within the noise of the motion: followed, it would tell of nothing but noise.  With
     ``follow`` it is followed all the same, so that what is told is smooth in its parameters.

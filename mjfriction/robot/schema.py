@@ -139,7 +139,9 @@ class LevelTable(Table):
 class FrictionTerm(Table):
     """One friction law on a joint; ``side`` is the side whose velocity and torque the law speaks of.
 
-    ``negative`` are the parameters for motion backward, where they differ; ``level`` scales the law's level.
+    ``negative`` are the parameters for motion backward, where they differ; ``level`` scales the law's level.  The load
+    that a law reads is what passes the transmission to the links, with ``load_includes_rotor`` what the drive's rotor
+    takes too.
     """
 
     law: str
@@ -147,6 +149,7 @@ class FrictionTerm(Table):
     parameters: dict[str, Finite | tuple[Finite, ...]]
     negative: dict[str, Finite | tuple[Finite, ...]] | None = None
     level: LevelTable = LevelTable()
+    load_includes_rotor: bool = False
 
     def friction(self, gear_ratio: float, *, where: str = "") -> Friction:
         """Return the law as it stands at a joint whose drive has that gear ratio.
@@ -156,7 +159,15 @@ class FrictionTerm(Table):
         waves = tuple(LevelWave(wave.wavenumber, wave.cosine, wave.sine) for wave in self.level.waves)
         level = Level(self.level.per_load, self.level.per_kelvin, self.level.reference_temperature, waves)
         ratio = gear_ratio if self.side == "motor" else 1.0
-        return friction(self.law, self.parameters, negative=self.negative, gear_ratio=ratio, level=level, where=where)
+        return friction(
+            self.law,
+            self.parameters,
+            negative=self.negative,
+            gear_ratio=ratio,
+            level=level,
+            load_includes_rotor=self.load_includes_rotor,
+            where=where,
+        )
 
     def value(self, name: str) -> float:
         """Return a parameter that is one number: forward and backward averaged, 0 where the law has none of it."""

@@ -39,7 +39,7 @@ class Native:
 
 @dataclass(frozen=True)
 class Probe:
-    """A motion to compare friction along: ``velocity`` (n,) and what surrounds the joint, ``around`` (n, 6)."""
+    """A motion to compare friction along: ``velocity`` (n,) and what surrounds the joint, ``around`` (n, 7)."""
 
     velocity: Floats
     around: Floats

@@ -28,6 +28,7 @@ MODEL_ARRAYS = (
     "M_rowadr",
     "M_colind",
     "dof_damping",
+    "dof_armature",
     "actuator_biastype",
     "actuator_biasprm",
 )
@@ -63,24 +64,25 @@ class Field(enum.IntEnum):
     M_ROWADR = 8
     M_COLIND = 9
     DOF_DAMPING = 10
-    ACTUATOR_BIASTYPE = 11
-    ACTUATOR_BIASPRM = 12
-    QPOS = 13
-    QVEL = 14
-    USERDATA = 15
-    M = 16
-    QFRC_PASSIVE = 17
-    QFRC_BIAS = 18
-    QFRC_APPLIED = 19
-    XFRC_APPLIED = 20
-    QFRC_ACTUATOR = 21
-    XIPOS = 22
-    MOMENT_ROWNNZ = 23
-    MOMENT_ROWADR = 24
-    MOMENT_COLIND = 25
-    ACTUATOR_MOMENT = 26
-    NUSERDATA = 27
-    PREVIOUS_CALLBACK = 28
+    DOF_ARMATURE = 11
+    ACTUATOR_BIASTYPE = 12
+    ACTUATOR_BIASPRM = 13
+    QPOS = 14
+    QVEL = 15
+    USERDATA = 16
+    M = 17
+    QFRC_PASSIVE = 18
+    QFRC_BIAS = 19
+    QFRC_APPLIED = 20
+    XFRC_APPLIED = 21
+    QFRC_ACTUATOR = 22
+    XIPOS = 23
+    MOMENT_ROWNNZ = 24
+    MOMENT_ROWADR = 25
+    MOMENT_COLIND = 26
+    ACTUATOR_MOMENT = 27
+    NUSERDATA = 28
+    PREVIOUS_CALLBACK = 29
 
 
 PROBE = """

@@ -31,8 +31,8 @@ def _rub(
     """Write torque and slope of rubbing joints ``first`` to ``last`` − 1 at their velocities, and the states then.
 
     All arrays come as addresses.  ``block``: the model's block; ``terms`` (count, 6): its term table in the order of
-    joints; ``v``, ``torque``, ``slope`` (k,); ``around`` (k, 6): what surrounds the joints; ``z``, ``z_next``: all
-    states; ``near`` (6,): room to work in.
+    joints; ``v``, ``torque``, ``slope`` (k,); ``around`` (k, 7): what surrounds the joints; ``z``, ``z_next``: all
+    states; ``near`` (7,): room to work in.
     """
     v, torque, slope = window_at(v_at, last), window_at(torque_at, last), window_at(slope_at, last)
     for i in range(first, last):

@@ -3,15 +3,25 @@
 MuJoCo calls it when positions and velocities of a step are known and its forces are not.  All smooth forces of the step
 are then computed, so the friction answers to this very step; what only the constraint solver knows (contacts, limits,
 equalities) is taken as it was in the step before, found as the part of the last velocity change that was not
-predicted.  The load that a law reads takes gravity and velocity from this step and accelerations from the last.  The
-bristles move by the velocity that really came out, when the next step begins.
+predicted.  The load that a law reads takes gravity and velocity from this step and accelerations from the last; what a
+joint's armature takes, which is its drive's rotor, is kept apart.  The bristles move by the velocity that really came
+out, when the next step begins.
 """
 
 from __future__ import annotations
 
 import math
 
-from mjfriction.laws.ambient import LOAD, POSITION, PRESSURE_HEAD, PRESSURE_ROD, ROOM_TEMPERATURE, SLIDING, TEMPERATURE
+from mjfriction.laws.ambient import (
+    LOAD,
+    POSITION,
+    PRESSURE_HEAD,
+    PRESSURE_ROD,
+    ROOM_TEMPERATURE,
+    ROTOR,
+    SLIDING,
+    TEMPERATURE,
+)
 from mjfriction.laws.law import Floats, kernel, routine
 from mjfriction.laws.window import address, window, window_at
 from mjfriction.sim import block as at
@@ -70,14 +80,18 @@ def look_back(block: Block, kept: Kept, a: Floats, now: Floats, time: float, mis
 
 
 @kernel
-def look_around(data: int, block: Block, kept: Kept, a: Floats, around: Floats) -> None:
-    """Write what surrounds the rubbing joints into ``around`` (k, 6)."""
+def look_around(model: int, data: int, block: Block, kept: Kept, a: Floats, around: Floats) -> None:
+    """Write what surrounds the rubbing joints into ``around`` (k, 7)."""
     first = block.touched - block.rubbing
+    for i in range(block.rubbing):
+        around[i, ROTOR] = 0.0
     if block.reads_load:
-        bias = numbers(data, mem.F_BIAS, block.nv)
+        bias, armature = numbers(data, mem.F_BIAS, block.nv), numbers(model, mem.F_ARMATURE, block.nv)
         for i in range(block.rubbing):
             p = first + i
-            kept.load[i] = bias[int(block.dofs[p])] + symmetric(a, kept.moved, p) - kept.unknown[p]
+            dof = int(block.dofs[p])
+            around[i, ROTOR] = armature[dof] * kept.moved[p]
+            kept.load[i] = bias[dof] + symmetric(a, kept.moved, p) - kept.unknown[p] - around[i, ROTOR]
     place = numbers(data, mem.F_QPOS, block.nq)
     for i in range(block.rubbing):
         around[i, LOAD] = kept.load[i]
@@ -174,7 +188,7 @@ def step_of_size(model: int, data: int, where: int, nv: int, n: int, k: int) -> 
         desk.now[p] = velocity[int(block.dofs[p])]
     gather_inertia(model, data, block.dofs, block.local, desk.a)
     stepped = look_back(block, kept, desk.a, desk.now, time, desk.end_velocity)
-    look_around(data, block, kept, desk.a, desk.around)
+    look_around(model, data, block, kept, desk.a, desk.around)
     guess(block, kept, h, desk)
     if stepped:
         commit(block, kept, kept.stamp[at.U_STEP], desk)

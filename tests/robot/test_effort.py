@@ -122,7 +122,7 @@ def test_a_joint_at_rest_may_hold_all_that_its_law_gives_there() -> None:
     log = Log("test", np.arange(3000) / 1000.0, np.zeros(3000, dtype=np.int64), robot.joints, columns)
     motion = estimate_motion(log, robot.joints, 20.0)
     load = np.zeros((3000, 6))
-    level = resting_level(changed, motion, load, np.full(6, 0.02))
+    level = resting_level(changed, motion, load, load, np.full(6, 0.02))
     assert level[2] == pytest.approx(9.0, rel=0.01)
     assert level[1] == pytest.approx(stated_level(robot, 1), rel=0.03)
 

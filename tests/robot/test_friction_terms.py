@@ -105,6 +105,17 @@ def test_through_a_gear_speed_and_torque_are_multiplied(v: float, ratio: float, 
     assert joint.steady(np.array([v]), ambient(1, load=30.0))[0] == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.parametrize("r", [1.0, -50.0])
+def test_a_law_counts_its_rotor_as_load_where_it_is_told_to(r: float) -> None:
+    values = {"coulomb": 2.0, "load": 0.1, "viscous": 0.3}
+    around, rows = ambient(1, load=30.0, rotor=-12.0), np.array([0.7])
+    plain = friction("load_dependent", values, gear_ratio=r)
+    whole = friction("load_dependent", values, gear_ratio=r, load_includes_rotor=True)
+    assert plain.steady(rows, around) == plain.steady(rows, ambient(1, load=30.0))
+    assert whole.steady(rows, around) == pytest.approx(plain.steady(rows, ambient(1, load=18.0)), rel=1e-12)
+    assert whole.follow(rows, around, 1e-3)[0] == pytest.approx(plain.follow(rows, ambient(1, load=18.0), 1e-3)[0])
+
+
 def test_the_level_of_any_law_scales_and_its_damping_stays() -> None:
     level = Level(per_load=0.02, per_kelvin=-0.01, reference_temperature=20.0, waves=(Wave(3.0, 0.1, 0.05),))
     factor = 1.0 + 0.02 * 12.0 - 0.01 * 10.0 + 0.1 * math.cos(1.5) + 0.05 * math.sin(1.5)

@@ -161,6 +161,21 @@ def test_load_dependent_friction_reads_what_the_transmission_carries() -> None:
     assert torques(model, data)["swing"] == pytest.approx(expected, rel=1e-9)
 
 
+@pytest.mark.parametrize("includes_rotor", [False, True])
+def test_a_rotor_is_no_load_of_its_own_transmission_unless_it_is_said_to_be(*, includes_rotor: bool) -> None:
+    """A bare rotor J under a torque u: J·q̈ = u − F_c, or with its own torque as a load (1 + μ)·J·q̈ = u − F_c."""
+    values = {"coulomb": 1.0, "load": 0.25, "viscous": 0.0}
+    law = friction("load_dependent", values, load_includes_rotor=includes_rotor)
+    model = attach(spec(ROTOR), {"rotor": law})
+    data = mujoco.MjData(model)
+    data.ctrl[0] = 3.0
+    mujoco.mj_step(model, data, nstep=100)
+    before = data.qvel[0]
+    mujoco.mj_step(model, data, nstep=100)
+    share = 1.25 if includes_rotor else 1.0
+    assert (data.qvel[0] - before) / 0.1 == pytest.approx((3.0 - 1.0) / (0.01 * share), rel=1e-6)
+
+
 def test_temperature_is_an_input_of_the_simulation() -> None:
     values = {"coulomb": 1.0, "viscous": 2.0, "coulomb_per_kelvin": 0.0, "viscous_decay": 0.02}
     model = attach(spec(ROTOR), {"rotor": friction("temperature_dependent", values)})

@@ -16,7 +16,6 @@ from mjfriction.diagnose.causes.moved_link import (
     as_drawn,
     changed,
     felt_by_itself,
-    load_on_link,
     own_slopes,
 )
 from mjfriction.identify.gap import Gap
@@ -64,7 +63,7 @@ class Backlash(MovedLink):
 
     def _behind(self, gap: Gap, site: Site) -> Floats:
         # How far the link is behind per unit of play, (n,).
-        load = load_on_link(gap, site.joint)
+        load = gap.known.effort.load[:, site.joint]
         if site.around == 0.0:
             return 0.5 * np.sign(load)
         stiffness, damping, inertia = own_slopes(gap, site.joint)
@@ -110,4 +109,4 @@ class Backlash(MovedLink):
 
 def _crossings(gap: Gap, joint: int) -> int:
     # How often the load on a link changes its sign.
-    return int(np.count_nonzero(np.diff(np.sign(load_on_link(gap, joint)))))
+    return int(np.count_nonzero(np.diff(np.sign(gap.known.effort.load[:, joint]))))

@@ -11,7 +11,7 @@ from mjfriction.diagnose.causes.delay import JointDelay, LogDelay
 from mjfriction.diagnose.causes.elasticity import Elasticity, LinkSideElasticity, SwingingElasticity
 from mjfriction.diagnose.causes.encoder_offset import EncoderOffset
 from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
-from mjfriction.diagnose.causes.load import Load
+from mjfriction.diagnose.causes.load import DriveLoad, Load
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
@@ -33,6 +33,7 @@ STRUCTURAL: tuple[Cause, ...] = (
     SaturatingViscous(),
     Asymmetry(),
     Load(),
+    DriveLoad(),
     Presliding(),
     PositionFriction(),
     Warming(),

@@ -16,7 +16,6 @@ from mjfriction.diagnose.causes.moved_link import (
     as_drawn,
     changed,
     felt_by_itself,
-    load_on_link,
     own_slopes,
 )
 from mjfriction.identify.gap import Gap
@@ -44,7 +43,7 @@ class _Elasticity(MovedLink):
 
     def load(self, gap: Gap, joint: int) -> Floats:
         """Return what the transmission carries, (n,)."""
-        load = load_on_link(gap, joint)
+        load = gap.known.effort.load[:, joint]
         return load + gap.known.effort.friction[:, joint] if self.carries_friction else load
 
     def shift(self, gap: Gap, site: Site) -> list[Floats]:

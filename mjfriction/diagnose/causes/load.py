@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import ClassVar, final
 
 import numpy as np
 
@@ -13,38 +13,68 @@ from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_load, with_term
 from mjfriction.robot.robot import Robot
 
+LEAST_ROTOR = 0.05  # of the links' load, that a rotor must take for the two loads to differ
 
-@final
-class Load(JointCause):
-    """μ·|τ_load|·sgn v, the load being what links, gravity and rotor need."""
+
+class _Load(JointCause):
+    """μ·|τ_load|·sgn v."""
 
     name = "friction.load"
     covariate = "load"
+    includes_rotor: ClassVar[bool]
+
+    def load(self, gap: Gap, joint: int) -> Floats:
+        """Return the load of a joint, (n,)."""
+        effort = gap.known.effort
+        return (effort.rigid if self.includes_rotor else effort.load)[:, joint]
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The size of the load in the direction of motion, (n, 1)."""
-        return column(gap.forward(site.joint) * np.abs(gap.known.effort.rigid[:, site.joint]))
+        return column(gap.forward(site.joint) * np.abs(self.load(gap, site.joint)))
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The coefficient, stated plus change."""
-        return (Quantity(LOAD_DEPENDENT.parameter("load"), shift=stated_load(gap.robot.table.joint[site.joint])),)
+        return (Quantity(LOAD_DEPENDENT.parameter("load"), shift=self._stated(gap, site)),)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """Load presses gears together; it never lowers their friction below what is stated without it."""
-        return bool(stated_load(gap.robot.table.joint[site.joint]) + strengths[0] > 0.0)
+        return bool(self._stated(gap, site) + strengths[0] > 0.0)
+
+    def _stated(self, gap: Gap, site: Site) -> float:
+        return stated_load(gap.robot.table.joint[site.joint], includes_rotor=self.includes_rotor)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Add a law that holds only the load's part, or move the one there is."""
+        """Add a law that holds only the load's part."""
+        parameters = {"coulomb": 0.0, "load": float(strengths[0]), "viscous": 0.0}
         joint = robot.joints[site.joint]
-        return with_term(
-            robot, joint, LOAD_DEPENDENT.name, {"coulomb": 0.0, "load": float(strengths[0]), "viscous": 0.0}
-        )
+        return with_term(robot, joint, LOAD_DEPENDENT.name, parameters, load_includes_rotor=self.includes_rotor)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Say what the load adds between light and heavy."""
         unit = "N" if gap.body.sliding[site.joint] else "N·m"
-        light, heavy = np.quantile(np.abs(gap.known.effort.rigid[:, site.joint]), [0.05, 0.95])
+        light, heavy = np.quantile(np.abs(self.load(gap, site.joint)), [0.05, 0.95])
         return (
-            f"friction rises by {strengths[0] * (heavy - light):.3g} {unit} as the load goes from {light:.3g} to "
-            f"{heavy:.3g} {unit}, in both directions of motion"
+            f"friction rises by {strengths[0] * (heavy - light):.3g} {unit} as the load"
+            f"{', its rotor included,' if self.includes_rotor else ''} goes from {light:.3g} to {heavy:.3g} {unit}, in "
+            "both directions of motion"
         )
+
+
+@final
+class Load(_Load):
+    """The load being what passes the transmission to the links."""
+
+    includes_rotor = False
+
+
+@final
+class DriveLoad(_Load):
+    """The load being all that the drive moves, its own rotor included: not every contact lies behind that."""
+
+    includes_rotor = True
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """Every moving joint whose rotor takes enough to tell."""
+        effort = gap.known.effort
+        rotor, load = (np.sqrt(np.mean(np.square(own), axis=0)) for own in (effort.rotor, effort.load))
+        return [site for site in super().sites(gap) if rotor[site.joint] > LEAST_ROTOR * load[site.joint]]

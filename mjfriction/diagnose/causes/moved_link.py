@@ -21,12 +21,6 @@ NEAR = (0.6, 1.6)  # times the strength that the columns were drawn around
 FELT = 1e-6  # of the noise floor, below which a shift is felt by no joint
 
 
-def load_on_link(gap: Gap, joint: int) -> Floats:
-    """Return the load that a transmission carries along the stated motion, (n,): the link's, not the rotor's."""
-    known = gap.known
-    return np.asarray(known.effort.rigid[:, joint] - known.body.armature[joint] * gap.motion.acceleration[:, joint])
-
-
 class MovedLink(Cause):
     """The link is ``shift`` behind its sensor per unit strength; every joint feels what that changes in the torques."""
 
