@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from mjfriction.body.inverse import inverse_dynamics
-from mjfriction.diagnose.units import find_unit_faults
+from mjfriction.diagnose.units import DEGREE, find_rate_faults, find_unit_faults
 from mjfriction.identify.gap import Gap
 from mjfriction.record.faults import Fault
 from mjfriction.record.log import Floats
@@ -37,7 +37,23 @@ def find_faults(gap: Gap) -> list[Fault]:
     prediction that in turn looks like this one's, is a fault of signs, units or wiring.  Then positions in a unit, with
     a sign or at a joint that they should not have.
     """
-    return find_unit_faults(gap.log, gap.body) or find_misread(gap) or find_misplaced(gap)
+    found = find_unit_faults(gap.log, gap.body) or find_rate_faults(gap.log, gap.body, gap.motion)
+    return found or find_degrees(gap) or find_misread(gap) or find_misplaced(gap)
+
+
+def find_degrees(gap: Gap) -> list[Fault]:
+    """Return the positions of turning joints that go farther than a turn, if the efforts fit once they are degrees."""
+    turning = ~np.array(gap.body.sliding)
+    if not np.any(np.max(np.abs(gap.motion.position[:, turning]), axis=0, initial=0.0) > 2.0 * np.pi):
+        return []
+    look = _look(gap)
+    as_logged = look.left(look.course, look.effort)
+    as_degrees = look.left([values * np.where(turning, DEGREE, 1.0) for values in look.course], look.effort)
+    if not np.any(as_logged > SOME) or np.sum(as_degrees) > HALF * np.sum(as_logged):
+        return []
+    names = [joint for joint, turns in zip(gap.robot.joints, turning, strict=True) if turns]
+    action = "the efforts fit if it is in degrees; convert it to radians"
+    return [Fault("data.unit", f"position.{joint}", action) for joint in names]
 
 
 def find_misread(gap: Gap) -> list[Fault]:

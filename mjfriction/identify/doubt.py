@@ -11,7 +11,7 @@ from mjfriction.record.log import Floats
 from mjfriction.record.motion import Motion
 from mjfriction.robot.robot import Robot
 
-DOUBT_SPEED = 0.02  # of a joint's RMS speed: below it no law can be told from its own rounding at zero
+DOUBT_SPEED = 0.02  # of a joint's RMS speed while it moves: below it no law can be told from its own rounding at zero
 DOUBT_PERIODS = 0.6  # of the position filter's cutoff: how far a sign change is blurred
 YIELDING = 1e-3  # of the stroke, that any contact gives before it slides
 LITTLE = 0.01  # of the stroke, that a joint moves between two turns if it rests, or settles
@@ -19,8 +19,13 @@ WITHIN = 0.9  # of a row's window that is in doubt for the row to lie within a r
 
 
 def doubt_speeds(motion: Motion) -> Floats:
-    """Return the speed below which the direction of each joint's friction is in doubt, (joints,)."""
-    usual = np.sqrt(np.mean(np.square(motion.velocity), axis=0))
+    """Return the speed below which the direction of each joint's friction is in doubt, (joints,).
+
+    A joint that waits for others creeps meanwhile: that makes none of its usual speed.
+    """
+    speed = np.abs(motion.velocity)
+    moves = speed > DOUBT_SPEED * motion.top_speed
+    usual = np.sqrt(np.sum(np.square(speed) * moves, axis=0) / np.maximum(np.sum(moves, axis=0), 1))
     return np.asarray(np.maximum(motion.resting_speed, DOUBT_SPEED * usual))
 
 

@@ -20,7 +20,7 @@ from mjfriction.identify.doubt import YIELDING, doubt_speeds, rows_of_rests, sha
 from mjfriction.identify.effort_band import filtered_from, whole_below
 from mjfriction.identify.kept import Kept
 from mjfriction.identify.rows import Chain, make_chain
-from mjfriction.identify.turning import turning_speeds
+from mjfriction.identify.turning import travel_since_turn, turning_speeds
 from mjfriction.record.log import Floats, Log, check_joints
 from mjfriction.record.motion import Motion, estimate_motion, raw_noise
 from mjfriction.robot.bandwidth import HIGHEST, choose_cutoff
@@ -331,8 +331,9 @@ def _held_against(
 ) -> Gap:
     per_reported = _per_reported(robot, motion)
     # A drive that reports one value throughout has measured nothing; what one reports that holds its joint still may be
-    # anything within the joint's friction.
-    told = np.where((np.ptp(motion.torque, axis=0) == 0.0) | ~motion.moving, np.nan, motion.torque)
+    # anything within the joint's friction; what one reports that hardly moves its joint is no word on its laws.
+    still = ~motion.moving | motion.dawdling(body.sliding)
+    told = np.where((np.ptp(motion.torque, axis=0) == 0.0) | still, np.nan, motion.torque)
     measured = chain.rows(told * per_reported)
     residual = measured - chain.rows(effort.reported)
     noise = [
@@ -342,7 +343,9 @@ def _held_against(
     slow = doubt_speeds(motion)
     touched = share_in_doubt(robot, motion, chain, slow, yielding)
     resting = resting_level(robot, motion, effort.load, effort.rotor, slow)
-    turning = turning_speeds(chain.rows(motion.velocity), residual, touched < CLEAR, resting, motion.top_speed)
+    travel = chain.rows(travel_since_turn(motion.velocity, motion.position))
+    velocity = chain.rows(motion.velocity)
+    turning = turning_speeds(velocity, travel, residual, touched < CLEAR, resting, motion.top_speed)
     if np.any(turning > slow):
         slow = np.maximum(slow, turning)
         touched = share_in_doubt(robot, motion, chain, slow, yielding)

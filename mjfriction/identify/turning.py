@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import functools
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import norm, wilcoxon
 
 from mjfriction.record.faults import spans
 from mjfriction.record.log import Floats
@@ -14,63 +18,112 @@ TURNED = 3.0  # times the speed of turning, from which on tanh is 1 to half a pe
 FEWEST_ROWS, FEWEST_SLOW = 50, 8  # of a joint, and of those within which friction turns
 SURELY = 2.5  # deviations over visits of slow motion, that the error taken away must be above none
 SHARE = 0.25  # of the error in slow motion, that it must take away
+ALONE = 0.7  # of what friction that builds up over travel leaves, that a joint which shows it alone may leave at most
+TRAVELS = np.geomspace(1e-4, 0.1, 14)  # of the longest way without a turn, over which friction may build up
 FEWEST_JOINTS, ALL_BUT = 3, 0.5  # joints that must show it, or two and at least this share of those measured
 
 
-def turning_speeds(velocity: Floats, residual: Floats, clear: NDArray[np.bool_], level: Floats, top: Floats) -> Floats:
+def turning_speeds(
+    velocity: Floats, travel: Floats, residual: Floats, clear: NDArray[np.bool_], level: Floats, top: Floats
+) -> Floats:
     """Return the speed below which each joint's friction has not reached its level, (joints,), 0 where it always has.
 
     A joint that is slow to stop, or sags while it is held, creeps.  Friction that is written as level·tanh(v/v_t), as
     many simulations write it, then falls to nothing, and so does that of a film of oil; a law with a jump at zero is
     off by its whole level there, in whichever direction.  That is nothing that is wrong with one joint: where most
     joints show it, what they do below 3·v_t is not held against any law.  The others are taken to turn as fast as the
-    fastest of these, in m or rad per second or as a share of their fastest speed, whichever is less.
+    fastest of these, in m or rad per second or as a share of their fastest speed, whichever is less.  A joint that
+    shows it alone, because the others never creep, has to show it beyond what friction that builds up over travel does.
 
-    ``velocity``, ``residual`` and ``clear`` are (rows, joints), the last telling which rows are in no doubt so far;
-    ``level`` (joints,) is what a joint's friction is stated to hold at rest, ``top`` (joints,) its top speed.
+    ``velocity``, ``travel`` since the last turn, ``residual`` and ``clear`` are (rows, joints), the last telling which
+    rows are in no doubt so far; ``level`` (joints,) is what a joint's friction is stated to hold at rest, ``top``
+    (joints,) its top speed.
     """
     measured = np.flatnonzero(np.isfinite(residual[0]) & (level > 0.0) & (top > 0.0))
-    found = {}
-    for joint in measured:
-        own = clear[:, joint]
-        turning = _turning(velocity[:, joint] / top[joint], residual[:, joint] / level[joint], own)
-        if turning > 0.0:
-            found[int(joint)] = turning
+    found, alone = {}, {}
+    for joint in measured.tolist():
+        slow = _slow_rows(velocity[:, joint] / top[joint], residual[:, joint] / level[joint], clear[:, joint])
+        turning = slow.turning() if slow is not None else 0.0
+        if slow is not None and turning > 0.0:
+            found[joint] = turning
+            if slow.beyond(travel[:, joint]):
+                alone[joint] = turning
     out = np.zeros_like(top)
     if len(found) < min(FEWEST_JOINTS, max(2, int(np.ceil(ALL_BUT * measured.size)))):
+        for joint, share in alone.items():
+            out[joint] = TURNED * share * top[joint]
         return out
     slowest = min(share * top[joint] for joint, share in found.items())
-    for joint in measured:
-        share = found.get(int(joint), 0.0)
+    for joint in measured.tolist():
+        share = found.get(joint, 0.0)
         out[joint] = TURNED * (share * top[joint] if share else min(slowest, min(found.values()) * top[joint]))
     return out
 
 
-def _turning(speed: Floats, error: Floats, clear: NDArray[np.bool_]) -> float:
-    # The share of the fastest speed within which friction turns over, 0 where no such speed explains what is left.
+@dataclass(frozen=True)
+class _SlowRows:
+    """Rows of slow motion: which they are (``rows``), how fast (``ahead``, of the fastest speed), and by how much of
+    its level friction ``lost`` there.
+    """
+
+    rows: NDArray[np.bool_]
+    ahead: Floats
+    lost: Floats
+
+    @functools.cached_property
+    def _best(self) -> tuple[float, Floats]:
+        # The share of the fastest speed within which friction turns over, and the squared errors that this leaves.
+        lefts = [self._squares(1.0 - np.tanh(self.ahead / share)) for share in SPEEDS]
+        best = int(np.argmin([np.sum(left) for left in lefts]))
+        return float(SPEEDS[best]), lefts[best]
+
+    def _squares(self, missing: Floats) -> Floats:
+        # What is left of an error relative to the level, a share of which is missing; level and damping are refitted.
+        columns = np.column_stack([1.0 - missing, self.ahead])
+        wanted = self.lost + missing
+        return np.asarray(np.square(wanted - columns @ np.linalg.lstsq(columns, wanted, rcond=None)[0]))
+
+    def turning(self) -> float:
+        """Return the share of the fastest speed within which friction turns, 0 where none explains what is left."""
+        as_stated = self._squares(np.zeros_like(self.ahead))
+        share, left = self._best
+        taken, slow = as_stated - left, self.ahead < TURNED * share
+        if np.sum(slow) < FEWEST_SLOW or np.sum(taken[slow]) < SHARE * np.sum(as_stated[slow]):
+            return 0.0
+        everywhere, gained = np.zeros(self.rows.size, dtype=bool), np.zeros(self.rows.size)
+        everywhere[np.flatnonzero(self.rows)[slow]] = True
+        gained[np.flatnonzero(self.rows)] = taken
+        visits = np.array([np.sum(gained[first:past]) for first, past in spans(everywhere)])
+        if visits.size < 3:
+            return 0.0
+        deviation = float(np.std(visits, ddof=1)) / np.sqrt(visits.size)
+        # A few long visits make the deviation; that nearly all gain is as sure.
+        sure = float(np.mean(visits)) > SURELY * deviation
+        return share if sure or wilcoxon(visits, alternative="greater").pvalue < norm.sf(SURELY) else 0.0
+
+    def beyond(self, travel: Floats) -> bool:
+        """Return whether friction that turns over with speed leaves far less than friction that builds up over the
+        ``travel`` since the last turn (all rows).
+        """
+        own = travel[self.rows]
+        reaches = np.max(travel) * TRAVELS
+        least = min(float(np.sum(self._squares(np.exp(-own / reach)))) for reach in reaches)
+        return bool(np.sum(self._best[1]) < ALONE * least)
+
+
+def _slow_rows(speed: Floats, error: Floats, clear: NDArray[np.bool_]) -> _SlowRows | None:
     rows = clear & (np.abs(speed) < USUAL) & (speed != 0.0)
     if np.sum(rows) < FEWEST_ROWS:
-        return 0.0
-    ahead, lost = np.abs(speed[rows]), error[rows] * np.sign(speed[rows])
-    as_stated = np.square(_left(ahead, lost, np.zeros_like(ahead)))
-    lefts = [np.square(_left(ahead, lost, 1.0 - np.tanh(ahead / share))) for share in SPEEDS]
-    best = int(np.argmin([np.sum(left) for left in lefts]))
-    share, taken = float(SPEEDS[best]), as_stated - lefts[best]
-    slow = ahead < TURNED * share
-    if np.sum(slow) < FEWEST_SLOW or np.sum(taken[slow]) < SHARE * np.sum(as_stated[slow]):
-        return 0.0
-    everywhere, gained = np.zeros(speed.size, dtype=bool), np.zeros(speed.size)
-    everywhere[np.flatnonzero(rows)[slow]] = True
-    gained[np.flatnonzero(rows)] = taken
-    visits = np.array([np.sum(gained[first:past]) for first, past in spans(everywhere)])
-    if visits.size < 3:
-        return 0.0
-    deviation = float(np.std(visits, ddof=1)) / np.sqrt(visits.size)
-    return share if float(np.mean(visits)) > SURELY * deviation else 0.0
+        return None
+    return _SlowRows(rows, np.abs(speed[rows]), error[rows] * np.sign(speed[rows]))
 
 
-def _left(speed: Floats, lost: Floats, missing: Floats) -> Floats:
-    # What is left of an error relative to the level, a share of which is missing; level and damping are refitted.
-    columns = np.column_stack([1.0 - missing, speed])
-    wanted = lost + missing
-    return np.asarray(wanted - columns @ np.linalg.lstsq(columns, wanted, rcond=None)[0])
+def travel_since_turn(velocity: Floats, position: Floats) -> Floats:
+    """Return how far each joint is from where it last turned, (n, joints)."""
+    out = np.empty_like(position)
+    for joint in range(position.shape[1]):
+        turned = np.diff(np.sign(velocity[:, joint]), prepend=0.0) != 0.0
+        turned[0] = True
+        last = np.maximum.accumulate(np.where(turned, np.arange(turned.size), 0))
+        out[:, joint] = np.abs(position[:, joint] - position[last, joint])
+    return out

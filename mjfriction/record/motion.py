@@ -23,8 +23,10 @@ EDGE_PERIODS = 3  # periods of the cutoff by which a piece is continued at both 
 SETTLING_PERIODS = 3.0  # periods of the cutoff at each end of a piece that the filter's start and end touch
 STILL = 1e-5  # rad or m; a joint that travels less does not move to speak of
 HELD = 0.01  # of the fastest joint's speed and of the farthest one's travel: what stays below both is held, and gives
+DAWDLING = 0.04  # of both, among joints of its kind, below which friction never leaves what every law has near rest
 USUALLY = 0.98  # of the time, for a controller that takes hold may let a joint drop
 AGREEMENT = 0.03  # measured velocity is believed when its gain is within this of the derivative of position
+LIKENESS = 0.95  # correlation from which on a measured velocity is that of its position, whatever its unit or clock
 LATEST = 0.1  # periods of the cutoff by which it may come late, as a drive's does that is filtered
 SLOWLY = 0.1  # of the cutoff, below which both are compared
 SURE = 3.0  # deviations of the velocity's noise beyond which the direction of motion is known
@@ -98,9 +100,29 @@ class Motion:
         One that its drive holds while others move, and that only gives a little, does not.
         """
         least = np.maximum(20.0 * self.velocity_noise / max(self.cutoff, 1.0), STILL)
-        travel, speed = np.ptp(self.position, axis=0), np.quantile(np.abs(self.velocity), USUALLY, axis=0)
+        travel, speed = self._usual_reach
         held = (travel < HELD * np.max(travel)) & (speed < HELD * np.max(speed))
         return np.asarray((travel > least) & ~held)
+
+    def dawdling(self, sliding: Sequence[bool]) -> NDArray[np.bool_]:
+        """Return whether each joint hardly moves beside others of its kind, shape (joints,), ``sliding`` (joints,) or
+        not.
+
+        It is then all the time as slow as others are while they turn, and within the travel in which contacts yield:
+        what its friction does there is no word on its law.
+        """
+        travel, speed = self._usual_reach
+        out = np.zeros(travel.size, dtype=bool)
+        for slides in (True, False):
+            kind = np.array(sliding) == slides
+            most = [np.max(own[kind], initial=0.0) for own in (travel, speed)]
+            out |= kind & (travel < DAWDLING * most[0]) & (speed < DAWDLING * most[1])
+        return out
+
+    @functools.cached_property
+    def _usual_reach(self) -> tuple[Floats, Floats]:
+        # How far and how fast each joint goes.
+        return np.ptp(self.position, axis=0), np.quantile(np.abs(self.velocity), USUALLY, axis=0)
 
     def part(self, samples: slice) -> Motion:
         """Return the motion of a stretch of samples; its clock and grids stay those of the whole."""
@@ -220,6 +242,30 @@ def velocity_lateness(log: Log, joint: str, cutoff: float, clock: Clock) -> floa
     allows.  Both are compared slowly: where noise makes most of the acceleration, a velocity that comes late looks like
     none.
     """
+    compared = _compared_slowly(log, joint, cutoff, clock)
+    if compared is None:
+        return None
+    own, change, other = compared
+    difference = other - own
+    gain = np.mean(difference * own) / max(float(np.mean(np.square(own))), 1e-300)
+    late = np.mean(difference * change) / max(float(np.mean(np.square(change))), 1e-300)
+    return float(late) if abs(gain) < AGREEMENT and abs(late) < LATEST / cutoff else None
+
+
+def velocity_ratio(log: Log, joint: str, cutoff: float, clock: Clock) -> float | None:
+    """Return what a joint's measured velocity reads over what its position does on the log's clock, slowly, well below
+    ``cutoff`` (Hz); None where they are not alike at all, or there is no such column.
+    """
+    compared = _compared_slowly(log, joint, cutoff, clock)
+    if compared is None:
+        return None
+    own, _, other = compared
+    power, cross, mine = (float(np.mean(pair)) for pair in (other * other, other * own, own * own))
+    return cross / power if power > 0.0 and cross > LIKENESS * np.sqrt(power * mine) else None
+
+
+def _compared_slowly(log: Log, joint: str, cutoff: float, clock: Clock) -> tuple[Floats, Floats, Floats] | None:
+    # A joint's measured velocity, its rate of change, and the rate of change of its position, all low-passed alike.
     position, velocity = log.channel(POSITION, joint), log.channel(VELOCITY, joint)
     grids = _grids(log, clock)
     if position is None or velocity is None or not grids:
@@ -236,10 +282,7 @@ def velocity_lateness(log: Log, joint: str, cutoff: float, clock: Clock) -> floa
     own = np.concatenate([piece[part] for piece, part in zip(smooth[1], inner, strict=True)])
     change = np.concatenate([(np.gradient(piece) * rate)[part] for piece, part in zip(smooth[1], inner, strict=True)])
     other = np.concatenate([(np.gradient(piece) * rate)[part] for piece, part in zip(smooth[0], inner, strict=True)])
-    difference = other - own
-    gain = np.mean(difference * own) / max(float(np.mean(np.square(own))), 1e-300)
-    late = np.mean(difference * change) / max(float(np.mean(np.square(change))), 1e-300)
-    return float(late) if abs(gain) < AGREEMENT and abs(late) < LATEST / cutoff else None
+    return own, change, other
 
 
 def _grids(log: Log, clock: Clock) -> list[Grid]:

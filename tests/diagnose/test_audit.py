@@ -9,9 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mjfriction.diagnose.audit import find_degrees
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.diagnose.units import find_rate_faults
 from mjfriction.errors import LogError
+from mjfriction.identify.gap import measure_gap
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
@@ -82,6 +85,40 @@ def test_degrees_are_named(case: tuple[Path, Path]) -> None:
     assert diagnosis.verdict is Verdict.BAD_DATA
     assert {fault.kind for fault in diagnosis.faults} == {"data.unit"}
     assert "convert it if it is in degrees" in diagnosis.faults[0].action
+
+
+def in_degrees(columns: Columns) -> Columns:
+    return {name: np.degrees(values) for name, values in columns.items() if name.startswith("position.")}
+
+
+def velocities(log: Log) -> Columns:
+    pairs = ((name, values) for name, values in log.columns.items() if name.startswith("position."))
+    return {name.replace("position", "velocity"): np.gradient(values, log.time) for name, values in pairs}
+
+
+def test_degrees_are_known_without_limits_by_the_efforts(case: tuple[Path, Path]) -> None:
+    gap = measure_gap(damaged(case, in_degrees), read_robot(case[1]))
+    assert {fault.where for fault in find_degrees(gap)} == {f"position.{joint}" for joint in gap.robot.joints}
+    # Far turns that are radians are no degrees.
+    assert find_degrees(measure_gap(damaged(case, lambda c: {BEND: c[BEND] + 4.0 * np.pi}), read_robot(case[1]))) == []
+
+
+def test_degrees_and_a_clock_that_is_off_are_known_by_measured_velocities(case: tuple[Path, Path]) -> None:
+    log, robot = read_log(case[0]), read_robot(case[1])
+    sound = replace(log, columns=dict(log.columns) | velocities(log))
+    degrees = replace(sound, columns=dict(sound.columns) | in_degrees(dict(log.columns)))
+    late = replace(sound, time=1.2 * sound.time)
+    turns = replace(log, columns=dict(log.columns) | {n: 9.5493 * v for n, v in velocities(log).items()})
+
+    def faults(of: Log) -> set[tuple[str, str]]:
+        gap = measure_gap(of, robot)
+        return {(fault.kind, fault.where) for fault in find_rate_faults(of, gap.body, gap.motion)}
+
+    assert faults(sound) == set()
+    assert faults(degrees) == {("data.unit", f"position.{joint}") for joint in log.joints}
+    assert faults(late) == {("data.clock", "whole log")}
+    # Velocities in turns per minute are of no use, but no fault of the rest.
+    assert faults(turns) == set()
 
 
 LIFT, BEND = "position.shoulder_lift_joint", "position.elbow_joint"

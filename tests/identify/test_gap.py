@@ -145,7 +145,7 @@ def test_a_rest_says_one_thing_however_long_it_is(pausing: tuple[Log, Robot], mo
         # What each rest of the elbow weighs, in units of one row that is in doubt by the whole level.
         gap = measure_gap(*pausing)
         speed = np.abs(gap.at_rows("velocity")[:, 2])
-        still = speed < 1e-2 * gap.doubt_speed[2]
+        still = speed < 0.1 * gap.doubt_speed[2]
         runs = np.split(np.flatnonzero(still), np.flatnonzero(np.diff(np.flatnonzero(still)) > 1) + 1)
         level = np.min(gap.doubt[still, 2])
         return np.array([np.sum(np.square(level / gap.doubt[run, 2])) for run in runs if run.size > 5])

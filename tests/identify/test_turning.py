@@ -11,7 +11,7 @@ from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Verdict
 from mjfriction.identify import gap
 from mjfriction.identify.gap import measure_gap
-from mjfriction.identify.turning import TURNED, turning_speeds
+from mjfriction.identify.turning import TURNED, travel_since_turn, turning_speeds
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Machine, write_case
@@ -32,7 +32,12 @@ def found(lost: np.ndarray, velocity: np.ndarray) -> np.ndarray:
     """Return the speeds found where ``lost`` (rows, joints), of the level and along the motion, differs from stated."""
     residual = LEVEL * lost * np.sign(velocity) + NOISE * np.random.default_rng(1).standard_normal(velocity.shape)
     clear, top = np.ones(velocity.shape, dtype=bool), np.quantile(np.abs(velocity), 0.99, axis=0)
-    return turning_speeds(velocity, residual, clear, np.full(JOINTS, LEVEL), top)
+    return turning_speeds(velocity, travel_of(velocity), residual, clear, np.full(JOINTS, LEVEL), top)
+
+
+def travel_of(velocity: np.ndarray) -> np.ndarray:
+    """Return how far joints are from where they last turned, (rows, joints)."""
+    return travel_since_turn(velocity, np.cumsum(velocity, axis=0) / 50.0)
 
 
 @pytest.mark.parametrize("share", [0.004, 0.01, 0.02])
@@ -51,11 +56,19 @@ def test_levels_that_are_off_and_friction_that_fades_turn_at_once() -> None:
     assert np.all(found(-0.15 * np.exp(-speed / 0.1), velocity) == 0.0)
 
 
-def test_what_one_or_two_of_four_joints_alone_do_is_for_the_diagnosis_to_tell_but_half_of_them_is_enough() -> None:
+def test_a_joint_that_shows_it_alone_is_doubted_alone_and_half_of_all_joints_speak_for_the_others() -> None:
     velocity = motion(6)
     lost = np.tanh(np.abs(velocity) / 0.01) - 1.0
-    assert np.all(found(lost * np.array([1.0, 0.0, 0.0, 0.0]), velocity) == 0.0)
+    alone = found(lost * np.array([1.0, 0.0, 0.0, 0.0]), velocity)
+    assert alone[0] == pytest.approx(TURNED * 0.01, rel=0.3)
+    assert np.all(alone[1:] == 0.0)
     assert np.all(found(lost * np.array([1.0, 0.0, 1.0, 0.0]), velocity) > 0.0)
+
+
+def test_friction_of_one_joint_that_builds_up_over_its_travel_is_for_the_diagnosis_to_tell() -> None:
+    velocity = motion(6)
+    lost = -np.exp(-travel_of(velocity) / 0.01)
+    assert np.all(found(lost * np.array([1.0, 0.0, 0.0, 0.0]), velocity) == 0.0)
 
 
 def test_an_arm_that_creeps_is_judged_where_its_friction_has_its_level(

@@ -21,6 +21,7 @@ VISCOUS = Parameter("viscous", "{force}·s/{length}", "damping that the other jo
 INERTIA = Parameter("inertia", "{force}·s²/{length}", "inertia of the rotor that both joints turn", lower=0.0)
 EFFORT = Parameter("effort", "1", "share of the other joint's effort")
 MOST_SHARED = 0.9  # of another joint's effort
+SPEEDS = (0.1, 0.9)  # quantiles of a shared drive's speed, at which its friction is held to stand against its motion
 
 
 class _Coupling(JointCause):
@@ -106,6 +107,16 @@ class _SharedDrive(_Coupling):
         pairs = super().sites(gap)
         return [site for site in pairs if site.other == site.joint + 1 and site.other in gap.examined]
 
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """What a drive takes, stated and found, stands against its own motion, slow and fast."""
+        motion, other = gap.motion, self.source(gap, site)
+        turn = motion.velocity[:, other] + self.ratio * motion.velocity[:, site.joint]
+        name, joint = gap.robot.joints[site.joint], gap.robot.table.joint[other]
+        stated = [own for own in joint.common_drive if own.joint == name and own.ratio == self.ratio]
+        coulomb = strengths[0] + sum(own.coulomb for own in stated)
+        viscous = strengths[1] + sum(own.viscous for own in stated)
+        return all(coulomb + viscous * speed >= 0.0 for speed in np.quantile(np.abs(turn), SPEEDS))
+
     def at_drive(self, gap: Gap, site: Site, joint: int) -> Floats:
         """Return the drive's effort for a unit of each strength, as far as it is new to one of the two joints,
         (n, strengths).
@@ -173,8 +184,8 @@ class _SharedRotor(_SharedDrive):
         return (*super().quantities(gap, site), Quantity(INERTIA))
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """A rotor has no negative inertia."""
-        return bool(strengths[2] >= 0.0)
+        """Nor has its rotor a negative inertia."""
+        return bool(strengths[2] >= 0.0) and super().admissible(gap, site, strengths)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """State the common drive at the joint whose motor it is, its inertia no longer in the rotors of both joints."""
