@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -165,8 +165,13 @@ def _links_help(model: Model) -> bool:
 
 
 def _helps(model: Model, place: slice) -> bool:
-    # Whether letting go of stated values lowers the error on motion not fitted, beyond chance.
-    without = model.system.normal.without(list(range(place.start, place.stop)))
+    # Whether letting go of stated values lowers the error on motion not fitted, beyond chance.  What else is refitted
+    # may take their place, but goes no farther for that than it ever does.
+    nuisance, normal, bounded = model.nuisance, model.system.normal, model.nuisance.of_bounded
+    known = np.concatenate([nuisance.precision, normal.precision[nuisance.count :]])
+    without = replace(normal, precision=known).without(list(range(place.start, place.stop)))
+    reach = np.delete(nuisance.reach, [i - bounded.start for i in range(place.start, min(place.stop, bounded.stop))])
+    without = without.kept_within(slice(bounded.start, bounded.start + reach.size), reach)
     gain = (without.heldout_errors(model.gap.blocks.folds) - model.heldout_errors).sum(axis=0)
     return bool(np.mean(gain) > BAR * np.std(gain, ddof=1) / np.sqrt(gain.size))
 

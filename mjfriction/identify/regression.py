@@ -131,6 +131,21 @@ class Normal:
         gram = self.gram[:, :, kept][:, :, :, kept]
         return Normal(gram, self.moment[:, :, kept], self.power, self.precision[kept])
 
+    def kept_within(self, place: slice, reach: Floats) -> Normal:
+        """Return the equations with what is known beforehand of some strengths drawn tighter, so that they stay within.
+
+        ``place`` are those strengths, ``reach`` (k,) how far from zero each may go.
+        """
+        out, everything = self, np.ones(self.power.shape[1], dtype=bool)
+        for _ in range(MOST_TIGHTER):
+            over = np.abs(out.strengths(everything)[place]) / reach
+            if not np.any(over > WITHIN):
+                break
+            precision = out.precision.copy()
+            precision[place] *= np.maximum(over, 1.0) ** 2
+            out = replace(out, precision=precision)
+        return out
+
 
 def _solve(gram: Floats, right: Floats) -> Floats:
     # Columns differ in unit; scaling to unit diagonal makes the relative floor on it mean the same for all.
@@ -193,20 +208,9 @@ class System:
         return out
 
     def kept_within(self, place: slice, reach: Floats) -> System:
-        """Return the system with what is known beforehand of some strengths drawn tighter, so that they stay within.
-
-        ``place`` are those strengths, ``reach`` (k,) how far from zero each may go.
-        """
-        out, everything = self.normal, np.ones(self.normal.power.shape[1], dtype=bool)
-        for _ in range(MOST_TIGHTER):
-            over = np.abs(out.strengths(everything)[place]) / reach
-            if not np.any(over > WITHIN):
-                break
-            precision = out.precision.copy()
-            precision[place] *= np.maximum(over, 1.0) ** 2
-            out = replace(out, precision=precision)
+        """Return the system with some strengths kept within their reach, as those of its equations are."""
         kept = copy(self)
-        kept.normal = out
+        kept.normal = self.normal.kept_within(place, reach)
         kept.__dict__.pop("_kept", None)  # what was screened by is of the equations as they were
         return kept
 
