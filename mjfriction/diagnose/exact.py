@@ -52,7 +52,7 @@ def usual_nuisance(gap: Gap) -> Nuisance:
     What data sheets say of drives is as right as friction is: levels that are off throughout are the mark of that.
     """
     nuisance = make_nuisance(gap)
-    if len(gap.examined) < FEWEST_JOINTS or stated_exactly(build_model(gap, nuisance, ())):
+    if stated_exactly(build_model(gap, nuisance, ())):
         return nuisance
     return make_nuisance(gap, drives=True)
 
