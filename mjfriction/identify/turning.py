@@ -20,6 +20,7 @@ SURELY = 2.5  # deviations over visits of slow motion, that the error taken away
 SHARE = 0.25  # of the error in slow motion, that it must take away
 ALONE = 0.7  # of what friction that builds up over travel leaves, that a joint which shows it alone may leave at most
 TRAVELS = np.geomspace(1e-4, 0.1, 14)  # of the longest way without a turn, over which friction may build up
+NEARLY_ALL = 0.75  # of the error in slow motion, that is enough however few the visits
 FEWEST_JOINTS, ALL_BUT = 3, 0.5  # joints that must show it, or two and at least this share of those measured
 
 
@@ -94,12 +95,10 @@ class _SlowRows:
         everywhere[np.flatnonzero(self.rows)[slow]] = True
         gained[np.flatnonzero(self.rows)] = taken
         visits = np.array([np.sum(gained[first:past]) for first, past in spans(everywhere)])
-        if visits.size < 3:
-            return 0.0
-        deviation = float(np.std(visits, ddof=1)) / np.sqrt(visits.size)
-        # A few long visits make the deviation; that nearly all gain is as sure.
-        sure = float(np.mean(visits)) > SURELY * deviation
-        return share if sure or wilcoxon(visits, alternative="greater").pvalue < norm.sf(SURELY) else 0.0
+        # A few long visits make the deviation; that nearly all gain is as sure, and so is that nearly all error goes.
+        sure = visits.size > 2 and np.mean(visits) > SURELY * np.std(visits, ddof=1) / np.sqrt(visits.size)
+        sure = sure or wilcoxon(visits, alternative="greater").pvalue < norm.sf(SURELY)
+        return share if sure or np.sum(taken[slow]) > NEARLY_ALL * np.sum(as_stated[slow]) else 0.0
 
     def beyond(self, travel: Floats) -> bool:
         """Return whether friction that turns over with speed leaves far less than friction that builds up over the

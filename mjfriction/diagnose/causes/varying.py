@@ -31,6 +31,8 @@ HEAD = Parameter("head", "{force}/Pa", "growth of the level with the pressure on
 ROD = Parameter("rod", "{force}/Pa", "growth of the level with the pressure on the rod's side")
 
 LEAST_WARMING = 1.0  # K over a log, below which nothing is seen of it
+SPEEDS = (0.1, 0.9)  # quantiles of a joint's speed, between which friction rises or falls as a whole
+OPPOSITE = 0.5  # of its change when slow, that it may change the other way when fast: damping is hardly known
 MOMENTS = 60
 EDGE = 0.06  # of the joint's motion at both ends, in which a step is not looked for
 TIME_CONSTANTS = (0.1, 3.0)  # of the log's length
@@ -51,6 +53,12 @@ class _Varying(JointCause):
         """Direction and velocity times the course, (n, 2)."""
         course = self.course(gap, site)
         return np.column_stack([gap.forward(site.joint) * course, gap.motion.velocity[:, site.joint] * course])
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """Friction rises, or falls: less when slow and more when fast is another curve over speed, and no course."""
+        speed = np.abs(gap.at_rows("velocity")[gap.clear[:, site.joint], site.joint])
+        slow, fast = (strengths[0] + strengths[1] * float(one) for one in np.quantile(speed, SPEEDS))
+        return bool(slow * fast >= 0.0 or abs(fast) < OPPOSITE * abs(slow))
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """Changes of level and damping."""
