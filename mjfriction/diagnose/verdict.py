@@ -61,6 +61,9 @@ def _followed(model: Model, joint: int, after: Sequence[Structure], heldout: Flo
     left = gap.rms(heldout[:, joint], joint)
     effort = gap.rms(gap.measured[:, joint], joint)
     explained = np.sqrt(max(0.0, gap.rms(gap.residual[:, joint], joint) ** 2 - left**2))
+    # A level that was told in the place of something else is no measure of what friction makes.
+    stated = float(np.sqrt(np.mean(np.square(gap.effort.friction[:, joint]))))
+    friction = min(model.friction[joint], stated) if stated > 0.0 else model.friction[joint]
     told = [
         entry
         for entry, least, outweighed in ((curve, STRUCTURED, OUTWEIGHED), (course, COLOURED, OUTWEIGHED_COURSE))
@@ -68,7 +71,7 @@ def _followed(model: Model, joint: int, after: Sequence[Structure], heldout: Flo
         and np.sqrt(entry.share) * left
         > max(
             LEAST_EFFORT * effort,
-            LEAST_FRICTION * model.nuisance.uneven * model.friction[joint],
+            LEAST_FRICTION * model.nuisance.uneven * friction,
             outweighed * explained,
         )
     ]

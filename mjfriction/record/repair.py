@@ -26,7 +26,7 @@ SLOWEST_CLOCK = 1.0  # s, steps from which on no clock counts seconds: one in mi
 FASTEST = 30.0  # rad/s or m/s, that a joint is usually slower than
 MOST_LISTED = 3  # places of one fault that are spelled out
 ENDS = 0.01  # of a joint's samples, at either end of its travel, that glitches may be
-MOST_CLIPPED = 0.5  # of a channel's samples; past that it is no recording of a torque
+MOST_CLIPPED = 0.8  # of a channel's samples; past that it is no recording of a torque
 
 
 def in_seconds(log: Log) -> Log:

@@ -21,6 +21,8 @@ SCHEMA: Literal["mjfriction.report/1"] = "mjfriction.report/1"
 Number = Annotated[float, PlainSerializer(lambda value: float(f"{value:.7g}"), return_type=float)]
 Interval = tuple[Number, Number]
 
+UNEVEN = 0.02  # spread of a clock's steps, from which on it is worth a word: less is how computers note the time
+
 
 class Entry(BaseModel):
     """A table of the report; unknown keys are refused when a report is read back."""
@@ -275,7 +277,7 @@ def data_problems(gap: Gap, faults: tuple[Fault, ...] = ()) -> list[DataProblem]
         for row, after in clock.gaps
         if not any(log.time[row] <= low and high <= log.time[after] for low, high in told)
     ]
-    if any(grid.moved for grid in gap.motion.grids):
+    if clock.jitter > UNEVEN and any(grid.moved for grid in gap.motion.grids):
         problems.append(
             DataProblem(
                 kind="data.clock",

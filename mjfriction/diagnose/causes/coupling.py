@@ -103,9 +103,13 @@ class _SharedDrive(_Coupling):
     """C·sgn u + V·u of a drive that turns with u = vₖ + ratio·v, felt by both joints."""
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Neighbouring moving joints whose efforts were both measured."""
-        pairs = super().sites(gap)
-        return [site for site in pairs if site.other == site.joint + 1 and site.other in gap.examined]
+        """Neighbouring moving joints of one kind whose efforts were both measured: metres and radians make no sum."""
+        slides = gap.body.sliding
+        return [
+            site
+            for site in super().sites(gap)
+            if site.other == site.joint + 1 and site.other in gap.examined and slides[site.other] == slides[site.joint]
+        ]
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """What a drive takes, stated and found, stands against its own motion, slow and fast."""
