@@ -12,6 +12,7 @@ import pytest
 from mjfriction.diagnose import exact, stated
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.identify.regression import Rows, System
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Machine, write_case
@@ -60,3 +61,24 @@ def test_one_cause_is_as_good_as_all_links_by_what_is_left_or_by_what_is_taken(l
     assert exact._as_good(alone, links, bare) is good  # type: ignore[arg-type]
     small = SimpleNamespace(gap=gap, heldout_residual=lambda: np.full((4, 1), 1.0))
     assert not exact._as_good(alone, links, small)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("needed", "help_"), [(0.06, True), (0.03, False)])
+def test_links_help_where_a_drive_alone_would_have_to_go_farther_than_it_may(needed: float, *, help_: bool) -> None:
+    """A drive and a link that do the same: together they may do twice what one may."""
+    rng, blocks, reach = np.random.default_rng(1), 12, 0.045
+    column = rng.standard_normal((blocks * 40, 1))
+    target = needed * column + 1e-3 * rng.standard_normal(column.shape)
+    rows = Rows(target, np.full_like(target, 1e3), np.repeat(np.arange(blocks), 40))
+    near = np.full(2, (reach / 3.0) ** -2.0)
+    normal = System(rows, [{0: column}, {0: column}], [near[:1], near[1:]]).normal.kept_within(
+        slice(0, 2), np.full(2, reach)
+    )
+    folds = [np.arange(blocks) % 4 == fold for fold in range(4)]
+    model = SimpleNamespace(
+        nuisance=SimpleNamespace(precision=near, count=2, of_bounded=slice(0, 2), reach=np.full(2, reach)),
+        system=SimpleNamespace(normal=normal),
+        gap=SimpleNamespace(blocks=SimpleNamespace(folds=folds)),
+        heldout_errors=normal.heldout_errors(folds),
+    )
+    assert stated._helps(model, slice(1, 2)) is help_  # type: ignore[arg-type]

@@ -11,8 +11,10 @@ import pytest
 
 from mjfriction.body.inverse import inertia_along
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.identify.doubt import doubt_speeds
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.record.log import Log
+from mjfriction.record.motion import estimate_motion
 from mjfriction.record.readers import read_log
 from mjfriction.robot.bandwidth import choose_cutoff
 from mjfriction.robot.effort import _link_inertia, bare, predict_effort
@@ -161,6 +163,17 @@ def test_where_a_contact_yields_after_a_rest_no_row_is_clear(pausing: tuple[Log,
 
     assert worst(measure_gap(*pausing)) < 0.25
     assert worst(measure_gap(*pausing, yielding=0.0)) > 0.5
+
+
+def test_waiting_and_creeping_meanwhile_makes_nothing_of_a_joints_usual_speed() -> None:
+    time = np.arange(0.0, 100.0, 0.01)
+
+    def usual(position: np.ndarray) -> float:
+        log = Log("sine", time, np.zeros(time.size, dtype=np.int64), ("swing",), {"position.swing": position})
+        return float(doubt_speeds(estimate_motion(log, ("swing",), 10.0))[0])
+
+    swings = np.sin(np.minimum(time, 4.0 * np.pi))
+    assert usual(swings + 1e-3 * time) == pytest.approx(usual(np.sin(time)), rel=0.05)
 
 
 def test_what_is_spoilt_judges_no_joint_that_mostly_rests(demo: Log) -> None:

@@ -84,8 +84,8 @@ def freeze(columns: Columns) -> Columns:
     return {**columns, EFFORT: held}
 
 
-def clip(columns: Columns) -> Columns:
-    return {**columns, EFFORT: np.minimum(columns[EFFORT], np.quantile(columns[EFFORT], 0.93))}
+def clip(columns: Columns, kept: float = 0.93) -> Columns:
+    return {**columns, EFFORT: np.minimum(columns[EFFORT], np.quantile(columns[EFFORT], kept))}
 
 
 def jolt(columns: Columns) -> Columns:
@@ -105,11 +105,12 @@ def jolt(columns: Columns) -> Columns:
         (stick, "data.stuck", f"{POSITION}, 4 s to 4.598 s"),
         (freeze, "data.stuck", f"{EFFORT}, 4 s to 4.598 s"),
         (clip, "data.saturation", EFFORT),
+        (lambda c: clip(c, kept=0.35), "data.saturation", EFFORT),
         (jolt, "data.glitch", f"{POSITION}, 3 s, 12.4 s"),
     ],
     ids=[
         *("repeated", "repeated_later", "written_again", "few_again"),
-        *("held", "stuck_position", "stuck_effort", "clipped", "glitch"),
+        *("held", "stuck_position", "stuck_effort", "clipped", "mostly_clipped", "glitch"),
     ],
 )
 def test_a_fault_is_found_in_its_place(damage: Callable[[Columns], Columns], kind: str, where: str) -> None:

@@ -1,0 +1,60 @@
+"""What nature does not allow explains nothing, however well it fits."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.coupling import DifferenceDrive, DifferenceRotor, SumDrive
+from mjfriction.diagnose.causes.varying import Step, WarmUpDrift
+from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import Machine, write_case
+
+LIFT, ELBOW = 1, 2
+
+
+@pytest.fixture(scope="module")
+def gap(tmp_path_factory: pytest.TempPathFactory) -> Gap:
+    log, robot = write_case(tmp_path_factory.mktemp("case"), Machine(), seed=12, seconds=25.0)
+    return measure_gap(read_log(log), read_robot(robot))
+
+
+def test_a_shared_drive_does_not_push_its_joints(gap: Gap) -> None:
+    site = Site(LIFT, other=ELBOW)
+    for drive in (SumDrive(), DifferenceDrive()):
+        assert drive.admissible(gap, site, np.array([2.0, 0.5]))
+        assert not drive.admissible(gap, site, np.array([-2.0, 0.5]))
+        assert not drive.admissible(gap, site, np.array([0.5, -5.0]))
+    assert DifferenceRotor().admissible(gap, site, np.array([2.0, 0.5, 0.1]))
+    assert not DifferenceRotor().admissible(gap, site, np.array([2.0, 0.5, -0.1]))
+
+
+def test_of_a_shared_drive_that_is_stated_there_may_be_less(gap: Gap) -> None:
+    site = Site(LIFT, other=ELBOW)
+    shared = SumDrive().extend(gap.robot, site, np.array([2.0, 0.5]))
+    assert SumDrive().admissible(replace(gap, robot=shared), site, np.array([-1.5, -0.4]))
+    assert not SumDrive().admissible(replace(gap, robot=shared), site, np.array([-2.5, -0.6]))
+
+
+def test_a_slide_and_a_turn_share_no_drive(gap: Gap) -> None:
+    pairs = {(site.joint, site.other) for site in SumDrive().sites(gap)}
+    assert pairs == {(i, i + 1) for i in range(5)}
+    sliding = tuple(i == ELBOW for i in range(6))
+    mixed = replace(gap, body=replace(gap.body, sliding=sliding))
+    assert {(site.joint, site.other) for site in SumDrive().sites(mixed)} == pairs - {(1, 2), (2, 3)}
+
+
+@pytest.mark.parametrize("course", [Step(), WarmUpDrift()])
+def test_friction_rises_or_falls_at_all_speeds(course: Step | WarmUpDrift, gap: Gap) -> None:
+    fast = float(gap.motion.top_speed[ELBOW])
+    site = Site(ELBOW, shape=(10.0,))
+    assert course.admissible(gap, site, np.array([-1.0, -0.5]))
+    assert course.admissible(
+        gap, site, np.array([1.0, -0.5 / fast])
+    )  # less damping as the level rises: grease that ages
+    assert not course.admissible(gap, site, np.array([-1.0, 4.0 / fast]))

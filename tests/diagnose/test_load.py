@@ -1,0 +1,47 @@
+"""Friction that grows with the load, whether that is what the links need or what the rotor takes too."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.plant.machine import simulate
+from mjfriction.plant.motions import excitation
+from mjfriction.plant.sensors import Recorder
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.friction import with_term
+from mjfriction.robot.robot import Robot
+from tests.diagnose.test_planar_arm import planar
+
+LOAD = 0.15
+
+
+def geared(folder: Path) -> Robot:
+    """Return the planar arm with rotors that weigh as much as its links do."""
+    robot = planar(folder)
+    for joint in robot.table.joint:
+        inertia = {"shoulder": 6e-5, "elbow": 2e-5, "wrist": 1e-6}[joint.name]
+        drive = joint.actuator.model_copy(update={"gear_ratio": 100.0, "rotor_inertia": inertia})
+        robot = robot.with_joint(joint.model_copy(update={"actuator": drive}))
+    return robot
+
+
+@pytest.mark.parametrize("includes_rotor", [False, True])
+def test_the_load_is_told_with_or_without_the_rotor_as_it_is(*, includes_rotor: bool, tmp_path: Path) -> None:
+    stated = geared(tmp_path)
+    values = {"coulomb": 0.0, "load": LOAD, "viscous": 0.0}
+    machine = with_term(stated, "shoulder", "load_dependent", values, load_includes_rotor=includes_rotor)
+    motion = excitation(stated.joints, np.zeros(3), np.full(3, 1.2), np.full(3, 3.0), 40.0, seed=5)
+    columns = simulate(machine, motion, recorder=Recorder(250.0), controller_robot=stated, seed=1)
+    found = diagnose_log(log_from_table(pa.table(columns), "planar"), stated)
+    (finding,) = found.findings
+    assert (finding.cause, finding.joint) == ("friction.load", "shoulder")
+    (load,) = finding.parameters
+    assert load.value == pytest.approx(LOAD, rel=0.05)
+    assert ("rotor included" in finding.evidence) is includes_rotor
+    added = [term for term in found.robot.joint("shoulder").friction or () if term.law == "load_dependent"]
+    assert [term.load_includes_rotor for term in added] == [includes_rotor]
