@@ -11,8 +11,10 @@ from mjfriction.control.observe import OBSERVERS
 from mjfriction.diagnose.alike import AT_THE_BAR, MOST_CONFIDENT, ROOM
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOVED, LEAST_NOTED
+from mjfriction.diagnose.causes.load import LEAST_ROTOR
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.presliding import LEAST_PART
+from mjfriction.diagnose.causes.rotor_inertia import LINK_OFF
 from mjfriction.diagnose.causes.stribeck import GONE_BY, UNFINISHED
 from mjfriction.diagnose.causes.varying import EDGE, Step
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
@@ -35,7 +37,7 @@ from mjfriction.identify.colour import AROUND, COLOURED, EVEN_BELOW
 from mjfriction.identify.stroke_waves import STEPS_PER_LOBE
 from mjfriction.identify.swing import FASTEST, SLOWEST
 from mjfriction.laws.catalog import LAWS
-from mjfriction.record.motion import HELD, RINGING, USUALLY
+from mjfriction.record.motion import DAWDLING, HELD, RINGING, USUALLY
 from mjfriction.reproduce.catalog import DOCUMENTS
 from mjfriction.robot.robot import bundled_robots
 
@@ -134,6 +136,10 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
 def test_the_pages_tell_which_joints_and_traces_are_left_out() -> None:
     decides, records = (" ".join(text(f"docs/{page}.md").split()) for page in ("how_it_decides", "recording"))
     held = f"less than {100 * HELD:g} % of the farthest joint's travel"
+    assert f"by less than {100 * DAWDLING:g} % of both" in decides
+    assert f"leaves less than {turning.ALONE:g} of what friction that builds up" in decides
+    assert f"takes more than {100 * LEAST_ROTOR:g} % of what its links do" in decides
+    assert f"from {100 * LINK_OFF:g} % of all that the joint turns on" in decides
     assert f"({held}, and of the fastest one's speed {100 * USUALLY:g} % of the time) is not examined" in decides
     assert f"({held}) is not examined at all" in records
     identification = " ".join(text("docs/identification.md").split())
