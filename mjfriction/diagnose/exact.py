@@ -12,7 +12,7 @@ from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LinkScale, LoneLink
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.field import Field, size
-from mjfriction.diagnose.model import Model, build_model
+from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
 from mjfriction.diagnose.short_list import contenders, fairly
 from mjfriction.diagnose.tangent import straightened
@@ -49,12 +49,15 @@ def stated_exactly(model: Model) -> bool:
 def usual_nuisance(gap: Gap) -> Nuisance:
     """Return what is refitted with every candidate along a gap: of drives too, where friction is not stated exactly.
 
-    What data sheets say of drives is as right as friction is: levels that are off throughout are the mark of that.
+    What data sheets say of drives is as right as friction is: levels that are off throughout are the mark of that.  On
+    one joint or two a torque constant that is off looks so too, but with that all levels are as stated.
     """
     nuisance = make_nuisance(gap)
-    if stated_exactly(build_model(gap, nuisance, ())):
-        return nuisance
-    return make_nuisance(gap, drives=True)
+    exact = stated_exactly(build_model(gap, nuisance, ()))
+    if not exact and len(gap.examined) < FEWEST_JOINTS:
+        constants = tuple(Chosen(TorqueConstant(), Site(joint)) for joint in gap.examined)
+        exact = stated_exactly(build_model(gap, nuisance, constants))
+    return nuisance if exact else make_nuisance(gap, drives=True)
 
 
 def held_links(model: Model, field: Field, changes: Mapping[int, float]) -> Model:

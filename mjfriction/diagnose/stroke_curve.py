@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from mjfriction.diagnose.causes.spring import BentSpring, Spring
-from mjfriction.diagnose.causes.waves import Cogging
+from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.intervals import half_widths
-from mjfriction.diagnose.model import Key, Model
+from mjfriction.diagnose.model import Chosen, Key, Model
 from mjfriction.identify.structure import Structure, covariate_rows, curve_share
 from mjfriction.record.log import Floats
 
@@ -25,6 +26,25 @@ class StrokeCurve:
     structure: Structure
 
 
+def vague_waves(model: Model) -> frozenset[Key]:
+    """Return which waves of friction that are two on their joint have no period that is known to a fifth: a course of
+    the level along the stroke that they spell together, or something that snags.
+    """
+    waves = [choice for choice in model.chosen if isinstance(choice.cause, PositionFriction)]
+    joints = [choice.site.joint for choice in waves]
+    two = [choice for choice in waves if joints.count(choice.site.joint) > 1]
+    widths = _widths(model) if two else {}
+    return frozenset(choice.key for choice in two if _vague(choice, widths))
+
+
+def _widths(model: Model) -> dict[Key, Floats]:
+    return dict(zip((choice.key for choice in model.chosen), half_widths(model).causes, strict=True))
+
+
+def _vague(choice: Chosen, widths: Mapping[Key, Floats]) -> bool:
+    return bool(widths[choice.key][-1] > KNOWN_TO * choice.site.shape[0])
+
+
 def stroke_curves(model: Model, heldout: Floats) -> list[StrokeCurve]:
     """Return the curves among a model's causes; ``heldout`` (rows, joints) is what it leaves on motion not fitted.
 
@@ -34,7 +54,7 @@ def stroke_curves(model: Model, heldout: Floats) -> list[StrokeCurve]:
     does not do as well as a smooth curve, is none.
     """
     gap, out = model.gap, []
-    widths = dict(zip((choice.key for choice in model.chosen), half_widths(model).causes, strict=True))
+    widths = _widths(model)
     for joint in gap.examined:
         own = [c for c in model.chosen if c.site.joint == joint and isinstance(c.cause, Cogging | Spring | BentSpring)]
         waves = len(own) >= FEWEST and any(isinstance(choice.cause, Cogging) for choice in own)
@@ -46,10 +66,7 @@ def stroke_curves(model: Model, heldout: Floats) -> list[StrokeCurve]:
         before = without.heldout_residual()
         taken = 1.0 - (gap.rms(heldout[:, joint], joint) / max(gap.rms(before[:, joint], joint), 1e-300)) ** 2
         share = curve_share(gap, joint, covariate_rows(gap, joint, "position"), before)
-        unsure = any(
-            isinstance(choice.cause, Cogging) and widths[choice.key][-1] > KNOWN_TO * choice.site.shape[0]
-            for choice in own
-        )
+        unsure = any(isinstance(choice.cause, Cogging) and _vague(choice, widths) for choice in own)
         if (unsure or share > AS_GOOD * taken) if waves else taken < AS_GOOD * share:
             structure = Structure(gap.robot.joints[joint], ALONG_STROKE, share)
             out.append(StrokeCurve(frozenset(choice.key for choice in own), structure))

@@ -14,7 +14,7 @@ from mjfriction.diagnose.exact import stated_exactly
 from mjfriction.diagnose.links_off import links_far_off
 from mjfriction.diagnose.model import Chosen, Key, Model, build_model, cause_block, partners
 from mjfriction.diagnose.stated import Settled
-from mjfriction.diagnose.stroke_curve import StrokeCurve
+from mjfriction.diagnose.stroke_curve import StrokeCurve, vague_waves
 from mjfriction.diagnose.trial import effects, negligible
 from mjfriction.diagnose.verdict import beside_oscillations
 from mjfriction.identify.gap import Gap
@@ -46,13 +46,14 @@ def find_untold(
     """Return which causes of a settled model are no findings.
 
     What is next to nothing of the effort, or hardly shows beside what is left on motion not fitted (``heldout``, rows
-    by joints, without oscillations), may be what larger causes leave that are told a little off.  And a course that no
-    cause is, ``remaining``, can be told in part by many, a brake that drags as a warm-up; and what only spells out one
-    of ``curves`` tells of nothing else.  A course over time that is small beside another on its joint is what that
-    other's form leaves.  A link is none where all links a few percent off, in all of their ten parameters, do as well,
-    nor is a torque constant or a rotor a few percent off on a robot that is so throughout, or at a joint that has play
-    or gives: what its accelerations are in between is a matter of how that is drawn.  The other half of a cause that is
-    told was asked for by name, and is told too.
+    by joints, without oscillations), may be what larger causes leave that are told a little off.  And a course that
+    no cause is, ``remaining``, can be told in part by many, a brake that drags as a warm-up; and what only spells out
+    one of ``curves`` tells of nothing else, nor do two waves of friction of which the period is hardly known.  A
+    course over time that is small beside another on its joint is what that other's form leaves.  A link is none where
+    all links a few percent off, in all of their ten parameters, do as well, nor is a torque constant or a rotor a few
+    percent off on a robot that is so throughout, or at a joint that has play or gives: what its accelerations are in
+    between is a matter of how that is drawn.  The other half of a cause that is told was asked for by name, and is
+    told too.
     """
     model, strengths = settled.model, settled.model.strengths
     gap = model.gap
@@ -87,7 +88,7 @@ def find_untold(
         common |= {choice.key for choice in of_links}
     told = [choice for choice in model.chosen if choice.key not in common | small]
     asked = {choice.key for choice in model.chosen if partners(choice, told)}
-    spelling = frozenset(key for curve in curves for key in curve.keys)
+    spelling = frozenset(key for curve in curves for key in curve.keys) | vague_waves(model)
     return Untold(frozenset(common | (small - asked)) | spelling, left, bare)
 
 

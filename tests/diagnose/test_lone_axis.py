@@ -46,3 +46,14 @@ def test_a_rotor_is_told_where_no_link_a_little_off_explains_it(
     causes = {finding.cause for finding in found.findings}
     assert "friction.coulomb_viscous" in causes
     assert ("drive.rotor_inertia" in causes) is told
+
+
+def test_a_torque_constant_is_told_beside_levels_that_are_as_stated_with_it(tmp_path: Path) -> None:
+    """All that the drive reports is 7 % less: no link, rotor and levels that happen to be off by as much."""
+    robot = pendulum(tmp_path, "stated", inertia=0.08, rotor=6e-5, coulomb=COULOMB)
+    motion = excitation(("swing",), np.zeros(1), np.full(1, 1.2), np.full(1, 4.0), 40.0, seed=3)
+    columns = simulate(robot, motion, recorder=Recorder(250.0), seed=1)
+    columns["effort.swing"] = 0.93 * columns["effort.swing"]
+    (finding,) = diagnose_log(log_from_table(pa.table(columns), "swing"), robot).findings
+    assert finding.cause == "drive.torque_constant"
+    assert finding.parameters[0].value == pytest.approx(0.93, abs=0.01)

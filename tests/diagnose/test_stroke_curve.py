@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from mjfriction.diagnose import stroke_curve
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.model import Chosen
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.diagnose.stroke_curve import ALONG_STROKE
 from mjfriction.record.readers import read_log
@@ -83,3 +87,12 @@ def test_waves_of_which_the_period_is_not_known_are_none(tmp_path: Path, monkeyp
     assert (found.verdict, found.findings) == (Verdict.UNEXPLAINED, ())
     monkeypatch.setattr(stroke_curve, "KNOWN_TO", np.inf)
     assert diagnosed(tmp_path / "without", stop).verdict is Verdict.EXPLAINED
+
+
+def test_two_waves_of_friction_are_told_where_their_periods_are_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    waves = [Chosen(PositionFriction(), Site(PAN, shape=(k,), order=order)) for order, k in enumerate((2.0, 5.0))]
+    alone = Chosen(PositionFriction(), Site(PAN + 1, shape=(2.0,)))
+    model = SimpleNamespace(chosen=(*waves, alone))
+    known_to = dict.fromkeys((choice.key for choice in model.chosen), np.array([0.1, 0.1, 0.6]))
+    monkeypatch.setattr(stroke_curve, "_widths", lambda _: known_to)
+    assert stroke_curve.vague_waves(model) == {waves[0].key}  # type: ignore[arg-type]
