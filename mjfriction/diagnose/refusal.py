@@ -6,6 +6,7 @@ import numpy as np
 
 from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.delay import JointDelay, late
+from mjfriction.diagnose.causes.varying import Varying
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, cause_block
 from mjfriction.identify.proof import measure_gain
@@ -19,11 +20,11 @@ def refused(model: Model) -> list[Chosen]:
     """Return the causes of a model that are no findings.
 
     Those whose gain on motion not fitted may be none while joints move; those whose size is not told from none
-    beside another curve on their joint; efforts that seem early beside play; and delays of which only a part of the
-    effort knows.
+    beside another curve on their joint; efforts that seem early beside play; delays of which only a part of the effort
+    knows; and courses of friction over time that raise it when slow and lower it when fast, or the other way round.
     """
     unproved = [choice for choice in model.chosen if not proved(model, choice)]
-    return [*unproved, *_dissolved(model), *_of_landings(model), *_torn(model)]
+    return [*unproved, *_dissolved(model), *_of_landings(model), *_torn(model), *_both_ways(model)]
 
 
 def proved(model: Model, choice: Chosen) -> bool:
@@ -67,6 +68,15 @@ def _of_landings(model: Model) -> list[Chosen]:
         choice
         for choice, place in zip(model.chosen, model.places, strict=True)
         if isinstance(choice.cause, JointDelay) and choice.site.joint in loose and model.strengths[place][0] < 0.0
+    ]
+
+
+def _both_ways(model: Model) -> list[Chosen]:
+    return [
+        choice
+        for choice, place in zip(model.chosen, model.places, strict=True)
+        if isinstance(choice.cause, Varying)
+        and not choice.cause.one_way(model.gap, choice.site, model.strengths[place])
     ]
 
 

@@ -15,10 +15,10 @@ from mjfriction.diagnose.causes.links import LinkScale
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.causes.whole_arm import Payload
 from mjfriction.diagnose.compete import NO_DIFFERENCE
-from mjfriction.diagnose.exact import usual_nuisance
 from mjfriction.diagnose.exchange import Kinds, exchanged
 from mjfriction.diagnose.field import Field, make_field, size
 from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.tangent import straightened
 from mjfriction.identify.gap import measure_gap
 from mjfriction.plant.machine import simulate
@@ -63,7 +63,7 @@ def mistaken(tmp_path_factory: pytest.TempPathFactory) -> tuple[Model, Field]:
     motion = excitation(stated.joints, np.zeros(2), np.full(2, 1.2), np.full(2, 2.0), 30.0, seed=3)
     columns = simulate(machine, motion, recorder=Recorder(250.0), controller_robot=stated, seed=1)
     gap = measure_gap(log_from_table(pa.table(columns), "arm"), stated)
-    return straightened(build_model(gap, usual_nuisance(gap), (LOAD, ROTOR))), make_field(gap, STRUCTURAL)
+    return straightened(build_model(gap, make_nuisance(gap), (LOAD, ROTOR))), make_field(gap, STRUCTURAL)
 
 
 def test_the_heavier_link_takes_the_place_of_the_load_that_stood_for_it(mistaken: tuple[Model, Field]) -> None:

@@ -38,7 +38,7 @@ EDGE = 0.06  # of the joint's motion at both ends, in which a step is not looked
 TIME_CONSTANTS = (0.1, 3.0)  # of the log's length
 
 
-class _Varying(JointCause):
+class Varying(JointCause):
     """One course of time c(t): (C·sgn v + V·v)·c."""
 
     covariate = "time"
@@ -54,8 +54,10 @@ class _Varying(JointCause):
         course = self.course(gap, site)
         return np.column_stack([gap.forward(site.joint) * course, gap.motion.velocity[:, site.joint] * course])
 
-    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """Friction rises, or falls: less when slow and more when fast is another curve over speed, and no course."""
+    def one_way(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """Return whether friction rises or falls as a whole: less when slow and more when fast is another curve over
+        speed, and no course.
+        """
         speed = np.abs(gap.at_rows("velocity")[gap.clear[:, site.joint], site.joint])
         slow, fast = (strengths[0] + strengths[1] * float(one) for one in np.quantile(speed, SPEEDS))
         return bool(slow * fast >= 0.0 or abs(fast) < OPPOSITE * abs(slow))
@@ -76,7 +78,7 @@ def _words(strengths: Floats, sliding: bool) -> str:
 
 
 @final
-class Warming(_Varying):
+class Warming(Varying):
     """Friction follows the logged temperature."""
 
     name = "friction.temperature"
@@ -121,7 +123,7 @@ class Warming(_Varying):
 
 
 @final
-class WarmUpDrift(_Varying):
+class WarmUpDrift(Varying):
     """Friction settles with running time; asked where no temperature was logged."""
 
     name = "friction.temperature"
@@ -165,7 +167,7 @@ def _clear(gap: Gap, site: Site) -> Floats:
 
 
 @final
-class Step(_Varying):
+class Step(Varying):
     """Friction steps at one moment and stays."""
 
     name = "event.change"
