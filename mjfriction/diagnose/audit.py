@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from mjfriction.body.inverse import inverse_dynamics
-from mjfriction.diagnose.units import DEGREE, find_rate_faults, find_unit_faults
+from mjfriction.diagnose.units import DEGREE, find_degrees_by_velocity, find_unit_faults, stretched_clock
 from mjfriction.identify.gap import Gap
 from mjfriction.record.faults import Fault
 from mjfriction.record.log import Floats
@@ -37,8 +37,8 @@ def find_faults(gap: Gap) -> list[Fault]:
     prediction that in turn looks like this one's, is a fault of signs, units or wiring.  Then positions in a unit, with
     a sign or at a joint that they should not have.
     """
-    found = find_unit_faults(gap.log, gap.body) or find_rate_faults(gap.log, gap.body, gap.motion)
-    return found or find_degrees(gap) or find_misread(gap) or find_misplaced(gap)
+    units = find_unit_faults(gap.log, gap.body) or find_degrees_by_velocity(gap.log, gap.body, gap.motion)
+    return units or find_degrees(gap) or find_stretched(gap) or find_misread(gap) or find_misplaced(gap)
 
 
 def find_degrees(gap: Gap) -> list[Fault]:
@@ -54,6 +54,25 @@ def find_degrees(gap: Gap) -> list[Fault]:
     names = [joint for joint, turns in zip(gap.robot.joints, turning, strict=True) if turns]
     action = "the efforts fit if it is in degrees; convert it to radians"
     return [Fault("data.unit", f"position.{joint}", action) for joint in names]
+
+
+def find_stretched(gap: Gap) -> list[Fault]:
+    """Return the fault of a clock that runs too fast or too slow, where measured velocities say so and the efforts fit
+    no worse once it is put right; else the velocities are what is wrong, and they are not used.
+    """
+    factor = stretched_clock(gap.log, gap.motion)
+    if factor is None:
+        return []
+    look = _look(gap)
+    position, velocity, acceleration = look.course
+    mended = look.left([position, factor * velocity, factor**2 * acceleration], look.effort)
+    if np.sum(mended) > np.sum(look.left(look.course, look.effort)):
+        return []
+    action = (
+        f"measured velocities are {factor:.3g} times what positions do on this clock, and the efforts fit if it is at "
+        f"fault: {'stretch' if factor < 1.0 else 'shorten'} time by {1.0 / factor:.3g}, or leave the velocities out"
+    )
+    return [Fault("data.clock", "whole log", action)]
 
 
 def find_misread(gap: Gap) -> list[Fault]:

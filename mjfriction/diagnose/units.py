@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -12,9 +12,8 @@ from mjfriction.record.log import POSITION, VELOCITY, Log
 from mjfriction.record.motion import Motion, velocity_ratio
 
 DEGREE = np.pi / 180.0
-PER_MINUTE = 30.0 / np.pi  # turns per minute in a radian per second
 AS_ONE = 0.03  # by which joints' ratios may differ from each other, or from that of a unit, and be one
-OFF = 0.06  # by which a clock is off that is worth a word
+OFF, MOST_OFF = 0.06, 2.0  # by which a clock is off that is worth a word, and the factor it is off by at most
 
 
 def find_unit_faults(log: Log, body: Body) -> list[Fault]:
@@ -39,36 +38,31 @@ def find_unit_faults(log: Log, body: Body) -> list[Fault]:
     return out
 
 
-def find_rate_faults(log: Log, body: Body, motion: Motion) -> list[Fault]:
-    """Return what is wrong with positions or the clock where measured velocities are alike but many times other ones.
-
-    A velocity that is 1/57.3 of its position's rate means degrees; where all joints' are off by one factor that is no
-    unit's, the clock is.  A velocity that is itself in another unit is not used, and no fault of the log.
-    """
+def find_degrees_by_velocity(log: Log, body: Body, motion: Motion) -> list[Fault]:
+    """Return the positions of turning joints that change 57.3 times as fast as measured velocities say."""
     turning = [joint for joint, sliding in zip(body.joints, body.sliding, strict=True) if not sliding]
-    found = {joint: velocity_ratio(log, joint, motion.cutoff, motion.clock) for joint in body.joints}
-    ratios = {joint: ratio for joint, ratio in found.items() if ratio is not None}
-    degrees = [joint for joint in turning if joint in ratios and _near(ratios[joint], DEGREE)]
-    if degrees:
-        action = f"it changes {1.0 / DEGREE:.1f} times as fast as {VELOCITY} says; convert it from degrees to radians"
-        return [Fault("data.unit", f"{POSITION}.{joint}", action) for joint in degrees]
-    return _clock_faults(ratios)
+    ratios = _velocity_ratios(log, motion, turning)
+    action = f"it changes {1.0 / DEGREE:.1f} times as fast as {VELOCITY} says; convert it from degrees to radians"
+    return [
+        Fault("data.unit", f"{POSITION}.{joint}", action) for joint, ratio in ratios.items() if _near(ratio, DEGREE)
+    ]
 
 
-def _clock_faults(ratios: Mapping[str, float]) -> list[Fault]:
-    if len(ratios) < 2:
-        return []
-    middle = float(np.median(list(ratios.values())))
-    units = (1.0 / DEGREE, PER_MINUTE, 1.0 / PER_MINUTE)
-    if abs(middle - 1.0) < OFF or any(_near(middle, unit) for unit in units):
-        return []
-    if not all(_near(ratio, middle) for ratio in ratios.values()):
-        return []
-    action = (
-        f"measured velocities are {middle:.3g} times what positions do on this clock; if they are right, "
-        f"{'stretch' if middle < 1.0 else 'shorten'} time by {1.0 / middle:.3g}, else leave them out"
-    )
-    return [Fault("data.clock", "whole log", action)]
+def stretched_clock(log: Log, motion: Motion) -> float | None:
+    """Return by what measured velocities are off from those of positions on the log's clock, where that is one factor
+    at two joints or more, and one that a clock may be off by; None where it is not.
+
+    A velocity that is itself in another unit, or on the motor's side, is off by more.
+    """
+    ratios = list(_velocity_ratios(log, motion, motion.joints).values())
+    middle = float(np.median(ratios)) if len(ratios) > 1 else 1.0
+    off = abs(middle - 1.0) > OFF and 1.0 / MOST_OFF < middle < MOST_OFF
+    return middle if off and all(_near(ratio, middle) for ratio in ratios) else None
+
+
+def _velocity_ratios(log: Log, motion: Motion, joints: Sequence[str]) -> dict[str, float]:
+    found = {joint: velocity_ratio(log, joint, motion.cutoff, motion.clock) for joint in joints}
+    return {joint: ratio for joint, ratio in found.items() if ratio is not None}
 
 
 def _near(ratio: float, other: float) -> bool:

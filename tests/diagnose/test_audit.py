@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjfriction.diagnose.audit import find_degrees
+from mjfriction.diagnose.audit import find_degrees, find_faults
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
-from mjfriction.diagnose.units import find_rate_faults
+from mjfriction.diagnose.units import find_degrees_by_velocity
 from mjfriction.errors import LogError
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.log import Log
@@ -105,20 +105,24 @@ def test_degrees_are_known_without_limits_by_the_efforts(case: tuple[Path, Path]
 
 def test_degrees_and_a_clock_that_is_off_are_known_by_measured_velocities(case: tuple[Path, Path]) -> None:
     log, robot = read_log(case[0]), read_robot(case[1])
-    sound = replace(log, columns=dict(log.columns) | velocities(log))
-    degrees = replace(sound, columns=dict(sound.columns) | in_degrees(dict(log.columns)))
-    late = replace(sound, time=1.2 * sound.time)
-    turns = replace(log, columns=dict(log.columns) | {n: 9.5493 * v for n, v in velocities(log).items()})
 
     def faults(of: Log) -> set[tuple[str, str]]:
-        gap = measure_gap(of, robot)
-        return {(fault.kind, fault.where) for fault in find_rate_faults(of, gap.body, gap.motion)}
+        return {(fault.kind, fault.where) for fault in find_faults(measure_gap(of, robot))}
 
+    def with_velocities(factor: float, **changes: object) -> Log:
+        own = {name: factor * values for name, values in velocities(log).items()}
+        return replace(log, columns=dict(log.columns) | own, **changes)
+
+    sound = with_velocities(1.0)
     assert faults(sound) == set()
-    assert faults(degrees) == {("data.unit", f"position.{joint}") for joint in log.joints}
-    assert faults(late) == {("data.clock", "whole log")}
-    # Velocities in turns per minute are of no use, but no fault of the rest.
-    assert faults(turns) == set()
+    degrees = replace(sound, columns=dict(sound.columns) | in_degrees(dict(log.columns)))
+    assert {where for _, where in faults(degrees)} == {f"position.{joint}" for joint in log.joints}
+    gap = measure_gap(degrees, robot)
+    assert len(find_degrees_by_velocity(degrees, gap.body, gap.motion)) == len(log.joints)
+    assert faults(with_velocities(1.0, time=1.3 * log.time)) == {("data.clock", "whole log")}
+    # Velocities that are off themselves, in turns per minute or at the motor are of no use, but no fault of the rest.
+    for factor in (1.3, 9.5493, 101.0):
+        assert faults(with_velocities(factor)) == set()
 
 
 LIFT, BEND = "position.shoulder_lift_joint", "position.elbow_joint"
