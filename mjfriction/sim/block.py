@@ -7,7 +7,7 @@ Its header and the arrays behind it are laid out below, as are the simulation's 
 from __future__ import annotations
 
 MAGIC = 61221.5  # begins the block; exact in binary and in the six digits of a saved XML
-VERSION = 1.0
+VERSION = 2.0
 NUMERIC_NAME = "mjfriction"
 
 # Header of the model's block.
