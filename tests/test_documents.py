@@ -14,7 +14,6 @@ from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOVED, LEAST_NOT
 from mjfriction.diagnose.causes.load import LEAST_ROTOR
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.presliding import LEAST_PART
-from mjfriction.diagnose.causes.rotor_inertia import LINK_OFF
 from mjfriction.diagnose.causes.stribeck import GONE_BY, UNFINISHED
 from mjfriction.diagnose.causes.varying import EDGE, Step
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
@@ -139,7 +138,6 @@ def test_the_pages_tell_which_joints_and_traces_are_left_out() -> None:
     assert f"by less than {100 * DAWDLING:g} % of both" in decides
     assert f"leaves less than {turning.ALONE:g} of what friction that builds up" in decides
     assert f"takes more than {100 * LEAST_ROTOR:g} % of what its links do" in decides
-    assert f"from {100 * LINK_OFF:g} % of all that the joint turns on" in decides
     assert f"({held}, and of the fastest one's speed {100 * USUALLY:g} % of the time) is not examined" in decides
     assert f"({held}) is not examined at all" in records
     identification = " ".join(text("docs/identification.md").split())

@@ -33,9 +33,10 @@ MOST_OFF = 5.0  # times too large or small, past which no constant of a drive is
 def find_faults(gap: Gap) -> list[Fault]:
     """Hold every joint's effort against what the robot says it needs, and name what no physics does.
 
+    Positions beyond what limits, measured velocities or efforts allow are in another unit, and a clock may be off.
     A clear likeness to the prediction with its sign turned, or many times too large or small, or to another joint's
-    prediction that in turn looks like this one's, is a fault of signs, units or wiring.  Then positions in a unit, with
-    a sign or at a joint that they should not have.
+    prediction that in turn looks like this one's, is a fault of signs, units or wiring.  Then positions with a sign or
+    at a joint that they should not have.
     """
     units = find_unit_faults(gap.log, gap.body) or find_degrees_by_velocity(gap.log, gap.body, gap.motion)
     return units or find_degrees(gap) or find_stretched(gap) or find_misread(gap) or find_misplaced(gap)

@@ -31,18 +31,14 @@ POSES = 50.0  # Hz: between two of these no joint turns far enough for its inert
 
 
 @dataclass(frozen=True)
-class Effort:
-    """Predicted effort along a motion, each of shape (n, joints), N·m or N at the joint.
+class Loads:
+    """What links and rotors take along a motion, each of shape (n, joints), N·m or N at the joint.
 
-    ``rigid``: links, payload, gravity and rotors; ``rotor``: the part of each drive's own rotor in that; ``friction``;
-    ``total``: these with cogging and springs; ``reported``: what the drive's sensor would say.
+    ``rigid``: links, payload, gravity and rotors; ``rotor``: the part of each drive's own rotor in that.
     """
 
     rigid: Floats
     rotor: Floats
-    friction: Floats
-    total: Floats
-    reported: Floats
 
     @property
     def load(self) -> Floats:
@@ -51,22 +47,25 @@ class Effort:
 
 
 @dataclass(frozen=True)
-class Carried:
-    """What the drives carry along a motion: the ``motor``'s motion, that of where the links are (``linked``) and of
-    where friction acts (``rubbing``), the torques of links and rotors, ``rigid`` (n, joints), N·m or N, and the own
-    ``rotor`` of each drive in them.
+class Effort(Loads):
+    """Predicted effort along a motion: ``friction`` besides what links and rotors take; ``total``: these with cogging
+    and springs; ``reported``: what the drive's sensor would say, each (n, joints), N·m or N.
+    """
+
+    friction: Floats
+    total: Floats
+    reported: Floats
+
+
+@dataclass(frozen=True)
+class Carried(Loads):
+    """What the drives carry along a motion: what links and rotors take, the ``motor``'s motion, that of where the links
+    are (``linked``) and of where friction acts (``rubbing``).
     """
 
     motor: Motion
     linked: Motion
     rubbing: Motion
-    rigid: Floats
-    rotor: Floats
-
-    @property
-    def load(self) -> Floats:
-        """What passes the transmissions to the links, (n, joints)."""
-        return self.rigid - self.rotor
 
 
 def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
@@ -168,7 +167,7 @@ def carry(robot: Robot, body: Body, motion: Motion) -> Carried:
             turned = drive.inertia * (motor.acceleration[:, i] + drive.ratio * motor.acceleration[:, other])
             rigid[:, i] += turned
             rigid[:, other] += drive.ratio * turned
-    return Carried(motor, linked, _where_friction_acts(robot, motor, linked), rigid, rotor)
+    return Carried(rigid, rotor, motor, linked, _where_friction_acts(robot, motor, linked))
 
 
 def as_reported(joint: Joint, torque: Floats, motion: Motion, position: Floats) -> Floats:

@@ -17,6 +17,7 @@ from mjfriction.errors import LogError
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log
+from mjfriction.report.result import data_problems
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Machine, write_case
 
@@ -123,6 +124,17 @@ def test_degrees_and_a_clock_that_is_off_are_known_by_measured_velocities(case: 
     # Velocities that are off themselves, in turns per minute or at the motor are of no use, but no fault of the rest.
     for factor in (1.3, 9.5493, 101.0):
         assert faults(with_velocities(factor)) == set()
+
+
+@pytest.mark.parametrize(("spread", "told"), [(0.003, False), (0.1, True)])
+def test_a_clock_is_at_fault_where_it_is_uneven_and_not_where_it_is_but_read_by_a_computer(
+    spread: float, *, told: bool, case: tuple[Path, Path]
+) -> None:
+    log = read_log(case[0])
+    step = float(np.median(np.diff(log.time)))
+    jitter = 0.5**0.5 * spread * step * np.random.default_rng(4).standard_normal(log.time.size)
+    gap = measure_gap(replace(log, time=log.time + jitter), read_robot(case[1]))
+    assert any(problem.kind == "data.clock" for problem in data_problems(gap)) is told
 
 
 LIFT, BEND = "position.shoulder_lift_joint", "position.elbow_joint"

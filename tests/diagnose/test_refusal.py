@@ -14,6 +14,7 @@ from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.delay import JointDelay, LogDelay
 from mjfriction.diagnose.causes.load import Load
 from mjfriction.diagnose.causes.stribeck import Stribeck
+from mjfriction.diagnose.causes.varying import Step
 from mjfriction.diagnose.field import make_field, size
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import make_nuisance
@@ -82,6 +83,18 @@ def test_so_is_a_delay_of_the_whole_arm(part: str, tmp_path: Path) -> None:
     delay = Chosen(LogDelay(), Site(SHOULDER, around=0.025))
     model = build_model(gap, make_nuisance(gap), (delay,))
     assert [choice.key for choice in refused(model)] == ([] if part == "all" else [delay.key])
+
+
+@pytest.mark.parametrize(("damping", "refusals"), [(0.0, 0), (-6.0, 1)])
+def test_a_step_that_lowers_friction_when_fast_and_raises_it_when_slow_is_refused(
+    damping: float, refusals: int, tmp_path: Path
+) -> None:
+    def stepped(instant: Instant) -> np.ndarray:
+        return (2.5 * np.sign(instant.v) + damping * instant.v) * (instant.time > 15.0)
+
+    gap = gap_of_machine(tmp_path, Machine(hidden={ELBOW: stepped}))
+    model = build_model(gap, make_nuisance(gap), (Chosen(Step(), Site(ELBOW, shape=(15.0,))),))
+    assert len(refused(model)) == refusals
 
 
 def test_a_level_that_fades_while_the_joint_moves_is_proved_by_rows_in_some_doubt(tmp_path: Path) -> None:

@@ -96,3 +96,12 @@ def test_two_waves_of_friction_are_told_where_their_periods_are_known(monkeypatc
     known_to = dict.fromkeys((choice.key for choice in model.chosen), np.array([0.1, 0.1, 0.6]))
     monkeypatch.setattr(stroke_curve, "_widths", lambda _: known_to)
     assert stroke_curve.vague_waves(model) == {waves[0].key}  # type: ignore[arg-type]
+
+
+def test_waves_of_friction_that_are_vague_are_no_findings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def waves(i):  # type: ignore[no-untyped-def]
+        return (1.8 * np.cos(4.0 * i.q) + 1.5 * np.cos(11.0 * i.q)) * np.sign(i.v)
+
+    assert [one.cause for one in diagnosed(tmp_path / "known", waves).findings] == 2 * ["friction.position"]
+    monkeypatch.setattr(stroke_curve, "KNOWN_TO", 0.0)
+    assert diagnosed(tmp_path / "vague", waves).findings == ()

@@ -65,6 +65,15 @@ def test_a_joint_that_shows_it_alone_is_doubted_alone_and_half_of_all_joints_spe
     assert np.all(found(lost * np.array([1.0, 0.0, 1.0, 0.0]), velocity) > 0.0)
 
 
+def test_one_long_creep_is_enough_where_nearly_all_error_in_slow_motion_goes() -> None:
+    velocity = motion(6)
+    still = (np.arange(ROWS) > 1000) & (np.arange(ROWS) < 1300)
+    velocity[np.abs(velocity) < 0.08] = 0.0
+    velocity[still, 0] = np.linspace(0.02, 0.004, np.sum(still))
+    lost = (np.tanh(np.abs(velocity) / 0.01) - 1.0) * np.array([1.0, 0.0, 0.0, 0.0])
+    assert found(lost, velocity)[0] == pytest.approx(TURNED * 0.01, rel=0.3)
+
+
 def test_friction_of_one_joint_that_builds_up_over_its_travel_is_for_the_diagnosis_to_tell() -> None:
     velocity = motion(6)
     lost = -np.exp(-travel_of(velocity) / 0.01)

@@ -6,7 +6,6 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.body.inverse import inertia_at
 from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
 from mjfriction.identify.gap import Gap
 from mjfriction.parameter import Parameter
@@ -15,8 +14,6 @@ from mjfriction.robot.robot import Robot
 
 LEAST_NOTED = 0.04  # of the stated inertia, from which on it is a finding
 USUALLY_OFF = 0.08  # of it, that a stated one is off by where all else is off too
-LINK_OFF = 0.05  # of all inertia at a lone joint, that its link is off by there, whatever its weight is off by
-FEWEST_JOINTS = 3  # that tell of a link by more than its own joint's effort
 LEAST_STATED = 1e-12  # kg·m² or kg
 
 ROTOR_INERTIA = Parameter("rotor_inertia", "kg·m²", "inertia of the rotor, at the motor", lower=0.0)
@@ -48,13 +45,8 @@ class RotorInertia(JointCause):
         return self._change(gap, site, strengths) > LEAST_NOTED
 
     def usual(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """As far as a data sheet, which knows of no coupling and no gear, is off; on a lone joint, also as far as its
-        link's inertia about its own centre is, which nothing else feels.
-        """
-        if self._change(gap, site, strengths) < USUALLY_OFF:
-            return True
-        whole = float(inertia_at(gap.body, np.median(gap.motion.position, axis=0))[site.joint])
-        return len(gap.examined) < FEWEST_JOINTS and abs(float(strengths[0])) < LINK_OFF * whole
+        """As far as a data sheet, which knows of no coupling and no gear, is off."""
+        return self._change(gap, site, strengths) < USUALLY_OFF
 
     def _change(self, gap: Gap, site: Site, strengths: Floats) -> float:
         # Relative to what is stated.

@@ -1,0 +1,30 @@
+"""When what is left is too much to be left: measured against friction as it is stated, not as it was told."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from mjfriction.diagnose import verdict
+from mjfriction.identify.structure import Structure
+
+
+@pytest.mark.parametrize(("stated", "told"), [(2.0, True), (20.0, False), (0.0, False)])
+def test_a_level_told_in_the_place_of_something_else_hides_nothing(
+    stated: float, *, told: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """0.42 of an error of 0.6 follow speed: 5 % of a friction of 20 is more than that, of 2 as stated it is not."""
+    gap = SimpleNamespace(
+        robot=SimpleNamespace(joints=("swing",)),
+        rms=lambda course, _: float(np.sqrt(np.mean(np.square(course)))),
+        measured=np.full((9, 1), 10.0),
+        residual=np.full((9, 1), 0.8),
+        effort=SimpleNamespace(friction=np.full((9, 1), stated)),
+        noise_floor=np.full(1, 0.1),
+    )
+    model = SimpleNamespace(gap=gap, friction={0: 20.0}, nuisance=SimpleNamespace(uneven=1.0))
+    monkeypatch.setattr(verdict, "coloured_share", lambda *_: 0.0)
+    after = [Structure("swing", "velocity", 0.5)]
+    assert bool(verdict._followed(model, 0, after, np.full((9, 1), 0.6))) is told  # type: ignore[arg-type]
