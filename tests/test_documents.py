@@ -36,6 +36,7 @@ from mjfriction.identify.colour import AROUND, COLOURED, EVEN_BELOW
 from mjfriction.identify.stroke_waves import STEPS_PER_LOBE
 from mjfriction.identify.swing import FASTEST, SLOWEST
 from mjfriction.laws.catalog import LAWS
+from mjfriction.record import jumps
 from mjfriction.record.motion import DAWDLING, HELD, RINGING, USUALLY
 from mjfriction.reproduce.catalog import DOCUMENTS
 from mjfriction.robot.robot import bundled_robots
@@ -137,6 +138,9 @@ def test_the_pages_tell_which_joints_and_traces_are_left_out() -> None:
     held = f"less than {100 * HELD:g} % of the farthest joint's travel"
     assert f"by less than {100 * DAWDLING:g} % of both" in decides
     assert f"leaves less than {turning.ALONE:g} of what friction that builds up" in decides
+    assert f"that stands out by {jumps.PLAIN:g} deviations" in decides
+    assert f"at least {jumps.FEWEST_ALIKE} of one size" in decides
+    assert jumps.DEGREE == 5, "the page says fifth"
     assert f"takes more than {100 * LEAST_ROTOR:g} % of what its links do" in decides
     assert f"({held}, and of the fastest one's speed {100 * USUALLY:g} % of the time) is not examined" in decides
     assert f"({held}) is not examined at all" in records

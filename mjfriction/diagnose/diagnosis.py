@@ -13,6 +13,7 @@ from mjfriction.diagnose.findings import make_findings
 from mjfriction.diagnose.free_links import compete_for_links
 from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.diagnose.seen_play import play_findings, see_play
 from mjfriction.diagnose.stated import settle
 from mjfriction.diagnose.stroke_curve import stroke_curves
 from mjfriction.diagnose.unevenness import as_uneven, with_unevenness
@@ -37,8 +38,10 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     :class:`~mjfriction.errors.LogError` or :class:`~mjfriction.errors.RobotError` when either cannot be used.
     """
     tell("measuring the gap", 0.0)
-    gap = measure_gap(log, robot, highest=HIGHEST)
-    faults = tuple(find_faults(gap))
+    stated = measure_gap(log, robot, highest=HIGHEST)
+    faults = tuple(find_faults(stated))
+    seen = see_play(stated, HIGHEST)
+    gap = seen.gap
     field = make_field(gap, () if faults else STRUCTURAL)
     nuisance = Nuisance((), (), ()) if faults else with_unevenness(gap, usual_nuisance(gap))
     found, asked = compete_for_links(gap, nuisance, field, tell)
@@ -52,18 +55,19 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     remaining = tuple(unexplained(model, after, heldout, curves))
     untold = find_untold(settled, remaining, curves, clean)
     told = make_findings(settled, untold, field, seed)
-    joints = tuple(joint_error(gap, joint, left, heldout, seed) for joint in gap.examined)
+    findings = sorted((*play_findings(seen, heldout, seed), *told.findings), key=lambda one: -one.gain.reduction)
+    joints = tuple(joint_error(gap, joint, left, heldout, seed, stated=seen.stated) for joint in gap.examined)
     extended = extend_robot(model)
     bandwidths = {} if faults else find_bandwidths(gap, extended)
-    verdict = Verdict.BAD_DATA if faults else reach_verdict(told.findings, remaining)
+    verdict = Verdict.BAD_DATA if faults else reach_verdict(findings, remaining)
     return Diagnosis(
         gap=gap,
         verdict=verdict,
-        summary=summarize(gap, verdict, told.findings, joints, remaining) if not faults else faults_in_words(faults),
+        summary=summarize(gap, verdict, findings, joints, remaining) if not faults else faults_in_words(faults),
         joints=joints,
-        findings=told.findings,
+        findings=tuple(findings),
         adjustments=tuple(adjustments(model, told.untold)),
-        structure_before=tuple(find_structure(gap, np.nan_to_num(gap.residual))),
+        structure_before=tuple(find_structure(gap, np.nan_to_num(seen.stated))),
         structure_after=after,
         remaining=remaining,
         faults=faults,

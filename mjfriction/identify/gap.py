@@ -22,7 +22,7 @@ from mjfriction.identify.kept import Kept
 from mjfriction.identify.rows import Chain, make_chain
 from mjfriction.identify.turning import travel_since_turn, turning_speeds
 from mjfriction.record.log import Floats, Log, check_joints
-from mjfriction.record.motion import Motion, estimate_motion, raw_noise
+from mjfriction.record.motion import Motion, raw_noise
 from mjfriction.robot.bandwidth import HIGHEST, choose_cutoff
 from mjfriction.robot.effort import (
     Carried,
@@ -40,6 +40,7 @@ from mjfriction.robot.effort import (
     unheard,
     without_offsets,
 )
+from mjfriction.robot.measured_motion import measured_motion
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import forward_share, resting_level
 
@@ -290,7 +291,7 @@ def measure_gap(log: Log, robot: Robot, *, yielding: float = YIELDING, highest: 
     body = robot.body()
     robot = robot.with_stated_friction(body)
     check_joints(log, robot.name, robot.joints)
-    motion = estimate_motion(log, robot.joints, choose_cutoff(log, robot, body, highest))
+    motion = measured_motion(log, robot, body, choose_cutoff(log, robot, body, highest))
     effort = predict_effort(robot, body, motion)
     torque = motion.torque * _per_reported(robot, motion)
     filtered = filtered_from(motion, effort, torque)
@@ -300,14 +301,19 @@ def measure_gap(log: Log, robot: Robot, *, yielding: float = YIELDING, highest: 
 
 def gap_of(robot: Robot, along: Gap) -> Gap:
     """Return the gap of another robot with the same joints along the same motion, row by row."""
+    return gap_along(robot, along.motion, along)
+
+
+def gap_along(robot: Robot, motion: Motion, along: Gap) -> Gap:
+    """Return the gap of another robot with the same joints along another estimate of the same motion, row by row."""
     body = robot.body()
     robot = robot.with_stated_friction(body)
     return _held_against(
         along.log,
         robot,
         body,
-        along.motion,
-        predict_effort(robot, body, along.motion),
+        motion,
+        predict_effort(robot, body, motion),
         along.chain,
         along.filtered,
         along.yielding,

@@ -27,15 +27,19 @@ class JointError:
     reduction_ci95: tuple[float, float]
 
 
-def joint_error(gap: Gap, joint: int, residual_after: Floats, heldout: Floats, seed: int = 0) -> JointError:
-    """Return the errors of an examined joint: of the gap's robot, and of what another leaves of the same rows, fitted
-    and held out, (rows, joints); ``seed`` sets the resampling behind the interval of the reduction.
+def joint_error(
+    gap: Gap, joint: int, residual_after: Floats, heldout: Floats, seed: int = 0, stated: Floats | None = None
+) -> JointError:
+    """Return the errors of an examined joint: of what is ``stated``, the gap's robot if not given, and of what another
+    leaves of the same rows, fitted and held out, (rows, joints); ``seed`` sets the resampling behind the interval of
+    the reduction.
     """
-    gain = gain_at(gap, gap.residual, heldout, joint, seed)
+    stated = gap.residual if stated is None else stated
+    gain = gain_at(gap, stated, heldout, joint, seed)
     unit = abs(float(gap.per_reported[joint]))
     quantity = gap.motion.quantity[joint]
     assert quantity is not None, "examined joints have a measurement"
-    before = gap.rms(gap.residual[:, joint], joint) / unit
+    before = gap.rms(stated[:, joint], joint) / unit
     return JointError(
         joint=gap.robot.joints[joint],
         signal=quantity,

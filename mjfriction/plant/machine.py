@@ -199,7 +199,7 @@ def _longest_step(robot: Robot) -> float:
     joints = robot.table.joint
     if any(joint.hydraulics for joint in joints):
         return LONGEST_STEP_OIL
-    gives = any(joint.transmission.compliance or joint.transmission.backlash for joint in joints)
+    gives = any(joint.transmission.gives for joint in joints)
     return LONGEST_STEP_GIVING if gives else LONGEST_STEP
 
 

@@ -45,7 +45,7 @@ class Motion:
     ``torque`` is what the drives reported, unfiltered, NaN where a joint has none; ``quantity`` says whether that is
     ``"effort"`` (N·m, N) or ``"current"`` (A).  ``velocity_noise`` (joints,) is the standard deviation of the
     estimated velocity.  ``settled`` (n,) is False near the ends of pieces.  ``columns`` are the log's other columns on
-    the same clock.
+    the same clock.  ``jump_free`` are the joints, as indices, whose sensors' jumps across play have been taken off.
     """
 
     joints: tuple[str, ...]
@@ -63,6 +63,7 @@ class Motion:
     columns: dict[str, Floats]
     clock: Clock
     grids: tuple[Grid, ...]
+    jump_free: frozenset[int] = frozenset()
 
     @functools.cached_property
     def pieces(self) -> tuple[NDArray[np.bool_], ...]:

@@ -216,7 +216,11 @@ def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
 
     The load on a transmission is what the link needs along its own motion, found in rounds from the motors'.
     """
-    if not any(joint.transmission.compliance or joint.transmission.backlash for joint in robot.table.joint):
+    transmissions = [
+        joint.transmission.jump_free if i in motion.jump_free else joint.transmission
+        for i, joint in enumerate(robot.table.joint)
+    ]
+    if not any(transmission.gives for transmission in transmissions):
         return motion
     inertia = _link_inertia(body, motion)
     rubbed = np.array([joint.transmission.carries_friction for joint in robot.table.joint])
@@ -227,11 +231,11 @@ def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
         if np.any(rubbed):
             carried += rubbed * friction_along(robot, linked, carried, rotor)
         parts = [motion.position.copy(), motion.velocity.copy(), motion.acceleration.copy()]
-        for i, joint in enumerate(robot.table.joint):
-            if joint.transmission.compliance or joint.transmission.backlash:
+        for i, transmission in enumerate(transmissions):
+            if transmission.gives:
                 ahead = motion.acceleration[:, i] - linked.acceleration[:, i]
                 following = carried[:, i] + inertia[:, i] * ahead
-                behind = lag(joint.transmission, motion, carried[:, i], following, inertia[:, i])
+                behind = lag(transmission, motion, carried[:, i], following, inertia[:, i])
                 for part, derivative in zip(parts, smooth_derivatives(motion, behind), strict=True):
                     part[:, i] -= derivative
         linked = replace(motion, position=parts[0], velocity=parts[1], acceleration=parts[2])

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from mjfriction.record.log import Floats, Log, check_joints
-from mjfriction.record.motion import back_to_log, estimate_motion
+from mjfriction.record.motion import back_to_log
 from mjfriction.robot.bandwidth import choose_cutoff
 from mjfriction.robot.effort import effort_per_reported, predict_effort
+from mjfriction.robot.measured_motion import measured_motion
 from mjfriction.robot.robot import Robot
 
 
@@ -19,7 +20,7 @@ def predict_log(log: Log, robot: Robot) -> dict[str, Floats]:
     body = robot.body()
     robot = robot.with_stated_friction(body)
     check_joints(log, robot.name, robot.joints)
-    motion = estimate_motion(log, robot.joints, choose_cutoff(log, robot, body))
+    motion = measured_motion(log, robot, body, choose_cutoff(log, robot, body))
     effort = predict_effort(robot, body, motion)
     columns = {"time": log.time if log.recorded is None else log.recorded}
     for i, joint in enumerate(robot.table.joint):

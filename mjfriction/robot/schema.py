@@ -263,6 +263,21 @@ class Transmission(Table):
     coasting: bool = True
     carries_friction: bool = False
 
+    @property
+    def jump(self) -> float:
+        """By how much the sensor jumps as the load changes sign, rad or m: play that is crossed at once."""
+        return 0.0 if self.coasting else self.backlash
+
+    @property
+    def gives(self) -> bool:
+        """Whether the link is anywhere but at its sensor."""
+        return self.compliance > 0.0 or self.backlash > 0.0
+
+    @property
+    def jump_free(self) -> Transmission:
+        """The transmission without what makes its sensor jump."""
+        return self.model_copy(update={"backlash": self.backlash - self.jump})
+
 
 class PositionSensor(Table):
     """What the position sensor reads: position + ``offset``.

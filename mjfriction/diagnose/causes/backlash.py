@@ -47,10 +47,12 @@ class Backlash(MovedLink):
         """Every joint, with many plays to coast across, and crossed at once.
 
         Where the load never changes its sign play is but an offset of the sensor, and nothing tells of how it would be
-        crossed.
+        crossed.  Where it was seen in the position itself, it is not asked for again.
         """
         out = []
         for site in super().sites(gap):
+            if site.joint in gap.motion.jump_free:
+                continue
             out += [replace(site, around=play) for play in PLAYS] + self._at_once(gap, site)
         return out
 

@@ -1,0 +1,90 @@
+"""drive.backlash seen in the positions themselves: sensors that jump as the load changes sign.
+
+A jump is done before any effort can say so, and what it seems to accelerate is a blow to whoever looks at efforts only.
+So it is measured where it shows, and taken off the motion before any cause is asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from mjfriction.diagnose.alike import MOST_CONFIDENT
+from mjfriction.diagnose.causes.backlash import BACKLASH, Backlash
+from mjfriction.diagnose.outcome import Finding
+from mjfriction.identify.fitted import Fitted
+from mjfriction.identify.gap import Gap, gap_along, measure_gap
+from mjfriction.identify.proof import gain_at
+from mjfriction.record.jumps import Jumps, find_jumps
+from mjfriction.record.log import Floats
+from mjfriction.record.motion import estimate_motion
+from mjfriction.robot.robot import Robot
+
+OFF = 0.05  # of a play that is stated, by which the one that is seen must differ to be a finding
+
+
+@dataclass(frozen=True)
+class SeenPlay:
+    """The play that was seen, by joint, and what is left of the log with what was ``stated``, (rows, joints), along
+    the rows of ``gap``: that of the robot with the play, on motion that is free of its jumps.
+    """
+
+    gap: Gap
+    stated: Floats
+    jumps: Mapping[int, Jumps]
+
+
+def see_play(stated: Gap, highest: float) -> SeenPlay:
+    """Look for jumps that the stated robot does not have; without any, the gap stays what it is.
+
+    ``highest`` is the most that the position filter's cutoff may be (Hz).  Play that is stated as coasting is no jump.
+    """
+    robot, found = stated.robot, {}
+    for joint, jumps in find_jumps(stated.log, stated.motion, stated.effort.load).items():
+        transmission = robot.table.joint[joint].transmission
+        off = abs(jumps.size - transmission.jump) > max(OFF * transmission.jump, jumps.half_width)
+        if transmission.backlash == transmission.jump and off:
+            found[joint] = jumps
+    if not found:
+        return SeenPlay(stated, stated.residual, found)
+    gap = measure_gap(stated.log, _with_play(robot, found), highest=highest)
+    jumping = estimate_motion(stated.log, gap.motion.joints, gap.motion.cutoff)
+    return SeenPlay(gap, gap_along(robot, jumping, gap).residual, found)
+
+
+def _with_play(robot: Robot, seen: Mapping[int, Jumps]) -> Robot:
+    for joint, jumps in seen.items():
+        own = robot.table.joint[joint]
+        played = own.transmission.model_copy(update={"backlash": jumps.size, "coasting": False})
+        robot = robot.with_joint(own.model_copy(update={"transmission": played}))
+    return robot
+
+
+def play_findings(seen: SeenPlay, heldout: Floats, seed: int) -> list[Finding]:
+    """Return what was seen as findings; ``heldout`` (rows, joints) is what the extended robot leaves of motion that it
+    was not fitted to, ``seed`` sets the resampling behind the intervals of the gains.
+    """
+    return [_finding(seen, joint, jumps, heldout, seed) for joint, jumps in seen.jumps.items()]
+
+
+def _finding(seen: SeenPlay, joint: int, jumps: Jumps, heldout: Floats, seed: int) -> Finding:
+    gap = seen.gap
+    name, sliding = gap.robot.joints[joint], gap.body.sliding[joint]
+    unit = BACKLASH.unit_for(sliding=sliding)
+    low, high = jumps.size - jumps.half_width, jumps.size + jumps.half_width
+    fitted = Fitted(BACKLASH.name, BACKLASH.meaning, unit, jumps.size, max(low, BACKLASH.lower), high)
+    return Finding(
+        cause=Backlash.name,
+        joint=name,
+        confidence=MOST_CONFIDENT,
+        alternatives=(),
+        parameters=(fitted,),
+        gain=gain_at(gap, seen.stated, heldout, joint, seed),
+        evidence=(
+            f"the position jumps by {jumps.size:.3g} {unit} as the load changes sign, {jumps.count} times of "
+            f"{jumps.crossings}: no link could go so far in so little time"
+        ),
+        covariate=Backlash.covariate,
+        picture=Backlash.picture,
+        shown_at=name,
+    )

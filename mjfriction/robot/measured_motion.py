@@ -1,0 +1,27 @@
+"""The motion a log recorded of a robot, without what its transmissions are stated to make its sensors jump by."""
+
+from __future__ import annotations
+
+from mjfriction.body.model import Body
+from mjfriction.record.jumps import find_jumps, without_jumps
+from mjfriction.record.log import Log
+from mjfriction.record.motion import Motion, estimate_motion
+from mjfriction.robot.effort import carry
+from mjfriction.robot.robot import Robot
+
+
+def measured_motion(log: Log, robot: Robot, body: Body, cutoff: float) -> Motion:
+    """Estimate the motion of a robot's joints, with a position filter of that ``cutoff`` (Hz).
+
+    Where play is stated that is crossed at once, and the log shows when, its jumps are taken off the positions: that is
+    a better word on when it was crossed than any predicted load.
+
+    Raises what :func:`~mjfriction.record.motion.estimate_motion` raises.
+    """
+    motion = estimate_motion(log, robot.joints, cutoff)
+    stated = {i: joint.transmission.jump for i, joint in enumerate(robot.table.joint) if joint.transmission.jump > 0.0}
+    if not stated:
+        return motion
+    seen = find_jumps(log, motion, carry(robot, body, motion).load)
+    plays = {joint: (play, seen[joint].course) for joint, play in stated.items() if joint in seen}
+    return without_jumps(log, motion, plays) if plays else motion

@@ -1,0 +1,104 @@
+"""Play that the position itself shows: the sensor jumps, and whoever looks at efforts only takes that for blows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+import mjfriction.diagnose.diagnosis as module
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.outcome import Verdict
+from mjfriction.diagnose.seen_play import SeenPlay
+from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.record.readers import read_log
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.files import read_robot
+from mjfriction.robot.predict import predict_log
+from tests.hidden.machine import Instant, Machine, write_case
+
+WRIST, PLAY = 3, 2e-3
+
+
+def jumping(instant: Instant) -> np.ndarray:
+    return 0.5 * PLAY * np.sign(instant.rigid)
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    return write_case(tmp_path_factory.mktemp("loose"), Machine(sensed={WRIST: jumping}), seed=7)
+
+
+def test_a_sensor_that_jumps_with_the_load_is_play(case: tuple[Path, Path]) -> None:
+    log, stated = read_log(case[0]), read_robot(case[1])
+    diagnosis = diagnose_log(log, stated)
+    (finding,) = diagnosis.findings
+    assert (finding.cause, finding.joint) == ("drive.backlash", "wrist_1_joint")
+    (play,) = finding.parameters
+    assert play.low < PLAY < play.high
+    assert finding.gain.low > 0.3
+    assert diagnosis.verdict is Verdict.EXPLAINED
+    # The extended robot has it, and a log of it is then as it should be.
+    again = diagnose_log(log, diagnosis.robot)
+    assert (again.verdict, again.findings) == (Verdict.CONSISTENT, ())
+    assert again.joints[WRIST].rms_before < 1.1 * again.joints[WRIST].noise_floor
+
+
+def test_without_looking_at_the_position_it_is_missed(case: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch) -> None:
+    def blind(stated: Gap, highest: float) -> SeenPlay:
+        return SeenPlay(stated, stated.residual, {})
+
+    monkeypatch.setattr(module, "see_play", blind)
+    assert diagnose_log(read_log(case[0]), read_robot(case[1])).findings == ()
+
+
+def test_a_clean_velocity_beside_it_hides_nothing(tmp_path: Path) -> None:
+    log, robot = write_case(tmp_path, Machine(sensed={WRIST: jumping}, velocity="clean"), seed=7)
+    (finding,) = diagnose_log(read_log(log), read_robot(robot)).findings
+    assert (finding.cause, finding.joint) == ("drive.backlash", "wrist_1_joint")
+
+
+def test_what_else_is_wrong_is_found_beside_it(tmp_path: Path) -> None:
+    def stribeck(instant: Instant) -> np.ndarray:
+        return 1.5 * np.sign(instant.v) * np.exp(-np.square(instant.v / 0.1))
+
+    machine = Machine(sensed={WRIST: jumping}, hidden={WRIST: stribeck})
+    log, robot = write_case(tmp_path, machine, seed=7)
+    found = {(one.cause, one.joint) for one in diagnose_log(read_log(log), read_robot(robot)).findings}
+    assert found == {("drive.backlash", "wrist_1_joint"), ("friction.stribeck", "wrist_1_joint")}
+
+
+def test_a_prediction_knows_when_stated_play_was_crossed(case: tuple[Path, Path], tmp_path: Path) -> None:
+    stated = read_robot(case[1])
+    own = stated.table.joint[WRIST]
+    played = own.transmission.model_copy(update={"backlash": PLAY, "coasting": False})
+    loose = stated.with_joint(own.model_copy(update={"transmission": played}))
+    tight_log, _ = write_case(tmp_path, Machine(), seed=7)
+    expected = predict_log(read_log(tight_log), stated)["effort.wrist_1_joint"]
+    off = [
+        np.std((predict_log(read_log(case[0]), robot)["effort.wrist_1_joint"] - expected)[500:-500])
+        for robot in (stated, loose)
+    ]
+    assert off[1] < 0.2 * off[0]
+
+
+def test_play_that_is_stated_otherwise_is_corrected(case: tuple[Path, Path]) -> None:
+    stated = read_robot(case[1])
+    own = stated.table.joint[WRIST]
+    played = own.transmission.model_copy(update={"backlash": 1.5 * PLAY, "coasting": False})
+    diagnosis = diagnose_log(read_log(case[0]), stated.with_joint(own.model_copy(update={"transmission": played})))
+    (finding,) = diagnosis.findings
+    assert finding.cause == "drive.backlash"
+    assert diagnosis.robot.table.joint[WRIST].transmission.backlash == pytest.approx(PLAY, rel=0.01)
+
+
+def test_a_log_in_two_pieces_tells_the_same(case: tuple[Path, Path]) -> None:
+    table = pq.read_table(case[0])
+    rows = table.num_rows
+    kept = np.r_[0 : rows // 2, rows // 2 + 100 : rows]
+    log, stated = log_from_table(table.take(kept), "cut"), read_robot(case[1])
+    (finding,) = diagnose_log(log, stated).findings
+    assert finding.cause == "drive.backlash"
+    assert measure_gap(log, diagnose_log(log, stated).robot).motion.jump_free == {WRIST}
