@@ -63,7 +63,7 @@ def _dissolved(model: Model) -> list[Chosen]:
 def _of_landings(model: Model) -> list[Chosen]:
     # With what it lands, a link pushes its motor back before any row can say so: beside play, efforts that seem to come
     # early on the same joint are that.
-    loose = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, Backlash)}
+    loose = {choice.site.joint for choice in model.chosen if choice.cause.name == Backlash.name}
     return [
         choice
         for choice, place in zip(model.chosen, model.places, strict=True)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from mjfriction.body.model import Body
 from mjfriction.record.jumps import find_jumps, without_jumps
 from mjfriction.record.log import Log
@@ -22,6 +24,11 @@ def measured_motion(log: Log, robot: Robot, body: Body, cutoff: float) -> Motion
     stated = {i: joint.transmission.jump for i, joint in enumerate(robot.table.joint) if joint.transmission.jump > 0.0}
     if not stated:
         return motion
-    seen = find_jumps(log, motion, carry(robot, body, motion).load)
+    seen = find_jumps(log, motion, carry(_jump_free(robot), body, motion).load)
     plays = {joint: (play, seen[joint].course) for joint, play in stated.items() if joint in seen}
     return without_jumps(log, motion, plays) if plays else motion
+
+
+def _jump_free(robot: Robot) -> Robot:
+    joints = [joint.model_copy(update={"transmission": joint.transmission.jump_free}) for joint in robot.table.joint]
+    return replace(robot, table=robot.table.model_copy(update={"joint": tuple(joints)}))

@@ -253,20 +253,22 @@ class Transmission(Table):
 
     The link lags the sensor by ``compliance`` · load + ½ · ``backlash`` · sgn(load): rad/(N·m) and rad (m/N and m).
     With ``damping_ratio``, of critical, it swings on its compliance, else it follows its load at once.
-    With ``coasting`` the link crosses its play by its own inertia when the load changes sign, else at once.  With
-    ``carries_friction`` the joint's friction acts on the link's side and belongs to the load.
+    With ``coasting`` the link crosses its play by its own inertia when the load changes sign, else as the load says:
+    tanh(load / ``crossing_load``) in place of sgn(load), at once where that is 0.  With ``carries_friction`` the
+    joint's friction acts on the link's side and belongs to the load.
     """
 
     compliance: NonNegative = 0.0
     damping_ratio: Positive | None = None
     backlash: NonNegative = 0.0
     coasting: bool = True
+    crossing_load: NonNegative = 0.0
     carries_friction: bool = False
 
     @property
     def jump(self) -> float:
         """By how much the sensor jumps as the load changes sign, rad or m: play that is crossed at once."""
-        return 0.0 if self.coasting else self.backlash
+        return 0.0 if self.coasting or self.crossing_load > 0.0 else self.backlash
 
     @property
     def gives(self) -> bool:

@@ -12,6 +12,7 @@ from mjfriction.sim.stops import between_stops
 
 FLIGHT_RATE = 1000.0  # Hz, at least, at which a flight is followed: it lands between two samples of most logs
 LEAST_INERTIA = 1e-9  # kg·m² or kg
+CROSSING_BAND = 0.05  # of the position filter's cutoff: where a load changes sign, jumps of the sensor hide it
 LOAD_BAND = 0.2  # of the position filter's cutoff: a load holds accelerations, and what gives under it their noise
 
 
@@ -26,9 +27,25 @@ def lag(own: Transmission, motion: Motion, carried: Floats, following: Floats, i
     else:
         out = own.compliance * smooth_derivatives(motion, carried, LOAD_BAND)[0]
     if own.backlash > 0.0:
-        crossing = coasting(motion, following, inertia, own.backlash) if own.coasting else np.sign(carried)
-        out = out + 0.5 * own.backlash * crossing
+        place = (
+            coasting(motion, following, inertia, own.backlash)
+            if own.coasting
+            else crossing(slow_load(motion, carried), own.crossing_load)
+        )
+        out = out + 0.5 * own.backlash * place
     return np.asarray(out)
+
+
+def slow_load(motion: Motion, load: Floats) -> Floats:
+    """Return a load (n,) without what a sensor that crosses play seems to accelerate."""
+    return smooth_derivatives(motion, load, CROSSING_BAND)[0]
+
+
+def crossing(load: Floats, within: float) -> Floats:
+    """Return where a link is in play that its ``load`` (n,) crosses ``within`` some N·m or N, at once within none, from
+    −1 (ahead of the motor) to 1 (behind it), (n,).
+    """
+    return np.asarray(np.tanh(load / within) if within > 0.0 else np.sign(load))
 
 
 def natural_frequency(inertia: Floats, compliance: float) -> Floats:

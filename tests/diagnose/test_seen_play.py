@@ -94,6 +94,35 @@ def test_play_that_is_stated_otherwise_is_corrected(case: tuple[Path, Path]) -> 
     assert diagnosis.robot.table.joint[WRIST].transmission.backlash == pytest.approx(PLAY, rel=0.01)
 
 
+@pytest.mark.parametrize("seed", [7, 8])
+def test_jumps_that_take_some_milliseconds_are_taken_off_too(seed: int, tmp_path: Path) -> None:
+    def slowly(instant: Instant) -> np.ndarray:
+        return 2e-3 * np.tanh(instant.rigid / (0.02 * np.max(np.abs(instant.rigid))))
+
+    log, robot = write_case(tmp_path, Machine(sensed={4: slowly}), seed=seed)
+    diagnosis = diagnose_log(read_log(log), read_robot(robot))
+    (finding,) = diagnosis.findings
+    assert (finding.cause, finding.joint) == ("drive.backlash", "wrist_2_joint")
+    assert finding.parameters[0].value == pytest.approx(4e-3, rel=0.15)
+    assert diagnosis.joints[4].rms_heldout_after < 1.1 * diagnosis.joints[4].noise_floor
+
+
+@pytest.mark.parametrize("seed", [7, 8])
+def test_play_that_is_crossed_little_by_little_is_found(seed: int, tmp_path: Path) -> None:
+    def softly(instant: Instant) -> np.ndarray:
+        return 1e-3 * np.tanh(instant.rigid / (0.05 * np.max(np.abs(instant.rigid))))
+
+    log, robot = write_case(tmp_path, Machine(sensed={0: softly}), seed=seed)
+    diagnosis = diagnose_log(read_log(log), read_robot(robot))
+    (finding,) = diagnosis.findings
+    assert (finding.cause, finding.joint) == ("drive.backlash", "shoulder_pan_joint")
+    play, within = finding.parameters
+    assert play.low < 2e-3 < play.high
+    assert within.name == "crossing_load"
+    assert not diagnosis.robot.table.joint[0].transmission.coasting
+    assert diagnosis.joints[0].rms_heldout_after < 1.05 * diagnosis.joints[0].noise_floor
+
+
 def test_a_log_in_two_pieces_tells_the_same(case: tuple[Path, Path]) -> None:
     table = pq.read_table(case[0])
     rows = table.num_rows

@@ -33,31 +33,24 @@ FINER = 1.15  # half of a step of these
 
 @final
 class Backlash(MovedLink):
-    """The transmission has play: the link lags its sensor by half of it, towards the load.
+    """The transmission has play: the link lags its sensor by half of it, towards the load, and coasts across.
 
-    Crossed at once, it is linear in the play.  Crossed by the link's own inertia, it takes its time: the columns are
-    drawn around a play that is searched until the strength agrees with it.  A play a fifth larger lands so much later
-    that it explains nothing of the landing, so that many have to be tried.
+    By its own inertia it takes its time: the columns are drawn around a play that is searched until the strength agrees
+    with it.  A play a fifth larger lands so much later that it explains nothing of the landing, so that many have to be
+    tried.
     """
 
     name = "drive.backlash"
     curved = True
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every joint, with many plays to coast across, and crossed at once.
+        """Every joint, with many plays to coast across.
 
-        Where the load never changes its sign play is but an offset of the sensor, and nothing tells of how it would be
-        crossed.  Where it was seen in the position itself, it is not asked for again.
+        Where the load never changes its sign play is but an offset of the sensor.  Where it was seen in the position
+        itself, it is not asked for again.
         """
-        out = []
-        for site in super().sites(gap):
-            if site.joint in gap.motion.jump_free:
-                continue
-            out += [replace(site, around=play) for play in PLAYS] + self._at_once(gap, site)
-        return out
-
-    def _at_once(self, gap: Gap, site: Site) -> list[Site]:
-        return [replace(site, around=0.0)] if _crossings(gap, site.joint) else []
+        loose = [site for site in super().sites(gap) if site.joint not in gap.motion.jump_free]
+        return [replace(site, around=play) for site in loose for play in PLAYS]
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
         """What the joint itself feels, without the position's filter: many plays, each for little."""
@@ -67,7 +60,7 @@ class Backlash(MovedLink):
         # How far the link is behind per unit of play, (n,).
         load = gap.known.effort.load[:, site.joint]
         if site.around == 0.0:
-            return 0.5 * np.sign(load)
+            return 0.5 * np.sign(load)  # no play to coast across: whether any would be felt
         stiffness, damping, inertia = own_slopes(gap, site.joint)
         following = load
         for _ in range(ROUNDS):
@@ -82,8 +75,8 @@ class Backlash(MovedLink):
         return smooth_derivatives(gap.motion, self._behind(gap, site))
 
     def around_sites(self, gap: Gap, site: Site) -> list[Site]:
-        """To the neighbours on the grid; and crossed at once."""
-        return [*near_around(site, FINER), *self._at_once(gap, site)] if site.around else []
+        """To the neighbours on the grid."""
+        return near_around(site, FINER)
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The play, stated plus change."""
@@ -98,8 +91,7 @@ class Backlash(MovedLink):
         """Move the play."""
         own = robot.table.joint[site.joint].transmission
         play = max(0.0, own.backlash + float(strengths[0]))
-        wider = own.model_copy(update={"backlash": play, "coasting": site.around != 0.0})
-        return changed(robot, site, transmission=wider)
+        return changed(robot, site, transmission=own.model_copy(update={"backlash": play, "coasting": True}))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give the play and how often it was crossed."""

@@ -7,6 +7,7 @@ from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.cause import Cause
 from mjfriction.diagnose.causes.coulomb_viscous import CoulombViscous
 from mjfriction.diagnose.causes.coupling import DifferenceDrive, SharedEffort, SharedFriction, SumDrive
+from mjfriction.diagnose.causes.crossed_play import CrossedPlay
 from mjfriction.diagnose.causes.delay import JointDelay, LogDelay
 from mjfriction.diagnose.causes.elasticity import Elasticity, LinkSideElasticity, SwingingElasticity
 from mjfriction.diagnose.causes.encoder_offset import EncoderOffset
@@ -53,6 +54,7 @@ STRUCTURAL: tuple[Cause, ...] = (
     SwingingElasticity(),
     EncoderOffset(),
     Backlash(),
+    CrossedPlay(),
     Spring(),
     BentSpring(),
     Payload(),
