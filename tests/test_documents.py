@@ -10,6 +10,7 @@ from pathlib import Path
 from mjfriction.control.observe import OBSERVERS
 from mjfriction.diagnose.alike import AT_THE_BAR, MOST_CONFIDENT, ROOM
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
+from mjfriction.diagnose.causes.landed_play import FLOWN
 from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOVED, LEAST_NOTED
 from mjfriction.diagnose.causes.load import LEAST_ROTOR
 from mjfriction.diagnose.causes.offset import Offset
@@ -31,7 +32,7 @@ from mjfriction.diagnose.trial import LEAST_EFFECT
 from mjfriction.diagnose.unevenness import EVENEST, TOLD_BY, UNEVEN
 from mjfriction.diagnose.untold import DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
 from mjfriction.diagnose.verdict import LEAST_FRICTION, MUCH_COLOURED
-from mjfriction.identify import choose, conclude, turning
+from mjfriction.identify import choose, conclude, landings, turning
 from mjfriction.identify.colour import AROUND, COLOURED, EVEN_BELOW
 from mjfriction.identify.stroke_waves import STEPS_PER_LOBE
 from mjfriction.identify.swing import FASTEST, SLOWEST
@@ -140,6 +141,8 @@ def test_the_pages_tell_which_joints_and_traces_are_left_out() -> None:
     assert f"leaves less than {turning.ALONE:g} of what friction that builds up" in decides
     assert f"that stands out by {jumps.PLAIN:g} deviations" in decides
     assert f"at least {jumps.FEWEST_ALIKE} of one size" in decides
+    assert f"at least {landings.FEWEST} blows of its own" in decides
+    assert (landings.AGREE, landings.MOSTLY, FLOWN) == (0.2, 0.5, (0.5, 2.0)), "a fifth, half, half and twice"
     assert jumps.DEGREE == 5, "the page says fifth"
     assert f"takes more than {100 * LEAST_ROTOR:g} % of what its links do" in decides
     assert f"({held}, and of the fastest one's speed {100 * USUALLY:g} % of the time) is not examined" in decides

@@ -30,7 +30,7 @@ def blows(body: Body, motion: Motion, chain: Chain, doubt_speed: Floats) -> tupl
     it, while the joint moves: at a reversal friction itself is as quick.  All joints feel it, |M(q)|·|q̈|, as the
     inertia couples them.  ``doubt_speed`` (joints,) is the speed below which a joint rests.
     """
-    quick = np.column_stack([_blows_of(motion, joint, slow) for joint, slow in enumerate(doubt_speed)])
+    quick = quick_accelerations(motion, doubt_speed)
     at = np.flatnonzero(np.any(quick != 0.0, axis=1))
     felt = np.zeros_like(quick)
     if at.size:
@@ -38,6 +38,14 @@ def blows(body: Body, motion: Motion, chain: Chain, doubt_speed: Floats) -> tupl
         felt[at] = np.einsum("nij,nj->ni", np.abs(inertia), np.abs(quick[at]))
     own = np.column_stack([chain.touched(column != 0.0) > TOUCHED for column in quick.T])
     return np.column_stack([chain.averaged(column) for column in felt.T]), own
+
+
+def quick_accelerations(motion: Motion, doubt_speed: Floats) -> Floats:
+    """Return the acceleration of each joint's own blows, (n, joints), 0 elsewhere.
+
+    ``doubt_speed`` (joints,) is the speed below which a joint rests.
+    """
+    return np.column_stack([_blows_of(motion, joint, slow) for joint, slow in enumerate(doubt_speed)])
 
 
 def _blows_of(motion: Motion, joint: int, still: float) -> Floats:

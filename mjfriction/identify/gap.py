@@ -15,7 +15,7 @@ from mjfriction.body.inverse import motion_derivatives
 from mjfriction.body.model import Body
 from mjfriction.body.regressor import link_and_moment_torques
 from mjfriction.identify.blocks import Blocks, cut_blocks
-from mjfriction.identify.blows import blows
+from mjfriction.identify.blows import blows, quick_accelerations
 from mjfriction.identify.doubt import YIELDING, doubt_speeds, rows_of_rests, share_in_doubt
 from mjfriction.identify.effort_band import filtered_from, whole_below
 from mjfriction.identify.kept import Kept
@@ -223,7 +223,7 @@ class Gap:
         """Return the gap with what is set beside residual and prediction drawn with another robot's loads."""
         body = robot.body()
         gap = replace(self, known=Known(robot, body, predict_effort(robot, body, self.motion)))
-        same = {"_kinematics", "_forward", "link_rows", "linked", "_sparse_motion", "predicted_as_stated"}
+        same = {"_kinematics", "_forward", "blown", "link_rows", "linked", "_sparse_motion", "predicted_as_stated"}
         same |= {"_needed_lately", "_carried_lately"}
         gap.__dict__.update({name: self.__dict__[name] for name in same if name in self.__dict__})
         return gap
@@ -244,6 +244,11 @@ class Gap:
     @functools.cached_property
     def _forward(self) -> list[Floats]:
         return [forward_share(self.motion, joint) for joint in range(len(self.motion.joints))]
+
+    @functools.cached_property
+    def blown(self) -> Floats:
+        """The acceleration of each joint's own blows, (n, joints), 0 elsewhere."""
+        return quick_accelerations(self.motion, self.doubt_speed)
 
     @functools.cached_property
     def link_rows(self) -> dict[int, Floats]:

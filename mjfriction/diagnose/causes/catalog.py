@@ -11,6 +11,7 @@ from mjfriction.diagnose.causes.crossed_play import CrossedPlay
 from mjfriction.diagnose.causes.delay import JointDelay, LogDelay
 from mjfriction.diagnose.causes.elasticity import Elasticity, LinkSideElasticity, SwingingElasticity
 from mjfriction.diagnose.causes.encoder_offset import EncoderOffset
+from mjfriction.diagnose.causes.landed_play import LandedPlay
 from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
 from mjfriction.diagnose.causes.load import DriveLoad, Load
 from mjfriction.diagnose.causes.offset import Offset
@@ -55,6 +56,7 @@ STRUCTURAL: tuple[Cause, ...] = (
     EncoderOffset(),
     Backlash(),
     CrossedPlay(),
+    LandedPlay(),
     Spring(),
     BentSpring(),
     Payload(),
