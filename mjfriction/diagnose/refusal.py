@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.delay import JointDelay, late
+from mjfriction.diagnose.causes.play import Play
 from mjfriction.diagnose.causes.varying import Varying
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, cause_block
@@ -63,7 +63,7 @@ def _dissolved(model: Model) -> list[Chosen]:
 def _of_landings(model: Model) -> list[Chosen]:
     # With what it lands, a link pushes its motor back before any row can say so: beside play, efforts that seem to come
     # early on the same joint are that.
-    loose = {choice.site.joint for choice in model.chosen if choice.cause.name == Backlash.name}
+    loose = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, Play)}
     return [
         choice
         for choice, place in zip(model.chosen, model.places, strict=True)

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from mjfriction.diagnose.alike import MOST_CONFIDENT
-from mjfriction.diagnose.causes.backlash import BACKLASH, Backlash
+from mjfriction.diagnose.causes.play import BACKLASH, Play
 from mjfriction.diagnose.outcome import Finding
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.gap import Gap, gap_along, measure_gap
@@ -74,7 +74,7 @@ def _finding(seen: SeenPlay, joint: int, jumps: Jumps, heldout: Floats, seed: in
     low, high = jumps.size - jumps.half_width, jumps.size + jumps.half_width
     fitted = Fitted(BACKLASH.name, BACKLASH.meaning, unit, jumps.size, max(low, BACKLASH.lower), high)
     return Finding(
-        cause=Backlash.name,
+        cause=Play.name,
         joint=name,
         confidence=MOST_CONFIDENT,
         alternatives=(),
@@ -84,7 +84,7 @@ def _finding(seen: SeenPlay, joint: int, jumps: Jumps, heldout: Floats, seed: in
             f"the position jumps by {jumps.size:.3g} {unit} as the load changes sign, {jumps.count} times of "
             f"{jumps.crossings}: no link could go so far in so little time"
         ),
-        covariate=Backlash.covariate,
-        picture=Backlash.picture,
+        covariate=Play.covariate,
+        picture=Play.picture,
         shown_at=name,
     )

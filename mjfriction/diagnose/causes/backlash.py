@@ -1,4 +1,4 @@
-"""drive.backlash: a transmission that has play."""
+"""drive.backlash: the link coasts across its play."""
 
 from __future__ import annotations
 
@@ -8,49 +8,36 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Quantity, Site, near_around
-from mjfriction.diagnose.causes.moved_link import (
-    ROUNDS,
-    WIDEST,
-    MovedLink,
-    as_drawn,
-    changed,
-    felt_by_itself,
-    own_slopes,
-)
+from mjfriction.diagnose.causes.cause import Site, near_around
+from mjfriction.diagnose.causes.moved_link import ROUNDS, as_drawn, felt_by_itself, own_slopes
+from mjfriction.diagnose.causes.play import Play
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
-from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.record.motion import smooth_derivatives
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.transmission import coasting
 
-BACKLASH = Parameter("backlash", "{length}", "play of the transmission, from stop to stop", lower=0.0)
 PLAYS = tuple(6.4e-2 * 0.8**k for k in range(38))  # rad or m: from 64 mrad to 17 µm
 FINER = 1.15  # half of a step of these
 
 
 @final
-class Backlash(MovedLink):
-    """The transmission has play: the link lags its sensor by half of it, towards the load, and coasts across.
+class Backlash(Play):
+    """The link crosses its play by its own inertia when the load changes sign.
 
-    By its own inertia it takes its time: the columns are drawn around a play that is searched until the strength agrees
-    with it.  A play a fifth larger lands so much later that it explains nothing of the landing, so that many have to be
-    tried.
+    That takes its time: the columns are drawn around a play that is searched until the strength agrees with it.  A play
+    a fifth larger lands so much later that it explains nothing of the landing, so that many have to be tried.
     """
 
-    name = "drive.backlash"
     curved = True
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every joint, with many plays to coast across.
 
-        Where the load never changes its sign play is but an offset of the sensor.  Where it was seen in the position
-        itself, it is not asked for again.
+        Where the load never changes its sign play is but an offset of the sensor.
         """
-        loose = [site for site in super().sites(gap) if site.joint not in gap.motion.jump_free]
-        return [replace(site, around=play) for site in loose for play in PLAYS]
+        return [replace(site, around=play) for site in super().sites(gap) for play in PLAYS]
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
         """What the joint itself feels, without the position's filter: many plays, each for little."""
@@ -78,29 +65,16 @@ class Backlash(MovedLink):
         """To the neighbours on the grid."""
         return near_around(site, FINER)
 
-    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """The play, stated plus change."""
-        return (Quantity(BACKLASH, shift=gap.robot.table.joint[site.joint].transmission.backlash),)
-
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """There is no negative play, and none far from the one that the columns were drawn for."""
-        play = gap.robot.table.joint[site.joint].transmission.backlash + strengths[0]
-        return as_drawn(site, strengths) and bool(0.0 < play < WIDEST)
+        """It is near the play that the columns were drawn for."""
+        return as_drawn(site, strengths) and super().admissible(gap, site, strengths)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move the play."""
-        own = robot.table.joint[site.joint].transmission
-        play = max(0.0, own.backlash + float(strengths[0]))
-        return changed(robot, site, transmission=own.model_copy(update={"backlash": play, "coasting": True}))
+        return self.played(robot, site, strengths, coasting=True)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give the play and how often it was crossed."""
-        unit = "m" if gap.body.sliding[site.joint] else "rad"
-        gap_found = f"the link lags its sensor by a gap of {strengths[0]:.3g} {unit} that the load"
-        crossed = _crossings(gap, site.joint)
-        return f"{gap_found} crossed {crossed} times" if crossed else f"{gap_found} never crossed"
-
-
-def _crossings(gap: Gap, joint: int) -> int:
-    # How often the load on a link changes its sign.
-    return int(np.count_nonzero(np.diff(np.sign(gap.known.effort.load[:, joint]))))
+        crossed = np.count_nonzero(np.diff(np.sign(gap.known.effort.load[:, site.joint])))
+        often = f"crossed {crossed} times" if crossed else "never crossed"
+        return f"{self.gap_found(gap, site, strengths)} that the load {often}"

@@ -6,9 +6,8 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.backlash import BACKLASH, Backlash
-from mjfriction.diagnose.causes.cause import Quantity, Site
-from mjfriction.diagnose.causes.moved_link import WIDEST, MovedLink, changed
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.play import Play
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.landings import FEWEST, Landings, find_landings, struck
 from mjfriction.record.log import Floats
@@ -19,19 +18,16 @@ FLOWN = (0.5, 2.0)  # of what the landings say, between which the play that effo
 
 
 @final
-class LandedPlay(MovedLink):
+class LandedPlay(Play):
     """The link coasts across its play and lands when the log has a blow.
 
     Effort tells how far the link was off in flight, and the landings how far it flew: both must agree.
     """
 
-    name = Backlash.name
-
     def sites(self, gap: Gap) -> list[Site]:
-        """Every joint with blows of its own, but for those whose play was seen in the position."""
-        inertia = gap.derivatives[2]
-        joints = [j for j in gap.examined if j not in gap.motion.jump_free]
-        return [Site(j) for j in joints if struck(gap.blown, gap.motion, inertia[:, j], j).size >= FEWEST]
+        """Every joint with blows of its own."""
+        rows = {j: gap.derivatives[2][:, j] for j in gap.examined if j not in gap.motion.jump_free}
+        return [Site(j) for j, inertia in rows.items() if struck(gap.blown, gap.motion, inertia, j).size >= FEWEST]
 
     def _landings(self, gap: Gap, joint: int) -> Landings | None:
         load, inertia = gap.known.effort.load[:, joint], gap.derivatives[2][:, joint]
@@ -43,29 +39,20 @@ class LandedPlay(MovedLink):
         course = np.zeros_like(gap.motion.time) if landings is None else 0.5 * landings.course
         return smooth_derivatives(gap.motion, course)
 
-    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """The play, stated plus change."""
-        return (Quantity(BACKLASH, shift=gap.robot.table.joint[site.joint].transmission.backlash),)
-
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """The play is about as far as the link flew."""
         landings = self._landings(gap, site.joint)
         if landings is None:
             return False
-        play = gap.robot.table.joint[site.joint].transmission.backlash + float(strengths[0])
-        return play < WIDEST and FLOWN[0] < play / landings.play < FLOWN[1]
+        far = self.play(gap, site, strengths) / landings.play
+        return FLOWN[0] < far < FLOWN[1] and super().admissible(gap, site, strengths)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move the play."""
-        own = robot.table.joint[site.joint].transmission
-        play = max(0.0, own.backlash + float(strengths[0]))
-        return changed(robot, site, transmission=own.model_copy(update={"backlash": play, "coasting": True}))
+        return self.played(robot, site, strengths, coasting=True)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give the play, and how many landings show it."""
         landings = self._landings(gap, site.joint)
-        unit = "m" if gap.body.sliding[site.joint] else "rad"
-        found = f"the link lags its sensor by a gap of {strengths[0]:.3g} {unit}"
-        if landings is None:
-            return found
-        return f"{found}, and lands with a blow after flights as long, {landings.count} times"
+        often = f"{landings.count} times" if landings is not None else "time and again"
+        return f"{self.gap_found(gap, site, strengths)}, and lands with a blow after flights as long, {often}"
