@@ -15,9 +15,10 @@ from mjfriction.diagnose.outcome import Finding
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.gap import Gap, gap_along, measure_gap
 from mjfriction.identify.proof import gain_at
-from mjfriction.record.jumps import Jumps, find_jumps
+from mjfriction.record.jumps import Jumps
 from mjfriction.record.log import Floats
 from mjfriction.record.motion import estimate_motion
+from mjfriction.robot.measured_motion import seen_jumps
 from mjfriction.robot.robot import Robot
 
 OFF = 0.05  # of a play that is stated, by which the one that is seen must differ to be a finding
@@ -40,7 +41,10 @@ def see_play(stated: Gap, highest: float) -> SeenPlay:
     ``highest`` is the most that the position filter's cutoff may be (Hz).  Play that is stated as coasting is no jump.
     """
     robot, found = stated.robot, {}
-    for joint, jumps in find_jumps(stated.log, stated.motion, stated.effort.load).items():
+    motion = stated.motion
+    if motion.jump_free:
+        motion = estimate_motion(stated.log, motion.joints, motion.cutoff)
+    for joint, jumps in seen_jumps(stated.log, robot, stated.body, motion).items():
         transmission = robot.table.joint[joint].transmission
         off = abs(jumps.size - transmission.jump) > max(OFF * transmission.jump, jumps.half_width)
         if transmission.backlash == transmission.jump and off:
@@ -82,7 +86,7 @@ def _finding(seen: SeenPlay, joint: int, jumps: Jumps, heldout: Floats, seed: in
         gain=gain_at(gap, seen.stated, heldout, joint, seed),
         evidence=(
             f"the position jumps by {jumps.size:.3g} {unit} as the load changes sign, {jumps.count} times of "
-            f"{jumps.crossings}: no link could go so far in so little time"
+            f"{jumps.turns}: no link could go so far in so little time"
         ),
         covariate=Play.covariate,
         picture=Play.picture,

@@ -12,7 +12,7 @@ from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.causes.varying import Step, WarmUpDrift
 from mjfriction.diagnose.exact import stated_exactly
 from mjfriction.diagnose.links_off import links_far_off
-from mjfriction.diagnose.model import Chosen, Key, Model, build_model, cause_block, partners
+from mjfriction.diagnose.model import Chosen, Key, Model, build_model, partners
 from mjfriction.diagnose.stated import Settled
 from mjfriction.diagnose.stroke_curve import StrokeCurve, vague_waves
 from mjfriction.diagnose.trial import effects, negligible
@@ -80,8 +80,8 @@ def find_untold(
     small |= _beside_larger_courses(model)
     bare = build_model(gap, model.nuisance, ()).heldout_residual()
     for choice in causes:
-        columns, _ = cause_block(gap, choice)
-        if choice.key not in common | small and not shows(gap, before[choice.key], heldout, columns, left, bare):
+        # Without it others bend to stand in for it, and what that costs may show at joints that it does not touch.
+        if choice.key not in common | small and not shows(gap, before[choice.key], heldout, gap.examined, left, bare):
             small.add(choice.key)
     of_links = [choice for choice in model.chosen if isinstance(choice.cause, LinkScale | LinkCentre)]
     if any(choice.key not in common | small for choice in of_links) and not links_far_off(model):

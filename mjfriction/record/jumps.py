@@ -7,15 +7,14 @@ takes some milliseconds no link could have gone so far, whatever efforts say.
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 from scipy.special import ndtr
-from scipy.stats import binom
 
+from mjfriction.record.load_turns import LoadTurns, load_turns
 from mjfriction.record.log import POSITION, VELOCITY, Floats, Integers, Log
 from mjfriction.record.motion import Motion, back_to_log, estimate_motion, smooth_derivatives
 from mjfriction.record.resample import onto_grid
@@ -25,12 +24,12 @@ BEFORE, PER_WIDTH, FEWEST = 0.02, 4.0, 10  # s, widths and samples, on each side
 DEGREE = 5  # of the polynomial that the motion around a jump is
 PLAIN = 8.0  # deviations of what the same filter makes of the motion elsewhere
 NORMAL = 1.4826  # deviations of a normal distribution in its median absolute one
-SLOW_LOAD = 0.2  # of the position filter's cutoff: the load, without what jumps themselves seem to accelerate
-NEAR = 0.1  # s, within which the load as predicted changes sign when a jump says that it does
 BY_CHANCE = 1e-6  # how likely it may be that as many lie there by chance
-MOSTLY, OFTEN = 0.7, 0.3  # of the jumps that must lie there; of the load's changes of sign that must show one
+SOME, MOSTLY = 0.5, 0.7  # of the jumps, that must lie there; the load taken along the motion with and without them
+OFTEN = 0.5  # of the load's turns, that must show one
 NEARLY = 0.9  # of the jumps seen so far, with which a wider window is taken
 FEWEST_ALIKE = 5  # jumps of one size
+LARGE = 0.5  # of the jumps with the load, that a step must reach to be looked at
 ALIKE = 0.3  # of their size, by which jumps of one play may differ
 EDGES = (0.0, *np.geomspace(0.1, 1.6, 48))  # widths of an edge that are tried, times the one that was looked for
 EDGE_KNOWN = 0.03  # of the size of a jump with a wide edge, that goes with the step between two of these
@@ -42,14 +41,21 @@ SURE = 1.96  # deviations, within which lies what is known at 95 %
 @dataclass(frozen=True)
 class Jumps:
     """Jumps of a joint's position sensor, ``size`` ± ``half_width`` (95 %) rad or m: ``course`` (n,), on the motion's
-    clock, is where it stands, −1 to 1; ``count`` is how often it jumps, of ``crossings`` of the load.
+    clock, is where it stands, −1 to 1.  It jumps ``at`` some samples, to one ``way``, −1 or 1, or the other, (jumps,)
+    each; the load has so many ``turns``.
     """
 
     size: float
     half_width: float
     course: Floats
-    count: int
-    crossings: int
+    at: Integers
+    way: Floats
+    turns: int
+
+    @property
+    def count(self) -> int:
+        """How often it jumps."""
+        return self.at.size
 
 
 @dataclass(frozen=True)
@@ -63,19 +69,34 @@ class _Edges:
     shape: Floats
 
 
-def find_jumps(log: Log, motion: Motion, load: Floats) -> dict[int, Jumps]:
-    """Return the jumps of position sensors, by joint, that come as the ``load`` (n, joints) there changes sign.
+def find_jumps(log: Log, motion: Motion, load_along: Callable[[Motion], Floats]) -> dict[int, Jumps]:
+    """Return the jumps of position sensors, by joint, that come as the load on the joint changes sign.
 
     A jump is what a polynomial through the motion around it leaves, far beyond what it leaves elsewhere.  That they
-    come with the load must not be chance; they must be of one size, and most of all jumps there are.
+    come with the load must not be chance; they must be of one size, and most of all jumps there are.  The load (n,
+    joints) is asked for along a motion: first along the one there is, which jumps accelerate, then without them.
     """
-    slow = motion.low_passed(load, SLOW_LOAD * motion.cutoff)
+    load = load_along(motion)
     found = {}
-    for joint in np.flatnonzero(motion.moving):
-        jumps = _jumps_of(_on_clock(log, motion, f"{POSITION}.{motion.joints[joint]}"), motion, slow[:, joint])
+    for joint in np.flatnonzero(motion.moving).tolist():
+        position = _on_clock(log, motion, f"{POSITION}.{motion.joints[joint]}")
+        jumps = _jumps_of(position, motion, load_turns(motion, load[:, joint]))
         if jumps is not None:
-            found[int(joint)] = jumps
-    return found
+            found[joint] = jumps
+    if not found:
+        return found
+    cleared = without_jumps(log, motion, {joint: (jumps.size, jumps.course) for joint, jumps in found.items()})
+    load = load_along(cleared)
+    turns = {joint: load_turns(cleared, load[:, joint]) for joint in found}
+    return {
+        joint: replace(jumps, turns=turns[joint].count) for joint, jumps in found.items() if _sure(jumps, turns[joint])
+    }
+
+
+def _sure(jumps: Jumps, turns: LoadTurns) -> bool:
+    met = turns.meet(jumps.at, jumps.way)
+    many = np.sum(met) > max(MOSTLY * met.size, OFTEN * turns.count)
+    return bool(many and turns.chance(met) < BY_CHANCE)
 
 
 def without_jumps(log: Log, motion: Motion, plays: Mapping[int, tuple[float, Floats]]) -> Motion:
@@ -108,19 +129,16 @@ def _on_clock(log: Log, motion: Motion, column: str) -> Floats:
     return np.concatenate([onto_grid(recorded, log.time, grid, smooth=False) for grid in motion.grids])
 
 
-def _jumps_of(position: Floats, motion: Motion, load: Floats) -> Jumps | None:
-    crossings = np.flatnonzero((np.diff(np.sign(load)) != 0.0) & (np.diff(motion.piece) == 0)) + 1
-    best = (0, 0.0, crossings, load)
+def _jumps_of(position: Floats, motion: Motion, turns: LoadTurns) -> Jumps | None:
+    best: tuple[int, float, Integers, Floats] | None = None
     for width in WIDTHS:
-        at, size = _steps(position, motion, width)
-        there = _with_load(at, size, crossings, load, round(NEAR * motion.rate))
+        at, size = _large(*_steps(position, motion, width), turns)
+        met = turns.meet(at, size)
+        count, before = int(np.sum(met)), 0 if best is None else best[0]
         # The widest window tells best how wide an edge is, and so how far it goes.
-        if np.sum(there) > max(NEARLY * best[0], MOSTLY * there.size):
-            best = int(np.sum(there)), width, at[there], size[there]
-    count, width, at, size = best
-    if count < max(FEWEST_ALIKE, OFTEN * crossings.size):
-        return None
-    return _measured(position, motion, width, at, np.sign(size), crossings.size)
+        if count > max(NEARLY * before, SOME * met.size) and turns.chance(met) < BY_CHANCE:
+            best = count, width, at, np.sign(size)
+    return None if best is None else _measured(position, motion, *best[1:])
 
 
 def _steps(position: Floats, motion: Motion, width: float) -> tuple[Integers, Floats]:
@@ -139,21 +157,14 @@ def _steps(position: Floats, motion: Motion, width: float) -> tuple[Integers, Fl
     return at, size[at]
 
 
-def _with_load(at: Integers, size: Floats, crossings: Integers, load: Floats, near: int) -> NDArray[np.bool_]:
-    # Which steps come as the load changes sign, to the side it changes to; none if as many may by chance.
-    to = np.sign(load[crossings])
-    apart = np.abs(at[:, None] - crossings)
-    there = np.any((apart <= near) & (to == np.sign(size)[:, None]), axis=1)
-    reached = np.zeros(load.size, dtype=bool)
-    for shift in range(-near, near + 1):
-        reached[np.clip(crossings + shift, 0, load.size - 1)] = True
-    likely = binom.sf(np.sum(there) - 1, at.size, 0.5 * np.mean(reached)) > BY_CHANCE
-    return np.asarray(there & ~likely)
+def _large(at: Integers, size: Floats, turns: LoadTurns) -> tuple[Integers, Floats]:
+    # The steps as large as those that come with the load: what is far smaller is no jump of the same play.
+    there = np.sort(np.abs(size[turns.meet(at, size)]))
+    large = np.abs(size) > (LARGE * there[-FEWEST_ALIKE] if there.size >= FEWEST_ALIKE else np.inf)
+    return at[large], size[large]
 
 
-def _measured(
-    position: Floats, motion: Motion, width: float, at: Integers, way: Floats, crossings: int
-) -> Jumps | None:
+def _measured(position: Floats, motion: Motion, width: float, at: Integers, way: Floats) -> Jumps | None:
     edges = _edges(motion.rate, width)
     parts = way[:, None] * _beside(position[at[:, None] + edges.samples], edges.basis)
     along = np.maximum(parts @ edges.shape.T, 0.0)
@@ -165,7 +176,7 @@ def _measured(
         return None
     play = float(np.median(size[alike]))
     nearest = np.argmin(play * weight - 2.0 * along, axis=1)
-    course, count = np.zeros_like(position), 0
+    course, taken = np.zeros_like(position), []
     for own in motion.pieces:
         rows = np.flatnonzero(own)
         inside = np.flatnonzero(alike & (at >= rows[0]) & (at <= rows[-1]))
@@ -176,10 +187,11 @@ def _measured(
             if way[k] != stands:  # two to one side: between them one was missed, and the sensor stands where it stood
                 late, wide = edges.late[nearest[k]], edges.width[nearest[k]]
                 course[rows] += 2.0 * way[k] * (_edge(rows - at[k], late, wide) + 0.5)
-                stands, count = way[k], count + 1
+                stands = way[k]
+                taken.append(k)
     spread = float(np.std(size[alike], ddof=1) / np.sqrt(np.sum(alike)))
     edge = EDGE_KNOWN * play if np.median(edges.width[nearest[alike]]) > 0.0 else 0.0
-    return Jumps(play, SURE * spread + edge, course, count, crossings)
+    return Jumps(play, SURE * spread + edge, course, at[taken], way[taken], 0)
 
 
 @functools.lru_cache(maxsize=64)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from mjfriction.body.model import Body
-from mjfriction.record.jumps import find_jumps, without_jumps
+from mjfriction.record.jumps import Jumps, find_jumps, without_jumps
 from mjfriction.record.log import Log
 from mjfriction.record.motion import Motion, estimate_motion
 from mjfriction.robot.effort import carry
@@ -24,9 +24,15 @@ def measured_motion(log: Log, robot: Robot, body: Body, cutoff: float) -> Motion
     stated = {i: joint.transmission.jump for i, joint in enumerate(robot.table.joint) if joint.transmission.jump > 0.0}
     if not stated:
         return motion
-    seen = find_jumps(log, motion, carry(_jump_free(robot), body, motion).load)
+    seen = seen_jumps(log, robot, body, motion)
     plays = {joint: (play, seen[joint].course) for joint, play in stated.items() if joint in seen}
     return without_jumps(log, motion, plays) if plays else motion
+
+
+def seen_jumps(log: Log, robot: Robot, body: Body, motion: Motion) -> dict[int, Jumps]:
+    """Return the jumps of a log's position sensors, by joint, along the ``motion`` that was estimated with them."""
+    tight = _jump_free(robot)
+    return find_jumps(log, motion, lambda along: carry(tight, body, along).load)
 
 
 def _jump_free(robot: Robot) -> Robot:

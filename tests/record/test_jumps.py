@@ -37,8 +37,8 @@ def recorded(stands: Floats, seed: int = 0, noise: float = 2e-5, velocity: Float
 
 def seen(log: Log, load: Floats | None = None) -> tuple[Motion, Jumps | None]:
     motion = estimate_motion(log, ("axis",), CUTOFF)
-    load = pull(motion.time) if load is None else load
-    return motion, find_jumps(log, motion, load[:, None]).get(0)
+    known = pull(motion.time) if load is None else load
+    return motion, find_jumps(log, motion, lambda along: known[:, None]).get(0)
 
 
 @pytest.fixture
@@ -53,7 +53,7 @@ def test_jumps_are_found_with_their_size(edge: float, noise: float, time: Floats
     log = recorded(gaussian_filter1d(stands, edge * RATE) if edge else stands, noise=noise)
     _, jumps = seen(log)
     assert jumps is not None
-    assert (jumps.count, jumps.crossings) == (crossings, crossings)
+    assert (jumps.count, jumps.turns) == (crossings, crossings)
     assert jumps.size - jumps.half_width < PLAY < jumps.size + jumps.half_width
     assert jumps.half_width < 0.1 * PLAY
     assert np.mean(jumps.course * stands > 0.9) > 0.95
