@@ -21,6 +21,7 @@ UNLIKE = 0.6  # and under which it is not
 SAMPLES = 1500  # of a log that positions are judged by
 POOR = 0.25  # of an effort's variance left unexplained, past which columns may be misplaced
 MENDED = 0.3  # of that, which may be left at one joint at least once they are in their places
+NOTHING, MENDED_FROM_NOTHING = 0.9, 0.5  # the same where as good as nothing is explained as it is
 NO_WORSE = 0.03  # of an effort's variance, that any joint may be explained less well by then
 SOME, HALF = 0.03, 0.5  # of an effort's variance left, of which one joint at least must lose so much
 ALL_MENDED, SLIGHTLY = 0.6, 0.005  # of what is left at all joints together, and by how much more at any one
@@ -200,7 +201,8 @@ def find_misplaced(gap: Gap) -> list[Fault]:
 def _mended(as_logged: Floats, left: Floats) -> bool:
     # Joints with little but friction to do leave much however they are read: what counts is that none gets worse.
     poor = as_logged > POOR
-    return bool(np.any(left[poor] < MENDED * as_logged[poor]) and np.all(left < as_logged + NO_WORSE))
+    enough = np.where(as_logged > NOTHING, MENDED_FROM_NOTHING, MENDED)
+    return bool(np.any(left[poor] < (enough * as_logged)[poor]) and np.all(left < as_logged + NO_WORSE))
 
 
 def _all_mended(as_logged: Floats, left: Floats) -> bool:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mjfriction.diagnose import audit
 from mjfriction.diagnose.audit import find_degrees, find_faults
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
@@ -161,6 +162,23 @@ def test_positions_of_wrong_sign_or_joint(
 
 def of_both(columns: Columns, change: Callable[[Columns, str], Columns]) -> Columns:
     return change(columns, "position") | change(columns, "effort")
+
+
+def test_a_sign_is_known_of_a_joint_whose_effort_wanders(
+    case: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def damage(columns: Columns) -> Columns:
+        effort = columns["effort.wrist_3_joint"]
+        knots = np.random.default_rng(1).normal(0.0, np.std(effort), 60)
+        wander = np.interp(np.arange(effort.size), np.linspace(0.0, effort.size, knots.size), knots)
+        return {"effort.wrist_3_joint": effort + wander, "position.wrist_3_joint": -columns["position.wrist_3_joint"]}
+
+    gap = measure_gap(damaged(case, damage), read_robot(case[1]), highest=60.0)
+    (fault,) = find_faults(gap)
+    assert fault.kind == "data.sign"
+    assert fault.where.endswith("wrist_3_joint")
+    monkeypatch.setattr(audit, "MENDED_FROM_NOTHING", audit.MENDED)
+    assert find_faults(gap) == []
 
 
 @pytest.mark.parametrize("pair", [("shoulder_lift_joint", "elbow_joint"), ("elbow_joint", "wrist_1_joint")])

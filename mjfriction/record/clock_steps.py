@@ -1,0 +1,76 @@
+"""A clock that was set, back or ahead, while the machine went on: no stretch is missing, only the time is wrong."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from mjfriction.record.faults import Fault
+from mjfriction.record.log import POSITION, Floats, Log
+from mjfriction.record.resample import GAP_STEPS
+
+AROUND = 10  # rows on each side that tell how fast the joints went
+MOST = 0.005  # of the rows, at which a clock may be set; past that its times are no clock's
+MOVED = 20.0  # times the positions' noise, that the joints must have gone there for their going on to tell
+RAN_ON = 0.1  # of how far they would have gone in the time that is missing, by which they may have
+
+
+def without_clock_steps(log: Log) -> Log:
+    """Return the log with its clock put right where it was set back, or ahead while joints moved on as in one ordinary
+    step, and with that said.  A clock that runs backwards all the time is left as it is.
+    """
+    step = np.diff(log.time)
+    joined = np.diff(log.segment) == 0
+    ahead = step[joined & (step > 0.0)]
+    if not ahead.size:
+        return log
+    ordinary = float(np.median(ahead))
+    back = np.flatnonzero(joined & (step < 0.0))
+    if back.size > MOST * log.time.size:
+        return log
+    jumps = np.flatnonzero(joined & (step > GAP_STEPS * ordinary))
+    set_at = [
+        int(row) for row in np.sort(np.append(back, jumps)) if step[row] < 0.0 or _ran_on(log, int(row), ordinary)
+    ]
+    if not set_at:
+        return log
+    time, faults = log.time.copy(), []
+    for row in set_at:
+        wrong = float(step[row]) - ordinary
+        time[row + 1 :] -= wrong
+        if _told(log, row):
+            continue  # rows that were written twice took the time that is missing
+        way = f"ahead by {wrong:.4g} s, though the joints went on" if wrong > 0.0 else f"back by {-wrong:.4g} s"
+        where = f"{log.time[row]:.6g} s to {log.time[row + 1]:.6g} s"
+        faults.append(Fault("data.clock", where, f"it was set {way}: time runs on there"))
+    recorded, kept = (log.time, np.ones(time.size, dtype=bool)) if log.recorded is None else (log.recorded, log.kept)
+    return replace(log, time=time, faults=(*log.faults, *faults), recorded=recorded, kept=kept)
+
+
+def _told(log: Log, row: int) -> bool:
+    spans = [fault.span for fault in log.faults if fault.span]
+    return any(log.time[row] <= low and high <= log.time[row + 1] for low, high in spans)
+
+
+def _ran_on(log: Log, row: int, ordinary: float) -> bool:
+    # Whether the joints went on from a row to the next as in one ordinary step, and not for as long as the clock says.
+    before, after = np.arange(row - AROUND, row + 1), np.arange(row + 1, row + AROUND + 2)
+    if before[0] < 0 or after[-1] >= log.time.size or np.ptp(log.segment[[before[0], after[-1]]]) != 0:
+        return False
+    off, went, missing = 0.0, 0.0, (log.time[row + 1] - log.time[row]) / ordinary
+    for joint in log.joints:
+        position = log.columns[f"{POSITION}.{joint}"]
+        sides = [position[rows] for rows in (before, after)]
+        travel = float(np.mean([abs(side[-1] - side[0]) for side in sides]))
+        if travel < MOVED * _noise(position):
+            continue
+        speed = float(np.mean([side[-1] - side[0] for side in sides])) / AROUND
+        off += abs(position[row + 1] - position[row] - speed)
+        went += abs(speed) * missing
+    return bool(off < RAN_ON * went)
+
+
+def _noise(position: Floats) -> float:
+    # Of one sample beside its neighbours.
+    return float(np.median(np.abs(np.diff(position, 2))))

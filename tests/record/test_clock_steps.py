@@ -1,0 +1,51 @@
+"""A clock that was set while the machine went on is put right; where rows are missing there is a gap."""
+
+from __future__ import annotations
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from mjfriction.record.log import Floats, Log
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.record.resample import read_clock
+
+STEP, COUNT, AT = 2e-3, 6000, 2500
+
+
+def log_of(time: Floats, kept: np.ndarray | None = None, still: float | None = None) -> Log:
+    true = STEP * np.arange(COUNT)
+    place = np.sin(1.3 * (true if still is None else np.minimum(true, still)))
+    position = place + 1e-5 * np.random.default_rng(0).normal(size=COUNT)
+    columns = {"time": time, "position.axis": position, "effort.axis": np.cos(1.3 * true)}
+    rows = slice(None) if kept is None else kept
+    return log_from_table(pa.table({name: values[rows] for name, values in columns.items()}), "log")
+
+
+@pytest.mark.parametrize("by", [-0.0934, -4.0, 1.13, 0.05])
+def test_a_clock_that_was_set_is_put_right(by: float) -> None:
+    true = STEP * np.arange(COUNT)
+    log = log_of(true + np.where(np.arange(COUNT) > AT, by, 0.0))
+    np.testing.assert_allclose(log.time, true, atol=1e-9)
+    (fault,) = log.faults
+    assert fault.kind == "data.clock"
+    assert f"{true[AT]:.6g} s" in fault.where
+    assert not read_clock(log).gaps
+    assert log.recorded is not None
+    assert log.as_recorded(log.time).size == COUNT
+
+
+@pytest.mark.parametrize("missing", [0.05, 1.13])
+def test_rows_that_are_missing_are_a_gap(missing: float) -> None:
+    true = STEP * np.arange(COUNT)
+    rows = np.arange(COUNT)
+    log = log_of(true, kept=(rows <= AT) | (rows > AT + round(missing / STEP)))
+    assert log.faults == ()
+    assert len(read_clock(log).gaps) == 1
+
+
+def test_a_pause_of_the_recording_while_nothing_moves_is_a_gap() -> None:
+    true = STEP * np.arange(COUNT)
+    log = log_of(true + np.where(np.arange(COUNT) > AT, 1.13, 0.0), still=STEP * (AT - 200))
+    assert "data.clock" not in {fault.kind for fault in log.faults}
+    assert len(read_clock(log).gaps) == 1
