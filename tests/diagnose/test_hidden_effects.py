@@ -416,6 +416,13 @@ def late(seconds: float) -> Callable[[Instant], np.ndarray]:
     return lambda i: np.interp(i.time - seconds, i.time, i.rigid + i.friction) - (i.rigid + i.friction)
 
 
+@pytest.mark.parametrize(("early", "told"), [(0.02, True), (0.06, False)])
+def test_one_effort_comes_early_by_no_more_than_a_filter_of_positions(early: float, told: bool, tmp_path: Path) -> None:
+    log, robot = write_case(tmp_path, Machine(hidden={2: late(-early)}), 5, seconds=40.0)
+    found = {(one.cause, one.joint) for one in diagnose_log(read_log(log), read_robot(robot)).findings}
+    assert (("sensor.delay", "elbow_joint") in found) is told
+
+
 def test_a_late_effort_is_timed(tmp_path: Path) -> None:
     one = run(tmp_path / "one", Machine(hidden={1: late(0.02)}), seed=5)
     assert names(one) == [("sensor.delay", "shoulder_lift_joint")]
