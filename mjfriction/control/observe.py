@@ -15,9 +15,10 @@ from mjfriction.control.variable_structure import VariableStructure
 from mjfriction.errors import ControlError, LogError, suggestion
 from mjfriction.laws.law import Floats
 from mjfriction.record.log import VELOCITY, Log, check_joints
-from mjfriction.record.motion import Motion, back_to_log, estimate_motion
+from mjfriction.record.motion import Motion, back_to_log
 from mjfriction.robot.bandwidth import choose_cutoff
 from mjfriction.robot.effort import as_given, effort_per_reported, predict_effort, without_offsets
+from mjfriction.robot.measured_motion import measured_motion
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Joint
 from mjfriction.robot.simulation import joint_laws
@@ -85,7 +86,7 @@ def observe_log(
     body = robot.body()
     robot = robot.with_stated_friction(body)
     check_joints(log, robot.name, robot.joints)
-    motion = estimate_motion(log, robot.joints, choose_cutoff(log, robot, body))
+    motion = measured_motion(log, robot, body, choose_cutoff(log, robot, body))
     effort = predict_effort(robot, body, motion)
     mass = np.mean(inertia_along(body, motion.position), axis=0) + body.armature
     place = without_offsets(robot, motion).position

@@ -13,7 +13,7 @@ from mjfriction.diagnose.findings import make_findings
 from mjfriction.diagnose.free_links import compete_for_links
 from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
-from mjfriction.diagnose.seen_play import play_findings, see_play
+from mjfriction.diagnose.seen_play import play_findings, see_play, unseen
 from mjfriction.diagnose.stated import settle
 from mjfriction.diagnose.stroke_curve import stroke_curves
 from mjfriction.diagnose.unevenness import as_uneven, with_unevenness
@@ -40,7 +40,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     tell("measuring the gap", 0.0)
     stated = measure_gap(log, robot, highest=HIGHEST)
     faults = tuple(find_faults(stated))
-    seen = see_play(stated, HIGHEST)
+    seen = unseen(stated) if faults else see_play(stated, HIGHEST)
     gap = seen.gap
     field = make_field(gap, () if faults else STRUCTURAL)
     nuisance = Nuisance((), (), ()) if faults else with_unevenness(gap, usual_nuisance(gap))

@@ -35,6 +35,11 @@ class SeenPlay:
     jumps: Mapping[int, Jumps]
 
 
+def unseen(stated: Gap) -> SeenPlay:
+    """Return that nothing was seen: the gap is what it was."""
+    return SeenPlay(stated, stated.residual, {})
+
+
 def see_play(stated: Gap, highest: float) -> SeenPlay:
     """Look for jumps that the stated robot does not have; without any, the gap stays what it is.
 
@@ -50,7 +55,7 @@ def see_play(stated: Gap, highest: float) -> SeenPlay:
         if transmission.backlash == transmission.jump and off:
             found[joint] = jumps
     if not found:
-        return SeenPlay(stated, stated.residual, found)
+        return unseen(stated)
     gap = measure_gap(stated.log, _with_play(robot, found), highest=highest)
     jumping = estimate_motion(stated.log, gap.motion.joints, gap.motion.cutoff)
     return SeenPlay(gap, gap_along(robot, jumping, gap).residual, found)

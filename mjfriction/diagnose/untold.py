@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
@@ -81,7 +81,7 @@ def find_untold(
     bare = build_model(gap, model.nuisance, ()).heldout_residual()
     for choice in causes:
         # Without it others bend to stand in for it, and what that costs may show at joints that it does not touch.
-        if choice.key not in common | small and not shows(gap, before[choice.key], heldout, gap.examined, left, bare):
+        if choice.key not in common | small and not shows(gap, before[choice.key], heldout, left, bare):
             small.add(choice.key)
     of_links = [choice for choice in model.chosen if isinstance(choice.cause, LinkScale | LinkCentre)]
     if any(choice.key not in common | small for choice in of_links) and not links_far_off(model):
@@ -115,13 +115,13 @@ def without_cause(model: Model, choice: Chosen) -> Model:
     return without
 
 
-def shows(gap: Gap, before: Floats, after: Floats, joints: Iterable[int], left: dict[int, float], bare: Floats) -> bool:
-    """Return whether a change takes enough off the mean square on motion not fitted, at one of the ``joints``.
+def shows(gap: Gap, before: Floats, after: Floats, left: dict[int, float], bare: Floats) -> bool:
+    """Return whether a change takes enough off the mean square on motion not fitted, at one joint at least.
 
     ``before`` and ``after`` (rows, joints) are left without it and with it, ``bare`` without any cause; ``left`` is the
     share of ``after`` that is unexplained, by joint.
     """
-    for joint in joints:
+    for joint in gap.examined:
         own, without, none = (gap.rms(course[:, joint], joint) ** 2 for course in (after, before, bare))
         misfit = min(MISFIT * (none - without), SURELY_SEEN * own)
         if without - own > max(LEAST_SEEN * own, misfit, DROWNED * left.get(joint, 0.0) * own):

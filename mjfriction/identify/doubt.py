@@ -1,4 +1,4 @@
-"""Where nothing is known of a joint's friction: at rest, while its direction turns, and while its contact yields."""
+"""Where nothing is known of a joint: at rest, while it turns, while its contact yields, and where its drive is mute."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from mjfriction.identify.rows import Chain
 from mjfriction.record.faults import spans
-from mjfriction.record.log import Floats
+from mjfriction.record.log import Floats, Log
 from mjfriction.record.motion import Motion
 from mjfriction.robot.robot import Robot
 
@@ -74,4 +74,17 @@ def rows_of_rests(share: Floats, chain: Chain) -> Floats:
         for joint, own in enumerate(share[rows].T):
             for first, past in spans(own > WITHIN):
                 out[rows[first:past], joint] = past - first
+    return out
+
+
+def unusable_rows(log: Log, motion: Motion, chain: Chain) -> NDArray[np.bool_]:
+    """Return which rows hold samples of a joint's effort that were recorded but say nothing, (rows, joints)."""
+    out = np.zeros((chain.time.size, len(motion.joints)), dtype=bool)
+    for i, (joint, quantity) in enumerate(zip(motion.joints, motion.quantity, strict=True)):
+        mask = log.unusable.get(f"{quantity}.{joint}")
+        if mask is not None:
+            on_grid = [
+                np.interp(grid.time, log.time[grid.rows], mask[grid.rows].astype(np.float64)) for grid in motion.grids
+            ]
+            out[:, i] = chain.touched(np.concatenate(on_grid) > 0.0) > 0.0
     return out

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 from mjfriction.errors import LogError
 from mjfriction.record.log import Floats, Log, check_joints
-from mjfriction.record.motion import Motion, estimate_motion
+from mjfriction.record.motion import Motion
 from mjfriction.robot.bandwidth import choose_cutoff
 from mjfriction.robot.effort import as_given, effort_per_reported, predict_effort, without_offsets
+from mjfriction.robot.measured_motion import measured_motion
 from mjfriction.robot.robot import Robot
 
 
@@ -43,7 +44,7 @@ def friction_course(log: Log, robot: Robot, joint: str, band: float | None = Non
     body = bare.body()
     bare = bare.with_stated_friction(body)
     check_joints(log, bare.name, bare.joints)
-    motion = estimate_motion(log, bare.joints, choose_cutoff(log, bare, body))
+    motion = measured_motion(log, bare, body, choose_cutoff(log, bare, body))
     if motion.quantity[place] is None:
         raise LogError(f"{log.source}: no effort.{joint} or current.{joint}; friction cannot be told without one")
     own = bare.table.joint[place]

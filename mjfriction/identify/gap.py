@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +15,9 @@ from mjfriction.body.model import Body
 from mjfriction.body.regressor import link_and_moment_torques
 from mjfriction.identify.blocks import Blocks, cut_blocks
 from mjfriction.identify.blows import blows, quick_accelerations
-from mjfriction.identify.doubt import YIELDING, doubt_speeds, rows_of_rests, share_in_doubt
+from mjfriction.identify.doubt import YIELDING, doubt_speeds, rows_of_rests, share_in_doubt, unusable_rows
 from mjfriction.identify.effort_band import filtered_from, whole_below
-from mjfriction.identify.kept import Kept
+from mjfriction.identify.kept import Kept, Lately
 from mjfriction.identify.rows import Chain, make_chain
 from mjfriction.identify.turning import travel_since_turn, turning_speeds
 from mjfriction.record.log import Floats, Log, check_joints
@@ -51,8 +50,6 @@ FILTER_PERIODS = 8.0  # of a low-pass's band, after which it has forgotten
 SAMPLES_PER_PERIOD = 8.0  # of the position filter's cutoff, that show the motion
 SAMPLES_OF_PIECE = 15  # at least
 KEPT_LATELY = 4  # robots whose torques are kept
-
-Made = TypeVar("Made")
 
 
 @dataclass(frozen=True)
@@ -181,18 +178,18 @@ class Gap:
 
         def torques() -> Floats:
             laden = bare(drives)
-            carried = _recalled(self._carried_lately, laden, lambda: carry(laden, laden.body(), motion))
+            carried = self._carried_lately.recall(laden, lambda: carry(laden, laden.body(), motion))
             return effort_of(drives, motion, carried).total
 
-        return _recalled(self._needed_lately, drives, torques)
+        return self._needed_lately.recall(drives, torques)
 
     @functools.cached_property
-    def _needed_lately(self) -> list[tuple[Robot, Floats]]:
-        return []
+    def _needed_lately(self) -> Lately[Robot, Floats]:
+        return Lately(KEPT_LATELY)
 
     @functools.cached_property
-    def _carried_lately(self) -> list[tuple[Robot, Carried]]:
-        return []
+    def _carried_lately(self) -> Lately[Robot, Carried]:
+        return Lately(KEPT_LATELY)
 
     @functools.cached_property
     def predicted_as_stated(self) -> Floats:
@@ -270,17 +267,6 @@ class Gap:
         """How the known links' torques change with position, velocity and acceleration, each (n, joints, joints)."""
         linked = self.linked
         return motion_derivatives(self.known.body, linked.position, linked.velocity, linked.acceleration)
-
-
-def _recalled(lately: list[tuple[Robot, Made]], robot: Robot, make: Callable[[], Made]) -> Made:
-    # What was made for an equal robot lately, or is made now.
-    for known, made in lately:
-        if known == robot:
-            return made
-    made = make()
-    lately.append((robot, made))
-    del lately[:-KEPT_LATELY]
-    return made
 
 
 def measure_gap(log: Log, robot: Robot, *, yielding: float = YIELDING, highest: float = HIGHEST) -> Gap:
@@ -367,7 +353,7 @@ def _held_against(
     doubt *= np.sqrt(rows_of_rests(touched, chain))
     felt, struck = blows(body, motion, chain, slow)
     doubt = doubt + felt
-    spoilt = _unusable(log, motion, chain) | struck
+    spoilt = unusable_rows(log, motion, chain) | struck
     doubt = np.where(spoilt, HOPELESS * np.nanmax(np.abs(measured)), doubt)
     floor = np.array(noise) * chain.noise_gain
     clear = (touched < CLEAR) & (felt <= floor) & ~spoilt
@@ -395,16 +381,3 @@ def _held_against(
         late=np.zeros(len(motion.joints)),
         known=Known(robot, body, effort),
     )
-
-
-def _unusable(log: Log, motion: Motion, chain: Chain) -> NDArray[np.bool_]:
-    # Rows whose window holds samples that were recorded but say nothing.
-    out = np.zeros((chain.time.size, len(motion.joints)), dtype=bool)
-    for i, (joint, quantity) in enumerate(zip(motion.joints, motion.quantity, strict=True)):
-        mask = log.unusable.get(f"{quantity}.{joint}")
-        if mask is not None:
-            on_grid = [
-                np.interp(grid.time, log.time[grid.rows], mask[grid.rows].astype(np.float64)) for grid in motion.grids
-            ]
-            out[:, i] = chain.touched(np.concatenate(on_grid) > 0.0) > 0.0
-    return out

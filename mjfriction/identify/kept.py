@@ -1,12 +1,15 @@
-"""Columns that are costly to draw and asked for again and again."""
+"""What is costly to make and asked for again and again."""
 
 from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Callable, Collection, Hashable
+from typing import Generic, TypeVar
 
 from mjfriction.identify.regression import Columns
 
+Asked = TypeVar("Asked")
+Made = TypeVar("Made")
 MOST_NUMBERS = 30_000_000  # that are kept at a time: 240 MB
 
 
@@ -40,3 +43,22 @@ class Kept:
 
 def _numbers(columns: Columns) -> int:
     return sum(values.size for values in columns.values())
+
+
+class Lately(Generic[Asked, Made]):
+    """The last few things that were made, by what they are of: for keys that are equal, but cannot be hashed."""
+
+    def __init__(self, most: int) -> None:
+        """Keep so many at most."""
+        self._made: list[tuple[Asked, Made]] = []
+        self._most = most
+
+    def recall(self, of: Asked, make: Callable[[], Made]) -> Made:
+        """Return what was made ``of`` an equal thing lately, or is made now."""
+        for known, made in self._made:
+            if known == of:
+                return made
+        made = make()
+        self._made.append((of, made))
+        del self._made[: -self._most]
+        return made

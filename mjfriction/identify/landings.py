@@ -11,12 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mjfriction.record.load_turns import SLOW_LOAD
 from mjfriction.record.log import Floats, Integers
 from mjfriction.record.motion import Motion
 
 TOGETHER = 0.06  # s, within which quick accelerations are of one blow
 RINGING = 1.0  # periods of the position filter's cutoff around a blow that hide the load
-CROSSING_BAND = 0.1  # of the position filter's cutoff: the load that lets go of a link
 SHORTEST = 0.03  # s of a flight: within a shorter one nothing is seen to fly
 FEWEST = 5  # landings
 AGREE, MOSTLY = 0.2, 0.5  # of the play, by which two flights may differ; of the flights, that must be as long
@@ -55,7 +55,7 @@ def find_landings(motion: Motion, load: Floats, inertia: Floats, blown: Floats, 
     at = struck(blown, motion, inertia, joint)
     if at.size < FEWEST:
         return None
-    pull = motion.low_passed(_unhidden(load, blown, motion), CROSSING_BAND * motion.cutoff) / inertia[:, joint]
+    pull = motion.low_passed(_unhidden(load, blown, motion), SLOW_LOAD * motion.cutoff) / inertia[:, joint]
     starts = np.flatnonzero((np.diff(np.sign(pull)) != 0.0) | (np.diff(motion.piece) != 0)) + 1
     starts = np.append(0, starts)
     begun = starts[np.searchsorted(starts, at, side="right") - 1]

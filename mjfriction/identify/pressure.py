@@ -23,8 +23,8 @@ from mjfriction.identify.phases import constant_speed_phases
 from mjfriction.laws.law import Floats
 from mjfriction.laws.rules import Values
 from mjfriction.record.log import HEAD_PRESSURE, ROD_PRESSURE, Log, check_joints
-from mjfriction.record.motion import estimate_motion
 from mjfriction.robot.bandwidth import choose_cutoff
+from mjfriction.robot.measured_motion import measured_motion
 from mjfriction.robot.robot import Robot
 
 Way = Literal["extending", "retracting"]
@@ -92,7 +92,7 @@ def steady_points(logs: list[Log], robot: Robot, joint: str) -> SteadyPoints:
     rows = []
     for log in logs:
         check_joints(log, robot.name, robot.joints)
-        motion = estimate_motion(log, robot.joints, choose_cutoff(log, robot, body))
+        motion = measured_motion(log, robot, body, choose_cutoff(log, robot, body))
         names = (f"{HEAD_PRESSURE}.{joint}", f"{ROD_PRESSURE}.{joint}")
         missing = [name for name in names if name not in motion.columns]
         if missing:

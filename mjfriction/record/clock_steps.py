@@ -11,14 +11,13 @@ from mjfriction.record.log import POSITION, Floats, Log
 from mjfriction.record.resample import GAP_STEPS
 
 AROUND = 10  # rows on each side that tell how fast the joints went
-MOST = 0.005  # of the rows, at which a clock may be set; past that its times are no clock's
 MOVED = 20.0  # times the positions' noise, that the joints must have gone there for their going on to tell
 RAN_ON = 0.1  # of how far they would have gone in the time that is missing, by which they may have
 
 
 def without_clock_steps(log: Log) -> Log:
-    """Return the log with its clock put right where it was set back, or ahead while joints moved on as in one ordinary
-    step, and with that said.  A clock that runs backwards all the time is left as it is.
+    """Return the log with its clock put right where it was set, back or ahead, while the joints moved on as in one
+    ordinary step, and with that said.  Where they did not, another motion begins, or rows are missing.
     """
     step = np.diff(log.time)
     joined = np.diff(log.segment) == 0
@@ -26,13 +25,8 @@ def without_clock_steps(log: Log) -> Log:
     if not ahead.size:
         return log
     ordinary = float(np.median(ahead))
-    back = np.flatnonzero(joined & (step < 0.0))
-    if back.size > MOST * log.time.size:
-        return log
-    jumps = np.flatnonzero(joined & (step > GAP_STEPS * ordinary))
-    set_at = [
-        int(row) for row in np.sort(np.append(back, jumps)) if step[row] < 0.0 or _ran_on(log, int(row), ordinary)
-    ]
+    jumps = np.flatnonzero(joined & (np.abs(step) > GAP_STEPS * ordinary))
+    set_at = [row for row in jumps.tolist() if _ran_on(log, row, ordinary)]
     if not set_at:
         return log
     time, faults = log.time.copy(), []
@@ -41,7 +35,7 @@ def without_clock_steps(log: Log) -> Log:
         time[row + 1 :] -= wrong
         if _told(log, row):
             continue  # rows that were written twice took the time that is missing
-        way = f"ahead by {wrong:.4g} s, though the joints went on" if wrong > 0.0 else f"back by {-wrong:.4g} s"
+        way = f"{'ahead' if wrong > 0.0 else 'back'} by {abs(wrong):.4g} s, though the joints went on"
         where = f"{log.time[row]:.6g} s to {log.time[row + 1]:.6g} s"
         faults.append(Fault("data.clock", where, f"it was set {way}: time runs on there"))
     recorded, kept = (log.time, np.ones(time.size, dtype=bool)) if log.recorded is None else (log.recorded, log.kept)
@@ -58,7 +52,7 @@ def _ran_on(log: Log, row: int, ordinary: float) -> bool:
     before, after = np.arange(row - AROUND, row + 1), np.arange(row + 1, row + AROUND + 2)
     if before[0] < 0 or after[-1] >= log.time.size or np.ptp(log.segment[[before[0], after[-1]]]) != 0:
         return False
-    off, went, missing = 0.0, 0.0, (log.time[row + 1] - log.time[row]) / ordinary
+    off, went, missing = 0.0, 0.0, abs(log.time[row + 1] - log.time[row]) / ordinary
     for joint in log.joints:
         position = log.columns[f"{POSITION}.{joint}"]
         sides = [position[rows] for rows in (before, after)]

@@ -7,17 +7,17 @@ takes some milliseconds no link could have gone so far, whatever efforts say.
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 from scipy.special import ndtr
 
+from mjfriction.record.jump_free import on_clock, without_jumps
 from mjfriction.record.load_turns import LoadTurns, load_turns
-from mjfriction.record.log import POSITION, VELOCITY, Floats, Integers, Log
-from mjfriction.record.motion import Motion, back_to_log, estimate_motion, smooth_derivatives
-from mjfriction.record.resample import onto_grid
+from mjfriction.record.log import POSITION, Floats, Integers, Log
+from mjfriction.record.motion import Motion
 
 WIDTHS = (0.0, 4e-3, 8e-3, 12e-3, 20e-3)  # s, deviations of the edges of jumps that are looked for
 BEFORE, PER_WIDTH, FEWEST = 0.02, 4.0, 10  # s, widths and samples, on each side of a jump, that show the motion there
@@ -34,7 +34,6 @@ ALIKE = 0.3  # of their size, by which jumps of one play may differ
 EDGES = (0.0, *np.geomspace(0.1, 1.6, 48))  # widths of an edge that are tried, times the one that was looked for
 EDGE_KNOWN = 0.03  # of the size of a jump with a wide edge, that goes with the step between two of these
 EARLIER = (-1.0, 1.0, 41)  # widths by which an edge is tried earlier and later
-JUMPS_TOO = 0.5  # of what a jump adds to the rate of change, that a measured velocity has which jumps along
 SURE = 1.96  # deviations, within which lies what is known at 95 %
 
 
@@ -79,7 +78,7 @@ def find_jumps(log: Log, motion: Motion, load_along: Callable[[Motion], Floats])
     load = load_along(motion)
     found = {}
     for joint in np.flatnonzero(motion.moving).tolist():
-        position = _on_clock(log, motion, f"{POSITION}.{motion.joints[joint]}")
+        position = on_clock(log, motion, f"{POSITION}.{motion.joints[joint]}")
         jumps = _jumps_of(position, motion, load_turns(motion, load[:, joint]))
         if jumps is not None:
             found[joint] = jumps
@@ -99,36 +98,6 @@ def _sure(jumps: Jumps, turns: LoadTurns) -> bool:
     return bool(many and turns.chance(met) < BY_CHANCE)
 
 
-def without_jumps(log: Log, motion: Motion, plays: Mapping[int, tuple[float, Floats]]) -> Motion:
-    """Return the motion of a log as it would be had its position sensors not jumped.
-
-    ``plays`` are, by joint, by how much they do (rad or m), and the ``course`` of :class:`Jumps` along the ``motion``
-    that was estimated with the jumps.  A measured velocity that jumped along is left out.
-    """
-    columns = dict(log.columns)
-    for joint, (play, course) in plays.items():
-        name = motion.joints[joint]
-        jumped = 0.5 * play * course
-        position, velocity = f"{POSITION}.{name}", f"{VELOCITY}.{name}"
-        columns[position] = columns[position] - np.nan_to_num(back_to_log(motion, log, jumped))
-        if velocity in columns and _jumps_too(_on_clock(log, motion, velocity), motion, joint, jumped):
-            del columns[velocity]
-    cleared = estimate_motion(replace(log, columns=columns), motion.joints, motion.cutoff)
-    return replace(cleared, jump_free=frozenset(plays))
-
-
-def _jumps_too(velocity: Floats, motion: Motion, joint: int, jumped: Floats) -> bool:
-    # Whether a measured velocity has most of what a jump of the position adds to its rate of change.
-    added = smooth_derivatives(motion, jumped)[1]
-    rest = smooth_derivatives(motion, velocity)[0] - (motion.differentiated(motion.position[:, joint]) - added)
-    return bool(rest @ added > JUMPS_TOO * (added @ added))
-
-
-def _on_clock(log: Log, motion: Motion, column: str) -> Floats:
-    recorded = log.columns[column]
-    return np.concatenate([onto_grid(recorded, log.time, grid, smooth=False) for grid in motion.grids])
-
-
 def _jumps_of(position: Floats, motion: Motion, turns: LoadTurns) -> Jumps | None:
     best: tuple[int, float, Integers, Floats] | None = None
     for width in WIDTHS:
@@ -138,7 +107,7 @@ def _jumps_of(position: Floats, motion: Motion, turns: LoadTurns) -> Jumps | Non
         # The widest window tells best how wide an edge is, and so how far it goes.
         if count > max(NEARLY * before, SOME * met.size) and turns.chance(met) < BY_CHANCE:
             best = count, width, at, np.sign(size)
-    return None if best is None else _measured(position, motion, *best[1:])
+    return None if best is None else _measured(position, motion, turns.count, *best[1:])
 
 
 def _steps(position: Floats, motion: Motion, width: float) -> tuple[Integers, Floats]:
@@ -164,7 +133,7 @@ def _large(at: Integers, size: Floats, turns: LoadTurns) -> tuple[Integers, Floa
     return at[large], size[large]
 
 
-def _measured(position: Floats, motion: Motion, width: float, at: Integers, way: Floats) -> Jumps | None:
+def _measured(position: Floats, motion: Motion, turns: int, width: float, at: Integers, way: Floats) -> Jumps | None:
     edges = _edges(motion.rate, width)
     parts = way[:, None] * _beside(position[at[:, None] + edges.samples], edges.basis)
     along = np.maximum(parts @ edges.shape.T, 0.0)
@@ -191,7 +160,7 @@ def _measured(position: Floats, motion: Motion, width: float, at: Integers, way:
                 taken.append(k)
     spread = float(np.std(size[alike], ddof=1) / np.sqrt(np.sum(alike)))
     edge = EDGE_KNOWN * play if np.median(edges.width[nearest[alike]]) > 0.0 else 0.0
-    return Jumps(play, SURE * spread + edge, course, at[taken], way[taken], 0)
+    return Jumps(play, SURE * spread + edge, course, at[taken], way[taken], turns)
 
 
 @functools.lru_cache(maxsize=64)

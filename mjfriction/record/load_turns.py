@@ -12,7 +12,7 @@ from scipy.stats import binom
 from mjfriction.record.log import Floats, Integers
 from mjfriction.record.motion import Motion
 
-SLOW_LOAD = 0.08  # of the position filter's cutoff: the load, without what jumps themselves seem to accelerate
+SLOW_LOAD = 0.08  # of the position filter's cutoff: the load, without what jumps and blows seem to accelerate
 CLEARLY = 0.02  # of its most, that a load lies beyond zero: within it rests as well as crosses
 NEAR = 0.1  # s, within which the load as predicted turns when it really does
 

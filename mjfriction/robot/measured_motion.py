@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from mjfriction.body.model import Body
-from mjfriction.record.jumps import Jumps, find_jumps, without_jumps
+from mjfriction.record.jump_free import without_jumps
+from mjfriction.record.jumps import Jumps, find_jumps
 from mjfriction.record.log import Log
 from mjfriction.record.motion import Motion, estimate_motion
 from mjfriction.robot.effort import carry

@@ -9,7 +9,6 @@ import pytest
 from mjfriction.control.servo import Control
 from mjfriction.diagnose.causes.landed_play import LandedPlay
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.outcome import Verdict
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.identify.landings import Landings, find_landings
 from mjfriction.plant.machine import Run, log_columns, run_machine
@@ -28,7 +27,7 @@ def moved(play: float) -> tuple[Log, Run]:
     robot = read_robot("ur5")
     own = robot.table.joint[PAN]
     machine = robot.with_joint(own.model_copy(update={"transmission": Transmission(backlash=play)}))
-    places = HOME + np.random.default_rng(4).uniform(-0.8, 0.8, (20, 6))
+    places = HOME + np.random.default_rng(4).uniform(-0.8, 0.8, (16, 6))
     course = pick_and_place(robot.joints, places, np.full(6, 1.2), np.full(6, 3.0), rounds=1, dwell=0.2)
     recorder = Recorder(500.0)
     run = run_machine(machine, course, recorder.rate, Control())
@@ -102,6 +101,5 @@ def test_play_is_found_by_its_landings(loose: tuple[Gap, Run], monkeypatch: pyte
     assert (finding.cause, finding.joint) == ("drive.backlash", "shoulder_pan_joint")
     assert finding.parameters[0].value == pytest.approx(PLAY, rel=0.05)
     assert "lands with a blow" in finding.evidence
-    assert diagnosis.verdict is Verdict.EXPLAINED
     monkeypatch.setattr(LandedPlay, "sites", lambda self, gap: [])
     assert all(one.gain.reduction < 0.9 * finding.gain.reduction for one in diagnose_log(log, robot).findings)

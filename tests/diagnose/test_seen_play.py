@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,14 +11,17 @@ import pyarrow.parquet as pq
 import pytest
 
 import mjfriction.diagnose.diagnosis as module
+from mjfriction.control.observe import observe_log
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Verdict
 from mjfriction.diagnose.seen_play import SeenPlay
 from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.record.log import Floats, Log
 from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.predict import predict_log
+from mjfriction.robot.robot import Robot
 from tests.hidden.machine import Instant, Machine, write_case
 
 WRIST, PLAY = 3, 2e-3
@@ -70,17 +75,18 @@ def test_what_else_is_wrong_is_found_beside_it(tmp_path: Path) -> None:
     assert found == {("drive.backlash", "wrist_1_joint"), ("friction.stribeck", "wrist_1_joint")}
 
 
-def test_a_prediction_knows_when_stated_play_was_crossed(case: tuple[Path, Path], tmp_path: Path) -> None:
+@pytest.mark.parametrize(("told", "column"), [(predict_log, "effort"), (observe_log, "friction")])
+def test_what_is_told_of_a_log_knows_when_stated_play_was_crossed(
+    told: Callable[[Log, Robot], dict[str, Floats]], column: str, case: tuple[Path, Path], tmp_path: Path
+) -> None:
     stated = read_robot(case[1])
     own = stated.table.joint[WRIST]
     played = own.transmission.model_copy(update={"backlash": PLAY, "coasting": False})
     loose = stated.with_joint(own.model_copy(update={"transmission": played}))
     tight_log, _ = write_case(tmp_path, Machine(), seed=7)
-    expected = predict_log(read_log(tight_log), stated)["effort.wrist_1_joint"]
-    off = [
-        np.std((predict_log(read_log(case[0]), robot)["effort.wrist_1_joint"] - expected)[500:-500])
-        for robot in (stated, loose)
-    ]
+    name = f"{column}.wrist_1_joint"
+    expected = told(read_log(tight_log), stated)[name]
+    off = [np.std((told(read_log(case[0]), robot)[name] - expected)[500:-500]) for robot in (stated, loose)]
     assert off[1] < 0.2 * off[0]
 
 
@@ -92,6 +98,14 @@ def test_play_that_is_stated_otherwise_is_corrected(case: tuple[Path, Path]) -> 
     (finding,) = diagnosis.findings
     assert finding.cause == "drive.backlash"
     assert diagnosis.robot.table.joint[WRIST].transmission.backlash == pytest.approx(PLAY, rel=0.01)
+
+
+def test_a_log_at_fault_is_searched_for_no_play(case: tuple[Path, Path]) -> None:
+    log = read_log(case[0])
+    column = "effort.elbow_joint"
+    diagnosis = diagnose_log(replace(log, columns={**log.columns, column: -log.columns[column]}), read_robot(case[1]))
+    assert (diagnosis.verdict, diagnosis.findings) == (Verdict.BAD_DATA, ())
+    assert diagnosis.robot.table.joint[WRIST].transmission.backlash == 0.0
 
 
 @pytest.mark.parametrize("seed", [7, 8])

@@ -6,6 +6,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
+from mjfriction.errors import LogError
 from mjfriction.record.log import Floats, Log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.record.resample import read_clock
@@ -42,6 +43,14 @@ def test_rows_that_are_missing_are_a_gap(missing: float) -> None:
     log = log_of(true, kept=(rows <= AT) | (rows > AT + round(missing / STEP)))
     assert log.faults == ()
     assert len(read_clock(log).gaps) == 1
+
+
+def test_two_motions_in_one_file_are_no_clock_that_was_set() -> None:
+    first = STEP * np.arange(COUNT)
+    position = np.append(np.sin(1.3 * first), 0.3 + np.cos(2.1 * first))
+    table = {"time": np.tile(first, 2), "position.axis": position, "effort.axis": np.cos(position)}
+    with pytest.raises(LogError, match="number separate motions"):
+        log_from_table(pa.table(table), "log")
 
 
 def test_a_pause_of_the_recording_while_nothing_moves_is_a_gap() -> None:

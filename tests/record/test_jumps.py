@@ -7,7 +7,8 @@ import pyarrow as pa
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
-from mjfriction.record.jumps import Jumps, find_jumps, without_jumps
+from mjfriction.record.jump_free import without_jumps
+from mjfriction.record.jumps import Jumps, find_jumps
 from mjfriction.record.log import Floats, Log
 from mjfriction.record.motion import Motion, estimate_motion
 from mjfriction.record.readers.table import log_from_table
