@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import subprocess
 import sys
@@ -19,7 +20,7 @@ from mjfriction.diagnose.causes.stribeck import GONE_BY, UNFINISHED
 from mjfriction.diagnose.causes.varying import EDGE, Step
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.compete import KEPT
-from mjfriction.diagnose.exact import EXACT, FEWEST_JOINTS, MOST_JOINTS, NEARLY_ALL
+from mjfriction.diagnose.exact import EXACT, MOST_JOINTS, NEARLY_ALL
 from mjfriction.diagnose.findings import ONE_OF_MANY
 from mjfriction.diagnose.free_links import BAR, FEWEST_GAINING, LEAST_GAINED, MANY, STRAINED
 from mjfriction.diagnose.kin import LEAST_KIN_EFFECT
@@ -28,8 +29,8 @@ from mjfriction.diagnose.nuisance import CONSTANT, FARTHEST, LET_GO, LINK_SCALE,
 from mjfriction.diagnose.oscillations import INSTEAD, LEAST_TOLD, NEAR, QUIETER, RESONANT
 from mjfriction.diagnose.short_list import NEAR_BEST
 from mjfriction.diagnose.stated import OUTLYING
-from mjfriction.diagnose.trial import LEAST_EFFECT
-from mjfriction.diagnose.unevenness import EVENEST, TOLD_BY, UNEVEN
+from mjfriction.diagnose.trial import EVENEST, FEWEST_JOINTS, LEAST_EFFECT, UNEVEN
+from mjfriction.diagnose.unevenness import TOLD_BY
 from mjfriction.diagnose.untold import DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
 from mjfriction.diagnose.verdict import LEAST_FRICTION, MUCH_COLOURED
 from mjfriction.identify import choose, conclude, landings, turning
@@ -99,6 +100,7 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert "has to be {:g} % of the joint's friction; {:g} % where it is waves".format(*uneven) in told
     assert f"and {uneven[2]:g} % where it is a course over time" in told
     assert EVENEST == 0.25, "the page says a quarter"
+    assert f"an uneven machine leaves at least {100 * UNEVEN / math.sqrt(2.0):.1f} % of its friction" in told
     assert f"either has to be {100 * LEAST_FRICTION:g} % of the joint's friction besides" in told
     drives = [f"({100 * off:g} % as a rule, {100 * FARTHEST * off:g} % at most)" for off in (ROTOR, CONSTANT)]
     assert "each rotor's inertia {} and each torque constant {}".format(*drives) in told

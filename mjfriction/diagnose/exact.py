@@ -16,13 +16,13 @@ from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
 from mjfriction.diagnose.short_list import contenders, fairly
 from mjfriction.diagnose.tangent import straightened
+from mjfriction.diagnose.trial import FEWEST_JOINTS
 from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_levels
 
 MOST_JOINTS = 0.75  # share of joints whose changes are typical
 EXACT = 0.01  # of the stated friction: typical change of the other joints up to which a robot, links and all, is right
-FEWEST_JOINTS = 3  # that can say so
 FEWEST_OTHERS = 2  # joints, that can say how far friction usually is off
 UNKNOWN = 0.04  # of the stated friction, that is taken for it where they lack
 NEARLY_ALL = 0.99  # of the mean square that refitted links take off any joint's error, that one cause may take instead

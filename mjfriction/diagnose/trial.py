@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import f as fisher
 
+from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.model import Chosen, Model, cause_block
 from mjfriction.identify.regression import Columns, Normal
 from mjfriction.record.log import Floats
@@ -14,6 +15,9 @@ from mjfriction.record.log import Floats
 FALSE_ALARM = 0.01  # stated chance that a log without any cause yields one, from noise alone
 LEAST_SHARE = 0.01  # of a joint's remaining error that a cause must take away on motion not fitted
 LEAST_EFFECT = 0.005  # of the joint's RMS effort that a cause's own effort must reach
+UNEVEN = 0.015  # of a joint's friction, that waves along its stroke are at on a machine as uneven as real ones
+EVENEST = 0.25  # of what is asked on such a machine, that is asked on the most even one
+FEWEST_JOINTS = 3  # that can say how exactly a machine is stated, or how even it is
 MOST = 0.95  # of rows, on which an effort is less than it is at its most
 MOST_OF_SEVERAL = 0.995  # the same where several joints feel it
 
@@ -116,7 +120,7 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
     relief = _strain(model, model.strengths) - _strain(model, fitted)
     size = effects(model, choice, strengths, most)
     improvement, error = (before - after).sum(axis=0), before.sum(axis=0)
-    least = least_of_friction(model, choice)
+    least = least_of_friction(model, choice, _left_at(model, after[touched.index(most)], most))
     return Trial(choice, improvement, error, relief, *size, least, wald, count, int(groups[-1]))
 
 
@@ -144,19 +148,34 @@ def negligible(model: Model, choice: Chosen, strengths: Floats, before: Floats, 
     """Return whether strengths of a cause make too little of the effort, or of the friction, to be told, at the joint
     where it shows most: ``before`` and ``after`` (rows, joints) are left without it and with it.
     """
-    of_effort, of_friction = effects(model, choice, strengths, shown_at(model, choice, before, after))
-    return of_effort < LEAST_EFFECT or of_friction < least_of_friction(model, choice)
+    joint = shown_at(model, choice, before, after)
+    of_effort, of_friction = effects(model, choice, strengths, joint)
+    left = model.gap.rms(after[:, joint], joint) / model.friction[joint]
+    return of_effort < LEAST_EFFECT or of_friction < least_of_friction(model, choice, left)
 
 
-def least_of_friction(model: Model, choice: Chosen) -> float:
-    """Return how much of a joint's friction a cause has to be on this machine."""
-    return model.nuisance.uneven * choice.cause.least_of_friction
+def least_of_friction(model: Model, choice: Chosen, left: float = np.inf) -> float:
+    """Return how much of a joint's friction a cause has to be on this machine.
+
+    Of few joints it is not known how uneven they are; but where what is ``left`` beside the cause (RMS, relative to
+    friction) is less than an uneven machine's waves would leave, this one is more even.  Waves themselves are those.
+    """
+    uneven, few = model.nuisance.uneven, len(model.gap.examined) < FEWEST_JOINTS
+    if few and not isinstance(choice.cause, Cogging | PositionFriction):
+        uneven = min(uneven, max(EVENEST, left / (UNEVEN / np.sqrt(2.0))))
+    return float(uneven * choice.cause.least_of_friction)
 
 
 def shown_at(model: Model, choice: Chosen, before: Floats, after: Floats) -> int:
     """Return at which of the joints that feel it a cause takes the largest share of the error away."""
     gap, (columns, _) = model.gap, cause_block(model.gap, choice)
     return max(_feeling(columns), key=lambda j: gap.rms(before[:, j], j) / max(gap.rms(after[:, j], j), 1e-300))
+
+
+def _left_at(model: Model, errors: Floats, joint: int) -> float:
+    # What weighted errors (blocks,) at a joint come to, RMS, relative to its friction.
+    power = float(np.sum(np.square(model.system.rows.weight[:, joint])))
+    return float(np.sqrt(np.sum(errors) / max(power, 1e-300))) / model.friction[joint]
 
 
 def _feeling(columns: Columns) -> list[int]:

@@ -7,19 +7,16 @@ from dataclasses import replace
 import numpy as np
 
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
-from mjfriction.diagnose.exact import FEWEST_JOINTS
 from mjfriction.diagnose.field import make_field, size
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.short_list import ranked
-from mjfriction.diagnose.trial import FALSE_ALARM, try_out
+from mjfriction.diagnose.trial import EVENEST, FALSE_ALARM, FEWEST_JOINTS, UNEVEN, try_out
 from mjfriction.identify.gap import Gap
 
 WAVES = (PositionFriction(), Cogging())
-UNEVEN = 0.015  # of a joint's friction, that waves along its stroke are at on a machine as uneven as real ones
 TOLD_BY = 2  # joints, that must be able to show so much for the machine to be known
 USUAL = 0.25  # of the wavenumbers that a motion shows: finer waves pass by within the band for a part of it only
-EVENEST = 0.25  # of what is asked on such a machine, that is asked on the most even one
 
 
 def with_unevenness(gap: Gap, nuisance: Nuisance) -> Nuisance:

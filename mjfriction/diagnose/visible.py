@@ -58,7 +58,7 @@ def visible_causes(gap: Gap, tell: Tell = silently) -> tuple[Visible, ...]:
         if joint not in alike:
             continue
         choice = Chosen(entrant.cause, entrant.sites[len(entrant.sites) // 2])
-        effect = max(_least(model, choice, chance, alike[joint]), least_told[joint], _of_friction(model, choice))
+        effect = max(_least(model, choice, chance, alike[joint]), least_told[joint], _of_friction(model, choice, left))
         name = None if entrant.cause.whole_arm else gap.robot.joints[joint]
         found = Visible(entrant.cause.name, name, effect, effect / max(_rms(gap.measured[:, joint]), 1e-300))
         key = (found.cause, found.joint)
@@ -75,11 +75,12 @@ def _least(model: Model, choice: Chosen, chance: float, alike: float) -> float:
     return float(np.sqrt(chi2.isf(chance, count) * np.trace(power @ covariance) / count))
 
 
-def _of_friction(model: Model, choice: Chosen) -> float:
+def _of_friction(model: Model, choice: Chosen, left: Floats) -> float:
     # How large the effect is that is as much of the joint's friction as has to be, at its most.
     joint, (columns, _) = choice.site.joint, cause_block(model.gap, choice)
     most = max(at_its_most(model, columns, own, joint) / max(_rms(own), 1e-300) for own in columns[joint].T)
-    return least_of_friction(model, choice) * model.friction[joint] / max(most, 1e-300)
+    least = least_of_friction(model, choice, model.gap.rms(left[:, joint], joint) / model.friction[joint])
+    return least * model.friction[joint] / max(most, 1e-300)
 
 
 def _rms(values: Floats) -> float:

@@ -152,6 +152,23 @@ def test_play_behind_a_payload_is_drawn_with_it(monkeypatch: pytest.MonkeyPatch)
 
 
 @pytest.mark.bench
+def test_a_drive_that_others_and_links_could_stand_in_for_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = draw_case(740047).case()
+    (hidden,) = case.hidden
+    constant = ("drive.torque_constant", "elbow_joint")
+    (finding,) = diagnosed(case).findings
+    assert (finding.cause, finding.joint) == constant
+    assert finding.parameters[0].value == pytest.approx(1.0 + hidden.strength, abs=0.1 * hidden.strength)
+    # Without it two other drives and a link take its place, which their joints feel and its own does not.
+    monkeypatch.setattr(refusal, "_gains", _at_one_joint(refusal._gains))
+    assert constant not in named(diagnosed(case))
+
+
+def _at_one_joint(gains):
+    return lambda gap, before, after, moving, joints: len(joints) == 1 and gains(gap, before, after, moving, joints)
+
+
+@pytest.mark.bench
 def test_a_play_of_a_third_of_a_millimetre_is_found() -> None:
     setting = Setting("linear_axis", seconds=40.0, rate=500.0, noise=0.05, off=0.03)
     case = make_case(4, setting, (draw_of("drive.backlash"),), SEVERITY["medium"])

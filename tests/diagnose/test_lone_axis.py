@@ -20,14 +20,14 @@ from tests.diagnose.test_planar_arm import JOINT, LINK
 COULOMB = 0.8
 
 
-def pendulum(folder: Path, name: str, *, inertia: float, rotor: float, coulomb: float) -> Robot:
+def pendulum(folder: Path, name: str, *, inertia: float, rotor: float, coulomb: float, noise: float = 0.1) -> Robot:
     link = LINK.format(name="rod", mass=4.0, centre=-0.25, inertia=inertia)
     joint = JOINT.format(name="swing", parent="base", child="rod", z=0.0)
     (folder / f"{name}.urdf").write_text(f'<robot name="pendulum"><link name="base"/>{link}{joint}</robot>')
     (folder / f"{name}.toml").write_text(
         f'name = "{name}"\nmodel = "{name}.urdf"\n[[joint]]\nname = "swing"\n'
         f"actuator = {{ gear_ratio = 100.0, rotor_inertia = {rotor} }}\n"
-        "position_sensor = { resolution = 2e-5 }\neffort_sensor = { noise = 0.1 }\n"
+        f"position_sensor = {{ resolution = 2e-5 }}\neffort_sensor = {{ noise = {noise} }}\n"
         f'friction = {{ law = "coulomb_viscous", parameters = {{ coulomb = {coulomb}, viscous = 0.2 }} }}\n'
     )
     return read_robot(folder / f"{name}.toml")
@@ -70,3 +70,18 @@ def test_a_torque_constant_is_told_beside_levels_that_are_as_stated_with_it(tmp_
     (finding,) = diagnose_log(log_from_table(pa.table(columns), "swing"), robot).findings
     assert finding.cause == "drive.torque_constant"
     assert finding.parameters[0].value == pytest.approx(0.93, abs=0.01)
+
+
+@pytest.mark.parametrize("wave", [0.0, 0.09])
+def test_what_is_small_is_told_of_a_lone_axis_where_what_is_left_says_that_it_is_even(
+    wave: float, tmp_path: Path
+) -> None:
+    """An offset of 3 % of friction; a machine with waves of as much each along its stroke is uneven."""
+    robot = pendulum(tmp_path, "stated", inertia=0.08, rotor=6e-5, coulomb=3.0, noise=0.02)
+    motion = excitation(("swing",), np.zeros(1), np.full(1, 1.2), np.full(1, 4.0), 40.0, seed=3)
+    columns = simulate(robot, motion, recorder=Recorder(250.0), seed=1)
+    position, direction = columns["position.swing"], np.sign(np.gradient(columns["position.swing"]))
+    uneven = sum(np.cos(wavenumber * position + wavenumber) for wavenumber in (4.0, 7.0, 11.0, 17.0))
+    columns["effort.swing"] = columns["effort.swing"] + 0.1 + wave * direction * uneven
+    causes = {finding.cause for finding in diagnose_log(log_from_table(pa.table(columns), "swing"), robot).findings}
+    assert ("drive.offset" in causes) is (wave == 0.0)

@@ -12,7 +12,8 @@ from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.exact import usual_nuisance
 from mjfriction.diagnose.field import make_field
 from mjfriction.diagnose.free_links import compete_for_links
-from mjfriction.diagnose.unevenness import EVENEST, as_uneven, with_unevenness
+from mjfriction.diagnose.trial import EVENEST
+from mjfriction.diagnose.unevenness import as_uneven, with_unevenness
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
