@@ -21,6 +21,7 @@ from mjfriction.diagnose.causes.varying import EDGE, Step
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.compete import KEPT
 from mjfriction.diagnose.exact import EXACT, MOST_JOINTS, NEARLY_ALL
+from mjfriction.diagnose.exchange import MOST_EXCHANGED
 from mjfriction.diagnose.findings import ONE_OF_MANY
 from mjfriction.diagnose.free_links import BAR, FEWEST_GAINING, LEAST_GAINED, MANY, STRAINED
 from mjfriction.diagnose.kin import LEAST_KIN_EFFECT
@@ -29,7 +30,7 @@ from mjfriction.diagnose.nuisance import CONSTANT, FARTHEST, LET_GO, LINK_SCALE,
 from mjfriction.diagnose.oscillations import INSTEAD, LEAST_TOLD, NEAR, QUIETER, RESONANT
 from mjfriction.diagnose.short_list import NEAR_BEST
 from mjfriction.diagnose.stated import OUTLYING
-from mjfriction.diagnose.trial import EVENEST, FEWEST_JOINTS, LEAST_EFFECT, UNEVEN
+from mjfriction.diagnose.trial import EVENEST, FALSE_ALARM, FEWEST_JOINTS, LEAST_EFFECT, UNEVEN
 from mjfriction.diagnose.unevenness import TOLD_BY
 from mjfriction.diagnose.untold import DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
 from mjfriction.diagnose.verdict import LEAST_FRICTION, MUCH_COLOURED
@@ -100,6 +101,8 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert "has to be {:g} % of the joint's friction; {:g} % where it is waves".format(*uneven) in told
     assert f"and {uneven[2]:g} % where it is a course over time" in told
     assert EVENEST == 0.25, "the page says a quarter"
+    assert f"at a level of {100 * FALSE_ALARM:g} % that is shared out" in told
+    assert (KEPT, MOST_EXCHANGED) == (10, 8), "in words"
     assert f"an uneven machine leaves at least {100 * UNEVEN / math.sqrt(2.0):.1f} % of its friction" in told
     assert f"either has to be {100 * LEAST_FRICTION:g} % of the joint's friction besides" in told
     drives = [f"({100 * off:g} % as a rule, {100 * FARTHEST * off:g} % at most)" for off in (ROTOR, CONSTANT)]
@@ -132,7 +135,7 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert FARTHEST * 2.0 == STRAINED * 3.0, "the page says two thirds"
     assert (BAR, FEWEST_GAINING, MANY, LEAST_GAINED) == (2.0, 2, 2, 0.1), "the page says two, two, two and a tenth"
     assert (MOST_CONFIDENT, AT_THE_BAR, TOLD_BY) == (0.9, 0.5, 2), "the page says 0.9, half, all but one"
-    assert (KEPT, MUCH_COLOURED) == (10, 0.3), "the page says a tenth of that number, and three tenths"
+    assert MUCH_COLOURED == 0.3, "the page says three tenths"
     assert (Cogging.times, PositionFriction.times) == (3, 2), "the page says three waves of cogging and two of friction"
 
 

@@ -14,7 +14,7 @@ from mjfriction.diagnose.causes.links import LinkScale
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.causes.whole_arm import Payload
 from mjfriction.diagnose.exchange import for_place_of, in_place_of
-from mjfriction.diagnose.field import Entrant, Field, in_place_of_levels, size
+from mjfriction.diagnose.field import Entrant, Field, chances_in, in_place_of_levels
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, partners, same_columns
 from mjfriction.diagnose.trial import Trial, try_out
@@ -75,8 +75,9 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
         # The joint's own levels are as stated here, so they stand for the place too.
         levels = try_out(without, Chosen(STATED_LEVELS, Site(joint)))
         rivals += [levels] if levels is not None else []
+    chances = chances_in(field)
     same = [rival for rival in rivals if same_columns(gap, rival.chosen, target)]
-    rivals = [rival for rival in rivals if rival in same or _is_rival(rival, own, size(field))]
+    rivals = [rival for rival in rivals if rival in same or _is_rival(rival, own, chances.among(rival.chosen.cause))]
     rivals = sorted(rivals, key=lambda rival: rival.merit)
     odds = {rival.chosen.cause.name: math.exp(min(0.0, -0.5 * _ahead(gap, own, rival) / repeated)) for rival in rivals}
     odds |= {rival.chosen.cause.name: 1.0 for rival in same}
@@ -128,7 +129,7 @@ def redundancy(weighted: Floats) -> float:
     return 1.0 + 2.0 * float(np.sum(correlation[1:leading]))
 
 
-def _is_rival(rival: Trial, own: Trial, number: int) -> bool:
+def _is_rival(rival: Trial, own: Trial, number: float) -> bool:
     # What would not pass in the place of the chosen cause is no explanation, however little that explains.  What one
     # leaves more than the other is the difference of their gains, whichever joints each of them touches.
     left = float(np.sum(own.error - own.improvement))

@@ -9,7 +9,7 @@ import numpy as np
 
 from mjfriction.diagnose.as_known import as_known
 from mjfriction.diagnose.exchange import Kinds, exchanged
-from mjfriction.diagnose.field import Field, size
+from mjfriction.diagnose.field import Chances, Field, chances_in
 from mjfriction.diagnose.kin import fulfilled, plainer, with_kin
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, same_columns
 from mjfriction.diagnose.nuisance import Nuisance
@@ -54,12 +54,12 @@ def compete(
     """
     if not field:
         return build_model(gap, nuisance, ()), field
-    asked, count = field, size(field)
+    asked, chances = field, chances_in(field)
     while True:
-        model = _forward(_with_found(gap, nuisance, begin), asked, count, tell, enough)
+        model = _forward(_with_found(gap, nuisance, begin), asked, chances, tell, enough)
         if enough(model):
             return model, asked
-        model = _exchanged(as_known(plainer(_pruned(model, count), asked)), asked, count, tell, enough)
+        model = _exchanged(as_known(plainer(_pruned(model, chances), asked)), asked, chances, tell, enough)
         sources = new_oscillations(model)
         if sources:
             nuisance = nuisance.along(gap, (*nuisance.sources, *sources))
@@ -86,13 +86,13 @@ def _narrowed(field: Field, no_causes: list[Chosen]) -> Field:
     return tuple(out)
 
 
-def _forward(model: Model, field: Field, count: int, tell: Tell, enough: Callable[[Model], bool]) -> Model:
+def _forward(model: Model, field: Field, chances: Chances, tell: Tell, enough: Callable[[Model], bool]) -> Model:
     # What shows only while joints rest is set aside, and asked again when no other is left: every contact yields a
     # little at a reversal, at every joint.
     asked, anew = field, True
     while (named := len(model.noteworthy)) < MOST_CAUSES and not enough(model):
         tell(f"searching for causes, {named} so far", SEARCHED * (1.0 - FURTHER ** (1 + named)))
-        more, left = _one_more(model, asked, count)
+        more, left = _one_more(model, asked, chances)
         if more is not None:
             newcomer = more.chosen[-1]
             more = reshaped(more, cause_block(more.gap, newcomer)[0].keys())
@@ -104,9 +104,9 @@ def _forward(model: Model, field: Field, count: int, tell: Tell, enough: Callabl
     return model
 
 
-def _one_more(model: Model, field: Field, count: int) -> tuple[Model | None, Field]:
+def _one_more(model: Model, field: Field, chances: Chances) -> tuple[Model | None, Field]:
     # The model with the best of the field that is proved, if any is, and the field without those that are not.
-    while passing := _passing(model, field, count):
+    while passing := _passing(model, field, chances):
         trials = fairly(model, passing)
         while trials:
             best = _best(model, field, trials)
@@ -118,17 +118,17 @@ def _one_more(model: Model, field: Field, count: int) -> tuple[Model | None, Fie
     return None, field
 
 
-def _exchanged(model: Model, field: Field, count: int, tell: Tell, enough: Callable[[Model], bool]) -> Model:
+def _exchanged(model: Model, field: Field, chances: Chances, tell: Tell, enough: Callable[[Model], bool]) -> Model:
     # As often as a cause takes another's place, what is left is searched again.  That may lead back to what there was:
     # none takes the same place twice.
     made: set[Kinds] = set()
     while True:
-        exchange = exchanged(model, field, count, NO_DIFFERENCE, made)
+        exchange = exchanged(model, field, chances, NO_DIFFERENCE, made)
         if exchange is None:
             return model
         made.add(exchange.kinds)
-        model = _forward(as_known(straightened(reshaped(exchange.model))), field, count, tell, enough)
-        model = as_known(plainer(_pruned(model, count), field))
+        model = _forward(as_known(straightened(reshaped(exchange.model))), field, chances, tell, enough)
+        model = as_known(plainer(_pruned(model, chances), field))
 
 
 def _richer(model: Model, trial: Trial) -> Model | None:
@@ -161,18 +161,19 @@ def _best(model: Model, field: Field, trials: list[Trial]) -> Trial:
     )
 
 
-def _passing(model: Model, field: Field, count: int) -> list[Trial]:
+def _passing(model: Model, field: Field, chances: Chances) -> list[Trial]:
     # The best of a short list that pass; where none does, of the next: what no cause fits at one joint may have a dozen
     # candidates there rank before what is plain at another.
     choices = ranked(model, field)
     for first in range(0, len(choices), SHORT_LIST):
-        passing = [trial for trial in all_tried(model, choices[first : first + SHORT_LIST]) if trial.passes(count)]
+        short = all_tried(model, choices[first : first + SHORT_LIST])
+        passing = [trial for trial in short if trial.passes(chances.among(trial.chosen.cause))]
         if passing:
             return passing
     return []
 
 
-def _pruned(model: Model, count: int) -> Model:
+def _pruned(model: Model, chances: Chances) -> Model:
     while model.chosen:
         trials = [(choice, try_out(model.without(choice), choice)) for choice in model.chosen]
         # What nature does not allow goes first, and of several the one that does least: it makes the others of its
@@ -180,7 +181,7 @@ def _pruned(model: Model, count: int) -> Model:
         needless = [
             (trial is not None, trial.gain if trial else _taken_off(model, choice), choice)
             for choice, trial in trials
-            if not _stays(trial, count)
+            if not _stays(trial, chances)
         ]
         if not needless:
             return model
@@ -193,5 +194,5 @@ def _taken_off(model: Model, choice: Chosen) -> float:
     return float(np.sum(model.without(choice).heldout_errors) - np.sum(model.heldout_errors))
 
 
-def _stays(trial: Trial | None, count: int) -> bool:
-    return trial is not None and trial.passes(count // KEPT)
+def _stays(trial: Trial | None, chances: Chances) -> bool:
+    return trial is not None and trial.passes(chances.among(trial.chosen.cause) / KEPT)

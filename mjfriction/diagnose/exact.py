@@ -11,7 +11,7 @@ from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LinkScale, LoneLink
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
-from mjfriction.diagnose.field import Field, size
+from mjfriction.diagnose.field import Field, chances_in
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
 from mjfriction.diagnose.short_list import contenders, fairly
@@ -74,7 +74,7 @@ def held_links(model: Model, field: Field, changes: Mapping[int, float]) -> Mode
         return model
     held = model.without_links()
     asked = tuple(replace(one, cause=LoneLink()) if isinstance(one.cause, LinkScale) else one for one in field)
-    passing = [trial for trial in contenders(held, asked) if trial.passes(size(asked))]
+    passing = [trial for trial in contenders(held, asked) if trial.passes(chances_in(asked).among(trial.chosen.cause))]
     if not passing:
         return model
     best = max(fairly(held, passing), key=lambda trial: trial.merit)

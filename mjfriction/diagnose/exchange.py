@@ -6,11 +6,13 @@ from collections.abc import Collection
 from dataclasses import dataclass
 
 from mjfriction.diagnose.causes.cause import Cause
-from mjfriction.diagnose.field import Entrant, Field
+from mjfriction.diagnose.field import Chances, Entrant, Field
 from mjfriction.diagnose.model import Chosen, Model, build_model, partners
 from mjfriction.diagnose.refusal import proved
 from mjfriction.diagnose.short_list import contenders, fairly
 from mjfriction.diagnose.trial import Trial, try_out
+
+MOST_EXCHANGED = 8  # causes of a model: of a longer list none is believed much, and each exchange takes a search anew
 
 Kinds = tuple[tuple[type[Cause], int], tuple[type[Cause], int]]
 
@@ -40,15 +42,17 @@ def in_place_of(without: Model, own: Trial, field: Field) -> tuple[Trial, list[T
     return again, rivals
 
 
-def exchanged(model: Model, field: Field, count: int, least: float, made: Collection[Kinds] = ()) -> Exchange | None:
+def exchanged(
+    model: Model, field: Field, chances: Chances, least: float, made: Collection[Kinds] = ()
+) -> Exchange | None:
     """Return the exchange of one of a model's causes for another that beats it by the ``least`` merit in its place, now
     that the others are known; None where there is none but those that were ``made`` before.
 
     What was chosen first was chosen beside nothing: a load at the flange may have stood for a heavier first link and
-    the rotor of the second joint together.  ``count`` is how often chance might strike.
+    the rotor of the second joint together.  ``chances`` is how often chance might strike.
     """
     told = model.noteworthy
-    if len(told) < 2:
+    if not 2 <= len(told) <= MOST_EXCHANGED:
         return None
     for choice in told:
         without = model.without(choice)
@@ -57,7 +61,8 @@ def exchanged(model: Model, field: Field, count: int, least: float, made: Collec
             continue
         narrower = tuple(one for one in for_place_of(choice, field) if not _wider(one, choice.cause))
         own, rivals = in_place_of(without, own, narrower)
-        better = [rival for rival in rivals if rival.merit > own.merit + least and rival.passes(count)]
+        passing = [rival for rival in rivals if rival.passes(chances.among(rival.chosen.cause))]
+        better = [rival for rival in passing if rival.merit > own.merit + least]
         for rival in sorted(better, key=lambda trial: -trial.merit):
             kinds = (_kind(choice), _kind(rival.chosen))
             if kinds in made:

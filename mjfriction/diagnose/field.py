@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from mjfriction.diagnose.causes.cause import Cause, Site
@@ -54,6 +55,33 @@ def size(field: Field) -> int:
     strike.
     """
     return sum(entrant.cause.chances(entrant.sites) for entrant in field)
+
+
+@dataclass(frozen=True)
+class Chances:
+    """How often chance may strike in a field: ``whole`` times, and ``own`` times by each kind of cause.
+
+    The stated level of false alarms is shared out: one half equally among all candidates, the other equally among the
+    kinds of causes.  Of two thousand candidates most are shapes of waves; six torque constants need not stand out as if
+    they had been picked from all these.
+    """
+
+    whole: int
+    own: Mapping[type[Cause], int]
+
+    def among(self, cause: Cause) -> float:
+        """Return out of how many candidates one of a cause is picked: the inverse of its share of the level."""
+        if type(cause) not in self.own:
+            return float(self.whole)
+        return 2.0 / (1.0 / self.whole + 1.0 / (len(self.own) * self.own[type(cause)]))
+
+
+def chances_in(field: Field) -> Chances:
+    """Return how often chance may strike in a field."""
+    own: dict[type[Cause], int] = {}
+    for entrant in field:
+        own[type(entrant.cause)] = own.get(type(entrant.cause), 0) + entrant.cause.chances(entrant.sites)
+    return Chances(size(field), own)
 
 
 def present(model: Model, entrant: Entrant) -> int:

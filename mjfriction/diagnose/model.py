@@ -244,15 +244,22 @@ def partners(choice: Chosen, others: Iterable[Chosen]) -> list[Chosen]:
 
 def cause_block(gap: Gap, choice: Chosen) -> tuple[Columns, Floats]:
     """Return a cause's columns and the precision that keeps them from blowing up where the data say nothing."""
-    columns = choice.tangent.columns if choice.tangent else _drawn(gap, choice)
-    size = np.sqrt(sum(np.mean(np.square(values), axis=0) for values in columns.values()))
-    # What the motion does not show at all, as a moment along an axis that never leaves the vertical, stays at zero.
-    shown = size > UNSEEN * np.max(size)
+    straight = _drawn(gap, choice)
+    columns = choice.tangent.columns if choice.tangent else straight
+    size = _size(columns)
+    # What the motion does not show at all, as a moment along an axis that never leaves the vertical, stays at zero:
+    # of a tangent there is the error of its difference quotient.
+    seen = _size(straight)
+    shown = seen > UNSEEN * np.max(seen)
     if not np.all(shown):
         columns = {joint: values * shown for joint, values in columns.items()}
         size = np.where(shown, size, np.max(size))
     effort = np.sqrt(np.mean(np.square(gap.measured[:, seat(choice, columns)])))
     return columns, np.square(size / (PRIOR_SHARE * effort))
+
+
+def _size(columns: Columns) -> Floats:
+    return np.asarray(np.sqrt(sum(np.mean(np.square(values), axis=0) for values in columns.values())))
 
 
 def _drawn(gap: Gap, choice: Chosen) -> Columns:

@@ -10,6 +10,7 @@ from mjfriction.diagnose.causes.play import Play
 from mjfriction.diagnose.causes.varying import Varying
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, cause_block
+from mjfriction.diagnose.trial import strain
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.proof import measure_gain
 from mjfriction.record.log import Floats
@@ -32,13 +33,18 @@ def refused(model: Model) -> list[Chosen]:
 
 def proved(model: Model, choice: Chosen) -> bool:
     """Return whether a cause of a model gains on motion not fitted while joints move: at a joint that feels it, or at
-    all together, where others feel the links that stood in for it.
+    all together, where others feel the links that stood in for it; or whether it brings drives and links that did as
+    well without it nearer to what is stated than so many numbers more are worth.
 
     A joint at rest holds its friction at any level below Coulomb's, for as long as it rests: many rows that say one
     thing.  What is seen there alone, and not while the joint moves, is no finding.  Rows count by how sure they are.
     """
     gap, weight = model.gap, model.system.rows.weight
-    before, after = model.without(choice).heldout_residual() * weight, model.heldout_residual() * weight
+    without = model.without(choice)
+    price = len(choice.cause.quantities(gap, choice.site)) * float(np.log(gap.blocks.count))
+    if strain(without, without.strengths) - strain(model, model.strengths) > price:
+        return True
+    before, after = without.heldout_residual() * weight, model.heldout_residual() * weight
     moving = np.abs(gap.at_rows("velocity")) > gap.doubt_speed
     touched, _ = cause_block(gap, choice)
     return any(

@@ -19,7 +19,7 @@ from mjfriction.diagnose.exact import (
     relative_change,
     usually_off,
 )
-from mjfriction.diagnose.field import Field, in_place_of_levels, size
+from mjfriction.diagnose.field import Field, chances_in, in_place_of_levels
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Level
 from mjfriction.diagnose.one_factor import beside_factors, scaled_levels
@@ -78,6 +78,7 @@ def settle(model: Model, asked: Field) -> Settled:
         if trial is None or trial.chance > FALSE_ALARM or trial.gain <= 0.0:
             model = held
         elif trial.passes(field_size) and change[joint] > _bar(change, joint):
+            held, trial = _unmoved(model, held, trial)
             rival = _simpler(held, trial, asked)
             scaled = scaled_levels(model, held, trial, change) if rival is None else None
             if rival is not None:
@@ -114,7 +115,8 @@ def _unbent(model: Model, joint: int, asked: Field) -> Model | None:
     trials = contenders(held, in_place_of_levels(model.gap, joint)) if bends else []
     whole = model.gap.rms(model.heldout_residual()[:, joint], joint)
     for trial in trials:
-        if trial.passes(size(asked)) and _left_with(held, trial) < AS_GOOD * whole:
+        as_good = _left_with(held, trial) < AS_GOOD * whole
+        if as_good and trial.passes(chances_in(asked).among(trial.chosen.cause)):
             return build_model(held.gap, held.nuisance, (*rest, trial.chosen))
     return None
 
@@ -142,10 +144,23 @@ def _of_another_time(model: Model, level: Level, bar: float) -> bool:
     return False
 
 
+def _unmoved(model: Model, held: Model, own: Trial) -> tuple[Model, Trial]:
+    # With levels held, others' shapes move to make up for them, as a step to the begin of the log.  Where levels do
+    # less beside these than where the shapes were, they are to be compared there.
+    joint = own.chosen.site.joint
+    if _left_with(held, own) < AS_GOOD * model.gap.rms(model.heldout_residual()[:, joint], joint):
+        return held, own
+    there = build_model(model.gap, model.nuisance.without_level(joint), model.chosen)
+    trial = try_out(there, own.chosen)
+    return (held, own) if trial is None else (there, trial)
+
+
 def _simpler(held: Model, own: Trial, asked: Field) -> Chosen | None:
     joint = own.chosen.site.joint
     here = tuple(entrant for entrant in asked if entrant.joint == joint) + in_place_of_levels(held.gap, joint)
-    rivals = [trial for trial in contenders(held, here) if trial.passes(size(asked)) and trial.merit > own.merit]
+    chances = chances_in(asked)
+    passing = [one for one in contenders(held, here) if one.passes(chances.among(one.chosen.cause))]
+    rivals = [one for one in passing if one.merit > own.merit]
     best = max(rivals, key=lambda trial: trial.merit, default=None)
     return best.chosen if best is not None and _left_with(held, best) < AS_GOOD * _left_with(held, own) else None
 

@@ -75,10 +75,10 @@ class Trial:
     def _freedoms_of_chance(self) -> tuple[int, int]:
         return self.count, max(1, self.spare - self.count + 1)
 
-    def passes(self, candidates: int) -> bool:
+    def passes(self, candidates: float) -> bool:
         """Return whether the effect is beyond chance among so many candidates, and large enough to matter."""
         return (
-            self.chance < FALSE_ALARM / max(candidates, 1)
+            self.chance < FALSE_ALARM / max(candidates, 1.0)
             and self.share > LEAST_SHARE
             and self.effect > LEAST_EFFECT
             and self.of_friction > self.least_of_friction
@@ -117,7 +117,7 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
     shown = np.any([np.any(values != 0.0, axis=0) for values in columns.values()], axis=0)
     count = max(1, int(np.count_nonzero(shown)))
     wald = float(min(walds)) / count
-    relief = _strain(model, model.strengths) - _strain(model, fitted)
+    relief = strain(model, model.strengths) - strain(model, fitted)
     size = effects(model, choice, strengths, most)
     improvement, error = (before - after).sum(axis=0), before.sum(axis=0)
     least = least_of_friction(model, choice, _left_at(model, after[touched.index(most)], most))
@@ -192,7 +192,10 @@ def _left_of_noise(model: Model, normal: Normal, fitted: Floats) -> Floats:
     return np.asarray(np.divide(beside, without, out=np.ones_like(beside), where=without > 0.0))
 
 
-def _strain(model: Model, strengths: Floats) -> float:
-    # A link of half its stated mass fits as well as the cause it stands in for, but is as unlikely as its prior says.
+def strain(model: Model, strengths: Floats) -> float:
+    """Return how far refitted drives and links are from what is stated, in squares of what is the rule.
+
+    A link of half its stated mass fits as well as the cause it stands in for, but is as unlikely as that says.
+    """
     stated = model.nuisance.of_stated
     return float(np.sum(model.system.normal.precision[stated] * np.square(strengths[stated])))

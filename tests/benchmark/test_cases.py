@@ -164,6 +164,16 @@ def test_a_drive_that_others_and_links_could_stand_in_for_is_named(monkeypatch: 
     assert constant not in named(diagnosed(case))
 
 
+@pytest.mark.bench
+def test_a_drive_that_all_others_a_little_off_could_stand_in_for_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = draw_case(740096).case()  # with it at 0.94 the others are as stated; without, it is at 0.95 and they at 1.01
+    constant = ("drive.torque_constant", "joint3")
+    assert constant in {(one.cause, one.joint) for one in case.hidden}
+    assert constant in named(diagnosed(case))
+    monkeypatch.setattr(refusal, "strain", lambda model, strengths: 0.0)
+    assert constant not in named(diagnosed(case))
+
+
 def _at_one_joint(gains):
     return lambda gap, before, after, moving, joints: len(joints) == 1 and gains(gap, before, after, moving, joints)
 

@@ -11,7 +11,9 @@ from scipy.stats import f as fisher
 from mjfriction.diagnose.alike import AT_THE_BAR, _clearly
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.offset import Offset
+from mjfriction.diagnose.causes.waves import Cogging
 from mjfriction.diagnose.compete import KEPT, _stays
+from mjfriction.diagnose.field import Chances
 from mjfriction.diagnose.model import Chosen
 from mjfriction.diagnose.trial import FALSE_ALARM, Trial
 
@@ -28,7 +30,7 @@ def trial(chance: float) -> Trial:
 def test_what_was_chosen_stays_where_it_would_barely_not_be_chosen_anew(times: float, chosen: bool, kept: bool) -> None:
     own = trial(times * FALSE_ALARM / CANDIDATES)
     assert own.passes(CANDIDATES) is chosen
-    assert _stays(own, CANDIDATES) is kept
+    assert _stays(own, Chances(CANDIDATES, {})) is kept
     assert KEPT < 20
 
 
@@ -44,3 +46,11 @@ def test_the_larger_a_cause_is_over_what_it_has_to_be_the_surer_it_is() -> None:
     assert sure[3] > 0.9
     assert sure[4] == pytest.approx(1.0, abs=1e-3)
     assert _clearly(replace(trial(1e-9), least_of_friction=0.0)) == 1.0
+
+
+def test_the_level_of_false_alarms_is_shared_out_whole_and_few_candidates_do_not_pay_for_many() -> None:
+    chances = Chances(1792, {Offset: 6, Cogging: 1786})
+    shares = [chances.own[type(cause)] / chances.among(cause) for cause in (Offset(), Cogging())]
+    assert sum(shares) == pytest.approx(1.0)
+    assert chances.among(Offset()) < 25.0
+    assert chances.among(Cogging()) < 2.0 * 1792

@@ -16,7 +16,7 @@ from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.causes.whole_arm import Payload
 from mjfriction.diagnose.compete import NO_DIFFERENCE
 from mjfriction.diagnose.exchange import Kinds, exchanged
-from mjfriction.diagnose.field import Field, make_field, size
+from mjfriction.diagnose.field import Field, chances_in, make_field
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.tangent import straightened
@@ -68,7 +68,7 @@ def mistaken(tmp_path_factory: pytest.TempPathFactory) -> tuple[Model, Field]:
 
 def test_the_heavier_link_takes_the_place_of_the_load_that_stood_for_it(mistaken: tuple[Model, Field]) -> None:
     model, field = mistaken
-    exchange = exchanged(model, field, size(field), NO_DIFFERENCE)
+    exchange = exchanged(model, field, chances_in(field), NO_DIFFERENCE)
     assert exchange is not None
     other = exchange.model
     assert {(type(choice.cause), choice.site.joint) for choice in other.chosen} == {(RotorInertia, 1), (LinkScale, 0)}
@@ -80,14 +80,14 @@ def test_the_heavier_link_takes_the_place_of_the_load_that_stood_for_it(mistaken
 def test_the_right_causes_keep_their_places(mistaken: tuple[Model, Field]) -> None:
     model, field = mistaken
     right = build_model(model.gap, model.nuisance, (ROTOR, Chosen(LinkScale(), Site(0))))
-    assert exchanged(right, field, size(field), NO_DIFFERENCE) is None
+    assert exchanged(right, field, chances_in(field), NO_DIFFERENCE) is None
 
 
 def test_no_exchange_is_made_twice(mistaken: tuple[Model, Field]) -> None:
     # The search after it may lead back to what there was, again and again.
     model, field = mistaken
     made: list[Kinds] = []
-    while (exchange := exchanged(model, field, size(field), NO_DIFFERENCE, made)) is not None:
+    while (exchange := exchanged(model, field, chances_in(field), NO_DIFFERENCE, made)) is not None:
         assert exchange.kinds not in made
         made.append(exchange.kinds)
     assert ((Payload, 1), (LinkScale, 0)) in made
@@ -96,7 +96,7 @@ def test_no_exchange_is_made_twice(mistaken: tuple[Model, Field]) -> None:
 def test_a_lone_cause_keeps_its_place(mistaken: tuple[Model, Field]) -> None:
     # It won against all the others already.
     model, field = mistaken
-    assert exchanged(model.without(ROTOR), field, size(field), NO_DIFFERENCE) is None
+    assert exchanged(model.without(ROTOR), field, chances_in(field), NO_DIFFERENCE) is None
 
 
 def test_a_rival_is_named_however_far_the_cause_takes_the_links_from_where_they_were_drawn(

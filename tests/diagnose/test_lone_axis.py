@@ -85,3 +85,16 @@ def test_what_is_small_is_told_of_a_lone_axis_where_what_is_left_says_that_it_is
     columns["effort.swing"] = columns["effort.swing"] + 0.1 + wave * direction * uneven
     causes = {finding.cause for finding in diagnose_log(log_from_table(pa.table(columns), "swing"), robot).findings}
     assert ("drive.offset" in causes) is (wave == 0.0)
+
+
+def test_a_lone_pendulum_on_a_tilted_base_is_not_left_open(tmp_path: Path) -> None:
+    """Of a tilt it sees one direction, which is as good as its zero; the other is nothing to it, however bent."""
+    stated = pendulum(tmp_path, "stated", inertia=0.08, rotor=6e-5, coulomb=COULOMB)
+    tilted = (-9.81 * np.sin(0.16), 0.0, -9.81 * np.cos(0.16))
+    machine = Robot(stated.table.model_copy(update={"gravity": tilted}), stated.folder)
+    motion = excitation(("swing",), np.zeros(1), np.full(1, 1.2), np.full(1, 4.0), 40.0, seed=3)
+    columns = simulate(machine, motion, recorder=Recorder(250.0), controller_robot=stated, seed=1)
+    found = diagnose_log(log_from_table(pa.table(columns), "swing"), stated)
+    (finding,) = found.findings
+    assert {finding.cause, *finding.alternatives} >= {"body.gravity_direction", "sensor.encoder_offset"}
+    assert found.joints[0].rms_heldout_after < 1.1 * found.joints[0].noise_floor

@@ -12,7 +12,7 @@ from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.exact import usual_nuisance
-from mjfriction.diagnose.field import make_field, size
+from mjfriction.diagnose.field import chances_in, make_field
 from mjfriction.diagnose.model import Chosen, build_model
 from mjfriction.diagnose.trial import try_out
 from mjfriction.identify.gap import measure_gap
@@ -37,5 +37,5 @@ def test_a_bristle_that_cannot_be_does_not_take_the_rotor_with_it(tmp_path: Path
     # Either one is impossible beside what the bristle makes of the joint's level.
     assert try_out(model.without(rotor), rotor) is None
     assert try_out(model.without(bristle), bristle) is None
-    left = compete._pruned(model, size(make_field(gap, STRUCTURAL)))
+    left = compete._pruned(model, chances_in(make_field(gap, STRUCTURAL)))
     assert left.chosen == (rotor,)

@@ -15,7 +15,7 @@ from mjfriction.diagnose.causes.delay import JointDelay, LogDelay
 from mjfriction.diagnose.causes.load import Load
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.causes.varying import Step
-from mjfriction.diagnose.field import make_field, size
+from mjfriction.diagnose.field import chances_in, make_field
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.refusal import refused
@@ -130,10 +130,9 @@ def test_what_shows_only_beside_another_cause_is_asked_again_once_that_is_found(
 
         asked.clear()
         monkeypatch.setattr(compete, "proved", judged)
-        return [
-            one.key[:2]
-            for one in compete._forward(build_model(gap, known, ()), field, size(field), silently, compete.never).chosen
-        ]
+        bare, chances = build_model(gap, known, ()), chances_in(field)
+        grown = compete._forward(bare, field, chances, silently, compete.never)
+        return [one.key[:2] for one in grown.chosen]
 
     assert found(lambda chosen, name: True)[:2] == [larger, lesser]
     assert found(lambda chosen, name: name != larger[0] or lesser in chosen)[:2] == [lesser, larger]
