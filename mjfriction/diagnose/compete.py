@@ -16,7 +16,7 @@ from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.oscillations import new_oscillations
 from mjfriction.diagnose.refusal import proved, refused
 from mjfriction.diagnose.shapes import reshaped
-from mjfriction.diagnose.short_list import SHORT_LIST, all_tried, fairly, ranked
+from mjfriction.diagnose.short_list import SHORT_LIST, all_tried, fairly, passing, ranked
 from mjfriction.diagnose.tangent import straightened
 from mjfriction.diagnose.trial import Trial, try_out
 from mjfriction.identify.gap import Gap
@@ -106,8 +106,8 @@ def _forward(model: Model, field: Field, chances: Chances, tell: Tell, enough: C
 
 def _one_more(model: Model, field: Field, chances: Chances) -> tuple[Model | None, Field]:
     # The model with the best of the field that is proved, if any is, and the field without those that are not.
-    while passing := _passing(model, field, chances):
-        trials = fairly(model, passing)
+    while able := _passing(model, field, chances):
+        trials = fairly(model, able)
         while trials:
             best = _best(model, field, trials)
             more = build_model(model.gap, model.nuisance, (*model.chosen, best.chosen))
@@ -166,10 +166,9 @@ def _passing(model: Model, field: Field, chances: Chances) -> list[Trial]:
     # candidates there rank before what is plain at another.
     choices = ranked(model, field)
     for first in range(0, len(choices), SHORT_LIST):
-        short = all_tried(model, choices[first : first + SHORT_LIST])
-        passing = [trial for trial in short if trial.passes(chances.among(trial.chosen.cause))]
-        if passing:
-            return passing
+        best = passing(all_tried(model, choices[first : first + SHORT_LIST]), chances)
+        if best:
+            return best
     return []
 
 

@@ -14,7 +14,7 @@ from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.field import Field, chances_in
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
-from mjfriction.diagnose.short_list import contenders, fairly
+from mjfriction.diagnose.short_list import contenders, fairly, passing
 from mjfriction.diagnose.tangent import straightened
 from mjfriction.diagnose.trial import FEWEST_JOINTS
 from mjfriction.identify.gap import Gap
@@ -74,10 +74,10 @@ def held_links(model: Model, field: Field, changes: Mapping[int, float]) -> Mode
         return model
     held = model.without_links()
     asked = tuple(replace(one, cause=LoneLink()) if isinstance(one.cause, LinkScale) else one for one in field)
-    passing = [trial for trial in contenders(held, asked) if trial.passes(chances_in(asked).among(trial.chosen.cause))]
-    if not passing:
+    able = passing(contenders(held, asked), chances_in(asked))
+    if not able:
         return model
-    best = max(fairly(held, passing), key=lambda trial: trial.merit)
+    best = max(fairly(held, able), key=lambda trial: trial.merit)
     alone = straightened(build_model(held.gap, held.nuisance, (*held.chosen, best.chosen)))
     return alone if _as_good(alone, model, held) else model
 

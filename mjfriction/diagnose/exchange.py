@@ -9,7 +9,7 @@ from mjfriction.diagnose.causes.cause import Cause
 from mjfriction.diagnose.field import Chances, Entrant, Field
 from mjfriction.diagnose.model import Chosen, Model, build_model, partners
 from mjfriction.diagnose.refusal import proved
-from mjfriction.diagnose.short_list import contenders, fairly
+from mjfriction.diagnose.short_list import contenders, fairly, passing
 from mjfriction.diagnose.trial import Trial, try_out
 
 MOST_EXCHANGED = 8  # causes of a model: of a longer list none is believed much, and each exchange takes a search anew
@@ -61,8 +61,7 @@ def exchanged(
             continue
         narrower = tuple(one for one in for_place_of(choice, field) if not _wider(one, choice.cause))
         own, rivals = in_place_of(without, own, narrower)
-        passing = [rival for rival in rivals if rival.passes(chances.among(rival.chosen.cause))]
-        better = [rival for rival in passing if rival.merit > own.merit + least]
+        better = [rival for rival in passing(rivals, chances) if rival.merit > own.merit + least]
         for rival in sorted(better, key=lambda trial: -trial.merit):
             kinds = (_kind(choice), _kind(rival.chosen))
             if kinds in made:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mjfriction.diagnose.field import Entrant, Field, present
+from mjfriction.diagnose.field import Chances, Entrant, Field, present
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.shapes import apart, best_shape
 from mjfriction.diagnose.tangent import straightened
@@ -40,6 +40,11 @@ def all_tried(model: Model, choices: list[Chosen]) -> list[Trial]:
     """Return the trials of candidates, each at its best shape; what nature does not allow has none."""
     trials = [_tried(model, choice) for choice in choices]
     return [trial for trial in trials if trial is not None]
+
+
+def passing(trials: list[Trial], chances: Chances) -> list[Trial]:
+    """Return those of the trials that are beyond chance, as often as it might strike, and large enough to matter."""
+    return [trial for trial in trials if trial.passes(chances.among(trial.chosen.cause))]
 
 
 def ranked(model: Model, field: Field) -> list[Chosen]:

@@ -25,7 +25,7 @@ from mjfriction.diagnose.nuisance import Level
 from mjfriction.diagnose.one_factor import beside_factors, scaled_levels
 from mjfriction.diagnose.refusal import BENDING
 from mjfriction.diagnose.shapes import reshaped
-from mjfriction.diagnose.short_list import contenders
+from mjfriction.diagnose.short_list import contenders, passing
 from mjfriction.diagnose.trial import FALSE_ALARM, Trial, try_out
 
 MOST_LINK_CHANGE = 0.8  # past which a scaled link is no link any more, and the fit a sign of something else
@@ -114,9 +114,8 @@ def _unbent(model: Model, joint: int, asked: Field) -> Model | None:
     held = build_model(model.gap, model.nuisance.without_level(joint), rest)
     trials = contenders(held, in_place_of_levels(model.gap, joint)) if bends else []
     whole = model.gap.rms(model.heldout_residual()[:, joint], joint)
-    for trial in trials:
-        as_good = _left_with(held, trial) < AS_GOOD * whole
-        if as_good and trial.passes(chances_in(asked).among(trial.chosen.cause)):
+    for trial in passing(trials, chances_in(asked)):
+        if _left_with(held, trial) < AS_GOOD * whole:
             return build_model(held.gap, held.nuisance, (*rest, trial.chosen))
     return None
 
@@ -158,9 +157,7 @@ def _unmoved(model: Model, held: Model, own: Trial) -> tuple[Model, Trial]:
 def _simpler(held: Model, own: Trial, asked: Field) -> Chosen | None:
     joint = own.chosen.site.joint
     here = tuple(entrant for entrant in asked if entrant.joint == joint) + in_place_of_levels(held.gap, joint)
-    chances = chances_in(asked)
-    passing = [one for one in contenders(held, here) if one.passes(chances.among(one.chosen.cause))]
-    rivals = [one for one in passing if one.merit > own.merit]
+    rivals = [one for one in passing(contenders(held, here), chances_in(asked)) if one.merit > own.merit]
     best = max(rivals, key=lambda trial: trial.merit, default=None)
     return best.chosen if best is not None and _left_with(held, best) < AS_GOOD * _left_with(held, own) else None
 
