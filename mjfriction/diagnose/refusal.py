@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mjfriction.diagnose.causes.delay import JointDelay, late
 from mjfriction.diagnose.causes.play import Play
@@ -11,9 +10,7 @@ from mjfriction.diagnose.causes.varying import Varying
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, cause_block
 from mjfriction.diagnose.trial import strain
-from mjfriction.identify.gap import Gap
 from mjfriction.identify.proof import measure_gain
-from mjfriction.record.log import Floats
 
 BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "friction.presliding", "friction.asymmetry"})
 PROOF_SEED = 0  # of the resampling by which a gain is held against zero
@@ -32,9 +29,8 @@ def refused(model: Model) -> list[Chosen]:
 
 
 def proved(model: Model, choice: Chosen) -> bool:
-    """Return whether a cause of a model gains on motion not fitted while joints move: at a joint that feels it, or at
-    all together, where others feel the links that stood in for it; or whether it brings drives and links that did as
-    well without it nearer to what is stated than so many numbers more are worth.
+    """Return whether a cause of a model gains on motion not fitted while joints move, or brings drives and links that
+    did as well without it nearer to what is stated than so many numbers more are worth.
 
     A joint at rest holds its friction at any level below Coulomb's, for as long as it rests: many rows that say one
     thing.  What is seen there alone, and not while the joint moves, is no finding.  Rows count by how sure they are.
@@ -48,16 +44,10 @@ def proved(model: Model, choice: Chosen) -> bool:
     moving = np.abs(gap.at_rows("velocity")) > gap.doubt_speed
     touched, _ = cause_block(gap, choice)
     return any(
-        _gains(gap, before, after, moving, joints) for joints in (*([joint] for joint in touched), list(gap.examined))
+        measure_gain(before[own, joint], after[own, joint], gap.blocks.row[own], PROOF_SEED).low > 0.0
+        for joint, own in ((joint, moving[:, joint]) for joint in touched)
+        if np.any(own)
     )
-
-
-def _gains(gap: Gap, before: Floats, after: Floats, moving: NDArray[np.bool_], joints: list[int]) -> bool:
-    row, at = np.nonzero(moving[:, joints])
-    if row.size == 0:
-        return False
-    here = (row, np.array(joints)[at])
-    return measure_gain(before[here], after[here], gap.blocks.row[row], PROOF_SEED).low > 0.0
 
 
 def _dissolved(model: Model) -> list[Chosen]:

@@ -152,30 +152,19 @@ def test_play_behind_a_payload_is_drawn_with_it(monkeypatch: pytest.MonkeyPatch)
 
 
 @pytest.mark.bench
-def test_a_drive_that_others_and_links_could_stand_in_for_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    case = draw_case(740047).case()
-    (hidden,) = case.hidden
-    constant = ("drive.torque_constant", "elbow_joint")
-    (finding,) = diagnosed(case).findings
-    assert (finding.cause, finding.joint) == constant
-    assert finding.parameters[0].value == pytest.approx(1.0 + hidden.strength, abs=0.1 * hidden.strength)
-    # Without it two other drives and a link take its place, which their joints feel and its own does not.
-    monkeypatch.setattr(refusal, "_gains", _at_one_joint(refusal._gains))
-    assert constant not in named(diagnosed(case))
-
-
-@pytest.mark.bench
-def test_a_drive_that_all_others_a_little_off_could_stand_in_for_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    case = draw_case(740096).case()  # with it at 0.94 the others are as stated; without, it is at 0.95 and they at 1.01
-    constant = ("drive.torque_constant", "joint3")
-    assert constant in {(one.cause, one.joint) for one in case.hidden}
-    assert constant in named(diagnosed(case))
+@pytest.mark.parametrize(("seed", "joint"), [(740047, "elbow_joint"), (740096, "joint3")])
+def test_a_drive_that_others_and_links_could_stand_in_for_is_named(
+    seed: int, joint: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two other drives and a link 25 % off, or all other drives 1 % off, did as well on motion not fitted."""
+    case = draw_case(seed).case()
+    constant = ("drive.torque_constant", joint)
+    (strength,) = (one.strength for one in case.hidden if (one.cause, one.joint) == constant)
+    findings = {(one.cause, one.joint): one.parameters[0].value for one in diagnosed(case).findings}
+    assert {one.joint for one in case.hidden} == {named_joint for _, named_joint in findings}
+    assert abs(findings[constant] - 1.0) == pytest.approx(strength, rel=0.1)
     monkeypatch.setattr(refusal, "strain", lambda model, strengths: 0.0)
     assert constant not in named(diagnosed(case))
-
-
-def _at_one_joint(gains):
-    return lambda gap, before, after, moving, joints: len(joints) == 1 and gains(gap, before, after, moving, joints)
 
 
 @pytest.mark.bench
