@@ -50,6 +50,7 @@ def test_a_level_that_falls_like_a_step_is_no_stribeck_curve(tmp_path: Path) -> 
     assert all(value < 3.9 for value in exponents)
 
 
+@pytest.mark.bench
 def test_the_best_of_curved_rivals_is_taken_on_the_real_balance(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

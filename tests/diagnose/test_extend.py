@@ -36,6 +36,7 @@ def test_the_robot_file_predicts_what_the_fit_left(off: float, tmp_path: Path) -
     np.testing.assert_allclose(again, diagnosis.residual_after, atol=1e-4 * np.abs(gap.measured).max())
 
 
+@pytest.mark.bench
 def test_a_scaled_sensor_scales_what_lies_before_it(tmp_path: Path) -> None:
     machine = Machine(hidden={1: lambda i: 0.15 * (i.rigid + i.friction)})
     log_path, robot_path = write_case(tmp_path, machine, seed=3)

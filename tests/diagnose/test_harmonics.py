@@ -36,6 +36,7 @@ def test_a_wave_of_little_more_than_a_period_is_one_wave(tmp_path: Path, monkeyp
     assert [own.cause for own in found(wavenumber).findings] != ["drive.cogging"]
 
 
+@pytest.mark.bench
 def test_friction_that_rises_along_the_stroke_is_half_a_wave(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     machine, lift = Machine(noise=0.2, hidden={1: lambda own: 3.0 * own.q * np.sign(own.v)}), "shoulder_lift_joint"
     log, robot = write_case(tmp_path, machine, seed=4)

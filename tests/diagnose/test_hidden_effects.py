@@ -286,7 +286,7 @@ def test_a_payload_is_weighed_and_placed(off: float, tmp_path: Path) -> None:
     assert payload.com == pytest.approx((0.0, 0.05, 0.03), abs=0.003)
 
 
-@pytest.mark.parametrize("by_temperature", [False, True])
+@pytest.mark.parametrize("by_temperature", [pytest.param(False, marks=pytest.mark.bench), True])
 def test_stated_levels_may_be_those_of_a_warm_joint(by_temperature: bool, tmp_path: Path) -> None:
     def cold(i: Instant) -> np.ndarray:
         return 0.4 * np.exp(-i.time / 25.0) * (UR5_COULOMB[2] * np.sign(i.v) + UR5_VISCOUS[2] * i.v)
@@ -354,6 +354,7 @@ def on_the_axis(model: mujoco.MjModel) -> None:
     model.body_mass[body] = mass + 1.5
 
 
+@pytest.mark.bench
 def test_a_payload_that_the_last_joint_does_not_feel_is_no_link(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -416,7 +417,7 @@ def late(seconds: float) -> Callable[[Instant], np.ndarray]:
     return lambda i: np.interp(i.time - seconds, i.time, i.rigid + i.friction) - (i.rigid + i.friction)
 
 
-@pytest.mark.parametrize(("early", "told"), [(0.02, True), (0.06, False)])
+@pytest.mark.parametrize(("early", "told"), [pytest.param(0.02, True, marks=pytest.mark.bench), (0.06, False)])
 def test_one_effort_comes_early_by_no_more_than_a_filter_of_positions(early: float, told: bool, tmp_path: Path) -> None:
     log, robot = write_case(tmp_path, Machine(hidden={2: late(-early)}), 5, seconds=40.0)
     found = {(one.cause, one.joint) for one in diagnose_log(read_log(log), read_robot(robot)).findings}

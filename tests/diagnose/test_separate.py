@@ -104,6 +104,7 @@ def test_play_that_the_load_never_crosses_is_a_zero_that_is_off() -> None:
     assert [(f.cause, f.joint, f.alternatives) for f in second.findings] == [("drive.backlash", "elbow_joint", ())]
 
 
+@pytest.mark.bench
 def test_a_zero_that_is_off_against_the_load_is_no_play() -> None:
     stated = noisy(read_robot("ur5"), 0.1)
     found = {}

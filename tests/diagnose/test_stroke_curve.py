@@ -98,6 +98,7 @@ def test_two_waves_of_friction_are_told_where_their_periods_are_known(monkeypatc
     assert stroke_curve.vague_waves(model) == {waves[0].key}  # type: ignore[arg-type]
 
 
+@pytest.mark.bench
 def test_waves_of_friction_that_are_vague_are_no_findings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def waves(i):  # type: ignore[no-untyped-def]
         return (1.8 * np.cos(4.0 * i.q) + 1.5 * np.cos(11.0 * i.q)) * np.sign(i.v)

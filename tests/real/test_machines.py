@@ -80,6 +80,7 @@ def ur10_parts(data: Path) -> tuple[Log, Log]:
     return parts(data)
 
 
+@pytest.mark.bench
 def test_a_ur10_that_is_wrong_everywhere_is_predicted_on_motion_not_fitted(
     ur10_parts: tuple[Log, Log], data: Path
 ) -> None:
