@@ -17,9 +17,8 @@ JUMPS_TOO = 0.5  # of what a jump adds to the rate of change, that a measured ve
 def without_jumps(log: Log, motion: Motion, plays: Mapping[int, tuple[float, Floats]]) -> Motion:
     """Return the motion of a log as it would be had its position sensors not jumped.
 
-    ``plays`` are, by joint, by how much they do (rad or m), and the course of
-    :class:`~mjfriction.record.jumps.Jumps` along the ``motion``
-    that was estimated with the jumps.  A measured velocity that jumped along is left out.
+    ``plays`` are, by joint, by how much they do (rad or m), and the course of :class:`~mjfriction.record.jumps.Jumps`
+    along the ``motion`` that was estimated with the jumps.  A measured velocity that jumped along is left out.
     """
     columns = dict(log.columns)
     for joint, (play, course) in plays.items():

@@ -8,6 +8,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
+from mjfriction.diagnose import exchange as exchange_module
 from mjfriction.diagnose.alike import standing
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
@@ -107,3 +108,9 @@ def test_a_rival_is_named_however_far_the_cause_takes_the_links_from_where_they_
     stands = standing(model, model.chosen[0], field)
     assert stands.alternatives == ("body.link_inertia",)
     assert stands.confidence == pytest.approx(0.5)
+
+
+def test_none_of_a_long_list_is_exchanged(mistaken: tuple[Model, Field], monkeypatch: pytest.MonkeyPatch) -> None:
+    model, field = mistaken
+    monkeypatch.setattr(exchange_module, "MOST_EXCHANGED", 1)
+    assert exchanged(model, field, chances_in(field), NO_DIFFERENCE) is None
