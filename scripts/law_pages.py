@@ -41,7 +41,8 @@ Start with `coulomb_viscous`. Go further when something it cannot show matters t
   drift under vibration. `dahl` for rolling bearings. `maxwell_slip` where the loop's shape and its memory of reversals
   matter and speed does not; `gms` (or `leuven`) where both do. `dwell_time` where a long rest makes the first move
   harder.
-- **A hydraulic cylinder**: `pressure` when chamber pressures are measured, `static_kinetic` when they are not.
+- **A hydraulic cylinder**: `pressure` or, where both directions are alike, `pressed_seals` when chamber pressures are
+  measured; `static_kinetic` when they are not.
 
 A joint may carry several laws; their torques add.
 
@@ -53,12 +54,14 @@ Any law of a robot file can be wrapped without becoming another law:
 friction = { law = "lugre", side = "motor", parameters = { ... },
              negative = { coulomb = 3.1, static = 4.0 },               # what differs when the joint moves backward
              level = { per_load = 0.004, per_kelvin = -0.003, reference_temperature = 25.0,
-                       waves = [ { wavenumber = 2.0, cosine = 0.05 } ] } }
+                       waves = [ { wavenumber = 2.0, cosine = 0.05 } ] },
+             load_includes_rotor = false }
 ```
 
 `side = "motor"` sees the joint through its gear: velocity times the ratio, load divided by it, torque back times the
 ratio. `level` multiplies all of the law but its linear damping by 1 + per_load·|τ_load| + per_kelvin·(T − T₀) + the
-waves. `negative` runs one copy of an odd law for each direction, max(τ⁺, 0) + min(τ⁻, 0).
+waves. τ_load is what passes the transmission to the links; with `load_includes_rotor` what the drive's own rotor takes is
+counted in. `negative` runs one copy of an odd law for each direction, max(τ⁺, 0) + min(τ⁻, 0).
 """
 
 COSTS = """## What they cost

@@ -27,6 +27,7 @@ from mjfriction.laws.lugre_smooth import LUGRE_SMOOTH
 from mjfriction.laws.maxwell_slip import MAXWELL_SLIP
 from mjfriction.laws.position_dependent import POSITION_DEPENDENT
 from mjfriction.laws.power_viscous import POWER_VISCOUS
+from mjfriction.laws.pressed_seals import PRESSED_SEALS
 from mjfriction.laws.pressure import PRESSURE
 from mjfriction.laws.quadratic_viscous import QUADRATIC_VISCOUS
 from mjfriction.laws.saturating_viscous import SATURATING_VISCOUS
@@ -63,6 +64,7 @@ LAWS: dict[str, Law] = {
         LEUVEN,
         GMS,
         DWELL_TIME,
+        PRESSED_SEALS,
     )
 }
 

@@ -26,6 +26,7 @@ from mjfriction.laws import (
     maxwell_slip,
     position_dependent,
     power_viscous,
+    pressed_seals,
     pressure,
     quadratic_viscous,
     saturating_viscous,
@@ -93,6 +94,8 @@ def steady_of(number: int, v: float, ambient: Floats, p: Floats) -> float:  # no
         return gms.steady(v, ambient, p)
     if number == 25:
         return dwell_time.steady(v, ambient, p)
+    if number == 26:
+        return pressed_seals.steady(v, ambient, p)
     return float("nan")
 
 
@@ -167,4 +170,6 @@ def advance_of(  # noqa: PLR0911, PLR0912
         return gms.advance(v, ambient, z, h, p, z_next)
     if number == 25:
         return dwell_time.advance(v, ambient, z, h, p, z_next)
+    if number == 26:
+        return pressed_seals.advance(v, ambient, z, h, p, z_next)
     return float("nan"), 0.0

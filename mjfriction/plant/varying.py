@@ -8,7 +8,7 @@ from mjfriction.laws.ambient import ROOM_TEMPERATURE
 from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
 from mjfriction.laws.friction import Friction
 from mjfriction.laws.law import Floats
-from mjfriction.laws.pressure import PRESSURE
+from mjfriction.laws.pressed_seals import PRESSED_SEALS
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.record.log import HEAD_PRESSURE, PUSH, ROD_PRESSURE, TEMPERATURE
 from mjfriction.robot.friction import raised_levels, with_term
@@ -101,15 +101,10 @@ class Surrounding:
 
 
 def with_pressed_seals(robot: Robot) -> Robot:
-    """Return the robot with friction that chambers press on written as the law that reads their pressures.
-
-    head·p₁ + rod·p₂ is law (2) with x₃ = ±head by direction and x₄ = head + rod.
-    """
+    """Return the robot with friction that chambers press on written as the law that reads their pressures."""
     for joint in robot.table.joint:
-        head, rod = joint.pressure_friction.head, joint.pressure_friction.rod
-        if head or rod:
-            values = {"level_extending": 0.0, "level_retracting": 0.0}
-            for way, sign in (("extending", 1.0), ("retracting", -1.0)):
-                values |= {f"pressure_difference_{way}": sign * head, f"rod_pressure_{way}": head + rod}
-            robot = with_term(robot, joint.name, PRESSURE.name, values)
+        pressed = joint.pressure_friction.model_dump()
+        if any(pressed.values()):
+            values = {"coulomb": 0.0, "viscous": 0.0, **pressed}
+            robot = with_term(robot, joint.name, PRESSED_SEALS.name, values)
     return robot

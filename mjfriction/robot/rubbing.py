@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from mjfriction.laws.ambient import ROOM_TEMPERATURE, ambient
 from mjfriction.laws.friction import Friction
 from mjfriction.laws.law import Floats
+from mjfriction.record.log import HEAD_PRESSURE, ROD_PRESSURE
 from mjfriction.record.motion import SURE, Motion
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import FrictionTerm, Joint, Wave
@@ -103,9 +104,9 @@ def varying_friction(joint: Joint, motion: Motion, index: int, forward: Floats) 
         after = time >= event.time
         level, rate = level + event.coulomb * after, rate + event.viscous * after
     pressed = joint.pressure_friction
-    for name, per_pascal in (("pressure_head", pressed.head), ("pressure_rod", pressed.rod)):
-        if per_pascal:
-            level = level + per_pascal * motion.columns.get(f"{name}.{joint.name}", 0.0)
+    if pressed.head or pressed.rod or pressed.difference:
+        head, rod = (motion.columns.get(f"{name}.{joint.name}", 0.0) for name in (HEAD_PRESSURE, ROD_PRESSURE))
+        level = level + pressed.head * head + pressed.rod * rod + pressed.difference * np.abs(head - rod)
     return np.asarray(level * forward + rate * velocity)
 
 

@@ -217,10 +217,13 @@ class Event(Table):
 
 
 class PressureFriction(Table):
-    """Friction that the chambers press on: (``head`` · p₁ + ``rod`` · p₂) · sgn q̇, N or N·m per Pa."""
+    """Friction that the chambers press on: (``head`` · p₁ + ``rod`` · p₂ + ``difference`` · |p₁ − p₂|) · sgn q̇, N or
+    N·m per Pa.
+    """
 
     head: Finite = 0.0
     rod: Finite = 0.0
+    difference: Finite = 0.0
 
 
 class Coupling(Table):

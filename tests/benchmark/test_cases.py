@@ -179,10 +179,16 @@ def test_a_play_of_a_third_of_a_millimetre_is_found() -> None:
 
 
 @pytest.mark.bench
-def test_seals_under_pressure_are_named_on_a_cylinder() -> None:
+@pytest.mark.parametrize(("seed", "grows"), [(20, {"difference"}), (24, {"head", "rod"})])
+def test_seals_under_pressure_are_named_on_a_cylinder(seed: int, grows: set[str]) -> None:
     setting = Setting("hydraulic_cylinder", seconds=14.0, rate=250.0, noise=0.1)
-    case = make_case(10, setting, (draw_of("hydraulic.pressure"),), SEVERITY["large"])
-    assert named(diagnosed(case)) == {("hydraulic.pressure", "piston")}
+    case = make_case(seed, setting, (draw_of("hydraulic.pressure"),), SEVERITY["large"])
+    (finding,) = diagnosed(case).findings
+    assert (finding.cause, finding.joint) == ("hydraulic.pressure", "piston")
+    hidden = case.machine.joint("piston").pressure_friction.model_dump()
+    assert {value.name for value in finding.parameters} == grows
+    for value in finding.parameters:
+        assert value.value == pytest.approx(hidden[value.name], rel=0.1)
 
 
 def test_an_alternative_is_a_hit_and_no_false_alarm() -> None:

@@ -147,6 +147,7 @@ def test_the_numbers_of_laws_never_change() -> None:
     coulomb coulomb_viscous static_kinetic stribeck lorentzian quadratic_viscous power_viscous saturating_viscous
     asymmetric load_dependent geared_load temperature_dependent position_dependent arctan arctan_load pressure
     dahl lugre lugre_lorentzian lugre_arctan lugre_smooth elasto_plastic maxwell_slip leuven gms dwell_time
+    pressed_seals
     """
     assert list(LAWS) == order.split()
     assert math.isnan(steady_of(len(LAWS), 1.0, ROOM, np.zeros(3)))
@@ -207,7 +208,14 @@ def test_hidden_values_are_recovered_within_the_stated_interval(law: Law) -> Non
     truth = law.pack(values)
     t = np.arange(0.0, 6.0, 2e-3)
     v = 0.5 * np.sin(3.0 * t) * np.sin(0.5 * t) + 1e-3 * np.sin(31.0 * t) * (t < 2.0)
-    around = ambient(t.size, load=5.0 * np.sin(2.1 * t), position=np.cumsum(v) * 2e-3, temperature=20.0 + 5.0 * t)
+    around = ambient(
+        t.size,
+        load=5.0 * np.sin(2.1 * t),
+        position=np.cumsum(v) * 2e-3,
+        temperature=20.0 + 5.0 * t,
+        pressure_head=4e6 + 2e6 * np.sin(1.3 * t),
+        pressure_rod=4e6 + 2e6 * np.sin(2.9 * t),
+    )
     fixed = [law.index(name) for name in ("sign_sharpness", "reference_temperature", "damping_velocity")]
     fixed += [law.index("rise_time"), law.index("static_rested")] if law.name == "dwell_time" else []
     fixed += [truth.size - 2, truth.size - 1] if law.name == "leuven" else []  # it slides before its elements slip

@@ -409,6 +409,25 @@ def test_seals_press_with_the_chambers_and_each_way_is_its_own() -> None:
     assert law.steady(-0.2, around, p) == pytest.approx(-(200.0 - 3e-5 * 4e6 + 40.0 * 0.2))
 
 
+def test_seals_press_with_what_they_hold() -> None:
+    law = LAWS["pressed_seals"]
+    p = law.pack({"coulomb": 100.0, "viscous": 40.0, "head": 1e-5, "rod": 2e-5, "difference": 3e-5})
+    for head, rod in ((6e6, 2e6), (2e6, 6e6)):
+        level = 100.0 + 1e-5 * head + 2e-5 * rod + 3e-5 * 4e6
+        around = ambient(1, pressure_head=head, pressure_rod=rod)[0]
+        assert law.steady(0.2, around, p) == pytest.approx(level + 8.0)
+        assert law.steady(-0.2, around, p) == pytest.approx(-level - 8.0)
+    # Without the piston's it is law (2) with x₃ = ±h and x₄ = h + r.
+    second = {f"{name}_{way}": 0.0 for name in ("level",) for way in ("extending", "retracting")}
+    for way, sign in (("extending", 1.0), ("retracting", -1.0)):
+        second |= {f"pressure_difference_{way}": sign * 1e-5, f"rod_pressure_{way}": 3e-5}
+    around = ambient(1, pressure_head=6e6, pressure_rod=2e6)[0]
+    chambers = law.pack({"coulomb": 0.0, "viscous": 0.0, "head": 1e-5, "rod": 2e-5, "difference": 0.0})
+    for speed in (0.3, -0.3):
+        own = LAWS["pressure"]
+        assert law.steady(speed, around, chambers) == pytest.approx(own.steady(speed, around, own.pack(second)))
+
+
 def test_a_gear_loses_more_driving_than_driven() -> None:
     law = LAWS["geared_load"]
     p = law.pack({"coulomb": 1.0, "load_driving": 0.2, "load_braking": 0.05, "viscous": 0.0})

@@ -7,12 +7,9 @@ import numpy as np
 from mjfriction.benchmark.effects.effect import Effect, Place, on_joint, sign, updated, wave_along
 from mjfriction.robot.friction import raised_levels, with_asymmetric_damping, with_friction_wave, with_term
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import (
-    Event,
-    PressureFriction,
-    Thermal,
-    WarmUp,
-)
+from mjfriction.robot.schema import Event, PressureFriction, Thermal, WarmUp
+
+CHAMBERS = 0.6  # of the cases with seals, in which either chamber presses its own; else the piston's seal presses
 
 
 def coulomb_viscous(rng: np.random.Generator, place: Place) -> Effect:
@@ -146,11 +143,12 @@ def pressure(rng: np.random.Generator, place: Place) -> Effect:
     slow = 2.0 * np.pi * rng.uniform(0.05, 0.3, (2, 3))
     phase = rng.uniform(0.0, 2.0 * np.pi, (2, 3))
     courses = 4e6 + 8e5 * np.sin(place.time[:, None, None] * slow + phase).sum(axis=2)
-    shares = rng.uniform(0.2, 1.0, 2)
+    head, rod = (rng.uniform(0.2, 1.0, 2) * place.coulomb / 4e6).tolist()
+    pressed = {"head": head, "rod": rod} if rng.random() < CHAMBERS else {"difference": head + rod}
 
     def change(robot: Robot, a: float) -> Robot:
-        head, rod = a * place.coulomb * shares / 4e6
-        return updated(robot, place.joint, pressure_friction=PressureFriction(head=float(head), rod=float(rod)))
+        grown = PressureFriction(**{name: a * per_pascal for name, per_pascal in pressed.items()})
+        return updated(robot, place.joint, pressure_friction=grown)
 
     ambient = {f"pressure_{side}.{place.joint}": courses[:, i] for i, side in enumerate(("head", "rod"))}
     return on_joint("hydraulic.pressure", place, change, 0.5, 4.0, ambient)

@@ -16,12 +16,13 @@ from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
 from mjfriction.diagnose.causes.load import DriveLoad, Load
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.presliding import Presliding
+from mjfriction.diagnose.causes.pressure import PistonPressure, Pressure
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.causes.saturating_viscous import SaturatingViscous
 from mjfriction.diagnose.causes.spring import BentSpring, Spring
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
-from mjfriction.diagnose.causes.varying import Pressure, Step, Warming, WarmUpDrift
+from mjfriction.diagnose.causes.varying import Step, Warming, WarmUpDrift
 from mjfriction.diagnose.causes.viscous_nonlinear import ViscousNonlinear
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.causes.whole_arm import GravityDirection, Payload
@@ -42,6 +43,7 @@ STRUCTURAL: tuple[Cause, ...] = (
     WarmUpDrift(),
     Step(),
     Pressure(),
+    PistonPressure(),
     Cogging(),
     Offset(),
     RotorInertia(),

@@ -1,5 +1,5 @@
 """Friction that varies with what surrounds it: temperature or running time (friction.temperature), a moment at which it
-steps (event.change), and chamber pressures (hydraulic.pressure).
+steps (event.change).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import warmed
-from mjfriction.robot.schema import Event, PressureFriction, Thermal, WarmUp
+from mjfriction.robot.schema import Event, Thermal, WarmUp
 
 COULOMB = Parameter("coulomb", "{force}", "change of the Coulomb level")
 VISCOUS = Parameter("viscous", "{force}·s/{length}", "change of the damping")
@@ -27,8 +27,6 @@ COULOMB_PER_KELVIN = Parameter("coulomb_per_kelvin", "{force}/K", "growth of the
 VISCOUS_PER_KELVIN = Parameter("viscous_per_kelvin", "{force}·s/({length}·K)", "growth of the damping with temperature")
 TIME_CONSTANT = Parameter("time_constant", "s", "time after which 63 % of the change is over", lower=1e-3)
 MOMENT = Parameter("time", "s", "moment of the step, on the log's clock")
-HEAD = Parameter("head", "{force}/Pa", "growth of the level with the pressure on the head's side")
-ROD = Parameter("rod", "{force}/Pa", "growth of the level with the pressure on the rod's side")
 
 LEAST_WARMING = 1.0  # K over a log, below which nothing is seen of it
 SPEEDS = (0.1, 0.9)  # quantiles of a joint's speed, between which friction rises or falls as a whole
@@ -221,43 +219,3 @@ class Step(Varying):
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give the moment and the step."""
         return f"at {site.shape[0]:.4g} s friction steps by {_words(strengths, gap.body.sliding[site.joint])} and stays"
-
-
-@final
-class Pressure(JointCause):
-    """(h·p₁ + r·p₂)·sgn v."""
-
-    name = "hydraulic.pressure"
-    covariate = "velocity"
-
-    def sites(self, gap: Gap) -> list[Site]:
-        """Every moving joint whose chamber pressures were logged."""
-        return [site for site in super().sites(gap) if all(p is not None for p in self._pressures(gap, site))]
-
-    def _pressures(self, gap: Gap, site: Site) -> list[Floats | None]:
-        joint = gap.robot.joints[site.joint]
-        return [gap.motion.columns.get(f"{name}.{joint}") for name in ("pressure_head", "pressure_rod")]
-
-    def samples(self, gap: Gap, site: Site) -> Floats:
-        """The two pressures in the direction of motion, (n, 2)."""
-        forward = gap.forward(site.joint)
-        return np.column_stack([forward * np.asarray(pressure) for pressure in self._pressures(gap, site)])
-
-    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """Growth with either pressure, stated plus change."""
-        stated = gap.robot.table.joint[site.joint].pressure_friction
-        return (Quantity(HEAD, shift=stated.head), Quantity(ROD, shift=stated.rod))
-
-    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Move the joint's growth with pressure."""
-        joint = robot.joints[site.joint]
-        table = robot.joint(joint)
-        stated = table.pressure_friction
-        changed = PressureFriction(head=stated.head + float(strengths[0]), rod=stated.rod + float(strengths[1]))
-        return robot.with_joint(table.model_copy(update={"pressure_friction": changed}))
-
-    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
-        """Give what ten bar add."""
-        unit = "N" if gap.body.sliding[site.joint] else "N·m"
-        head, rod = 1e6 * strengths
-        return f"friction grows by {head:.3g} {unit} per 10 bar on the head's side and {rod:.3g} {unit} on the rod's"

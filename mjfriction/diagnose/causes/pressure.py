@@ -1,0 +1,87 @@
+"""hydraulic.pressure: friction grows with the pressures in the chambers, or with what the piston's seal holds."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import ClassVar, final
+
+import numpy as np
+
+from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site
+from mjfriction.identify.gap import Gap
+from mjfriction.laws.pressed_seals import PRESSED_SEALS
+from mjfriction.record.log import HEAD_PRESSURE, ROD_PRESSURE, Floats
+from mjfriction.robot.robot import Robot
+
+
+class _Pressure(JointCause):
+    """Pressures p(t) that seals hold: Σ kᵢ·pᵢ·sgn v."""
+
+    name = "hydraulic.pressure"
+    covariate = "velocity"
+    grows: ClassVar[tuple[str, ...]]
+    """What grows with each pressure: the keys of a robot's ``pressure_friction``."""
+
+    @abstractmethod
+    def held(self, head: Floats, rod: Floats) -> tuple[Floats, ...]:
+        """Return the pressures that seals hold, (n,) each, from those of the chambers, (n,)."""
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """Every moving joint whose chamber pressures were logged."""
+        return [site for site in super().sites(gap) if all(p is not None for p in self._chambers(gap, site))]
+
+    def _chambers(self, gap: Gap, site: Site) -> list[Floats | None]:
+        joint = gap.robot.joints[site.joint]
+        return [gap.motion.columns.get(f"{name}.{joint}") for name in (HEAD_PRESSURE, ROD_PRESSURE)]
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """Pressures in the direction of motion, (n, m)."""
+        head, rod = map(np.asarray, self._chambers(gap, site))
+        return gap.forward(site.joint)[:, None] * np.column_stack(self.held(head, rod))
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """Growth with each pressure, stated plus change."""
+        stated = gap.robot.table.joint[site.joint].pressure_friction.model_dump()
+        return tuple(Quantity(PRESSED_SEALS.parameter(name), shift=stated[name]) for name in self.grows)
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """Move the joint's growth with pressure."""
+        joint = robot.joints[site.joint]
+        table = robot.joint(joint)
+        stated = table.pressure_friction.model_dump()
+        changed = {name: stated[name] + change for name, change in zip(self.grows, strengths.tolist(), strict=True)}
+        pressed = table.pressure_friction.model_copy(update=changed)
+        return robot.with_joint(table.model_copy(update={"pressure_friction": pressed}))
+
+
+@final
+class Pressure(_Pressure):
+    """(h·p₁ + r·p₂)·sgn v."""
+
+    grows = ("head", "rod")
+
+    def held(self, head: Floats, rod: Floats) -> tuple[Floats, ...]:
+        """Either chamber's own."""
+        return head, rod
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give what ten bar add."""
+        unit = "N" if gap.body.sliding[site.joint] else "N·m"
+        head, rod = 1e6 * strengths
+        return f"friction grows by {head:.3g} {unit} per 10 bar on the head's side and {rod:.3g} {unit} on the rod's"
+
+
+@final
+class PistonPressure(_Pressure):
+    """d·|p₁ − p₂|·sgn v: the piston's seal stands between the chambers and presses whichever of them is higher."""
+
+    grows = ("difference",)
+
+    def held(self, head: Floats, rod: Floats) -> tuple[Floats, ...]:
+        """The difference of the chambers'."""
+        return (np.abs(head - rod),)
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give what ten bar add."""
+        unit = "N" if gap.body.sliding[site.joint] else "N·m"
+        return f"friction grows by {1e6 * strengths[0]:.3g} {unit} per 10 bar between the two chambers"
