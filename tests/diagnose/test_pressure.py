@@ -1,0 +1,35 @@
+"""Seals that press with what they hold: either chamber's pressure, or the difference of the two."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.plant.machine import simulate
+from mjfriction.plant.motions import excitation
+from mjfriction.plant.sensors import Recorder
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.schema import PressureFriction
+from tests.diagnose.test_lone_axis import COULOMB, pendulum
+
+
+@pytest.mark.parametrize("hidden", [{"difference": 2e-7}, {"head": 1e-7, "rod": 2e-7}])
+def test_which_pressure_seals_press_with_is_told(hidden: dict[str, float], tmp_path: Path) -> None:
+    stated = pendulum(tmp_path, "stated", inertia=0.08, rotor=6e-5, coulomb=COULOMB)
+    pressed = {"pressure_friction": PressureFriction(**hidden)}
+    machine = stated.with_joint(stated.joint("swing").model_copy(update=pressed))
+    motion = excitation(("swing",), np.zeros(1), np.full(1, 1.2), np.full(1, 4.0), 30.0, seed=3)
+    # Either chamber is the higher one for half of the time.
+    pressures = {
+        "pressure_head.swing": 4e6 + 2e6 * np.sin(0.7 * motion.time),
+        "pressure_rod.swing": 4e6 + 2e6 * np.sin(1.1 * motion.time),
+    }
+    columns = simulate(machine, replace(motion, ambient=pressures), recorder=Recorder(250.0), seed=1)
+    (finding,) = diagnose_log(log_from_table(pa.table(columns), "swing"), stated).findings
+    assert finding.cause == "hydraulic.pressure"
+    assert {value.name: value.value for value in finding.parameters} == pytest.approx(hidden, rel=0.05)
