@@ -23,7 +23,9 @@ def has_passive(robot: Robot) -> bool:
 
 
 class Passive:
-    """What stands against a robot's drives: a function of position, velocity and drive torque, (joints,) each."""
+    """What stands against a robot's drives: a function of position, velocity, acceleration and drive torque, (joints,)
+    each.
+    """
 
     def __init__(self, robot: Robot) -> None:
         table = robot.table.joint
@@ -31,15 +33,16 @@ class Passive:
         self.ripple = [(i, joint.actuator.ripple) for i, joint in enumerate(table) if joint.actuator.ripple]
         self.springs = np.column_stack([coefficients(joint.spring) for joint in table])
         shape = (len(table), len(table))
-        self.coulomb, self.viscous, self.effort = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+        self.coulomb, self.viscous, self.inertia, self.effort = (np.zeros(shape) for _ in range(4))
         for i, joint in enumerate(table):
             for coupling in joint.coupling:
                 k = robot.joints.index(coupling.joint)
                 self.coulomb[i, k] += coupling.coulomb
                 self.viscous[i, k] += coupling.viscous
+                self.inertia[i, k] += coupling.inertia
                 self.effort[i, k] += coupling.effort
 
-    def __call__(self, position: Floats, velocity: Floats, torque: Floats) -> Floats:
+    def __call__(self, position: Floats, velocity: Floats, acceleration: Floats, torque: Floats) -> Floats:
         """Return what stands against the drives at the joints, (joints,)."""
         out = polynomial.polyval(position, self.springs, tensor=False)
         for i, waves in self.cogging:
@@ -47,4 +50,5 @@ class Passive:
         for i, waves in self.ripple:
             out[i] -= torque[i] * waves_along(waves, position[i : i + 1])[0]
         direction = np.tanh(velocity / TURNING)
-        return np.asarray(out + self.coulomb @ direction + self.viscous @ velocity + self.effort @ torque)
+        moved = self.coulomb @ direction + self.viscous @ velocity + self.inertia @ acceleration
+        return np.asarray(out + moved + self.effort @ torque)

@@ -90,6 +90,7 @@ def effort_of(robot: Robot, motion: Motion, carried: Carried) -> Effort:
             other = robot.joints.index(coupling.joint)
             total[:, i] += coupling.coulomb * forward_share(rubbing, other)
             total[:, i] += coupling.viscous * rubbing.velocity[:, other]
+            total[:, i] += coupling.inertia * motor.acceleration[:, other]
             if coupling.effort:
                 total[:, i] += coupling.effort * shared_effort(robot, motion, other, alone[:, other])
     return Effort(rigid, carried.rotor, friction, total, reported_of(robot, motion, total))

@@ -229,12 +229,13 @@ class PressureFriction(Table):
 class Coupling(Table):
     """What another joint's motion or effort adds to this joint's effort through the transmission.
 
-    ``coulomb`` · sgn q̇ₖ + ``viscous`` · q̇ₖ + ``effort`` · effortₖ, k being the other ``joint``.
+    ``coulomb`` · sgn q̇ₖ + ``viscous`` · q̇ₖ + ``inertia`` · q̈ₖ + ``effort`` · effortₖ, k being the other ``joint``.
     """
 
     joint: str
     coulomb: Finite = 0.0
     viscous: Finite = 0.0
+    inertia: Finite = 0.0
     effort: Finite = 0.0
 
 

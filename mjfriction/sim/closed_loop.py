@@ -51,8 +51,10 @@ class Around(NamedTuple):
 Drive = Callable[[int, Floats, Floats], Floats]
 """(step, position, velocity) → what the drives push with through that step, (joints,), N·m or N."""
 
-Passive = Callable[[Floats, Floats, Floats], Floats]
-"""(position, velocity, drive torque) → torque that stands against the drives at the joints, (joints,)."""
+Passive = Callable[[Floats, Floats, Floats, Floats], Floats]
+"""(position, velocity, the last step's acceleration, drive torque) → torque that stands against the drives at the
+joints, (joints,).
+"""
 
 
 def play(
@@ -97,7 +99,7 @@ def play(
     kept = {name: reader.state(name) for name in reader.joints} if reader and whole else {}
     states = {name: np.empty((count, place.stop - place.start)) for name, place in kept.items()}
     out = Played(blank, blank.copy(), blank.copy(), blank.copy(), blank.copy(), states)
-    applied = np.zeros(model.nv)
+    applied, acceleration = np.zeros(model.nv), np.zeros(len(joints))
     with friction_active(), messages_dropped():
         for step_number in range(-settling, count):
             if step_number % TELLING == 0:
@@ -109,7 +111,7 @@ def play(
             out.link_position[k] = position
             for i, place in gives.items():
                 out.link_position[k, i] += data.qpos[place]
-            applied[dofs] = torque if passive is None else torque - passive(position, velocity, torque)
+            applied[dofs] = torque - (passive(position, velocity, acceleration, torque) if passive else 0.0)
             data.qfrc_applied[:] = applied
             press(data)
             now = None if around is None else around(k)
@@ -127,6 +129,7 @@ def play(
             mujoco.mj_step(model, data)
             if data.time <= before:  # MuJoCo began again from its initial state
                 raise SimulationError(_broken(model, data, k * step))
+            acceleration = data.qacc[dofs]
             if reader is not None:
                 out.friction[k, rubbing] = data.userdata[reader.torque]
                 for name, own in kept.items():

@@ -90,7 +90,7 @@ def coupling(rng: np.random.Generator, place: Place) -> Effect:
     names = place.robot.joints
     i = names.index(place.joint)
     other = names[i + 1] if i + 1 < len(names) else names[i - 1]
-    kind = rng.choice(["friction", "effort", "drive"])
+    kind = rng.choice(["friction", "motion", "effort", "drive"])
     if kind == "drive" and i + 1 < len(names):
         ratio = sign(rng)
 
@@ -104,6 +104,9 @@ def coupling(rng: np.random.Generator, place: Place) -> Effect:
     def change(robot: Robot, a: float) -> Robot:
         if kind == "effort":
             own = Coupling(joint=other, effort=0.2 * way * a)
+        elif kind == "motion":
+            rotor = float(place.robot.body().armature[names.index(other)])
+            own = Coupling(joint=other, viscous=way * a * place.viscous, inertia=way * a * rotor)
         else:
             own = Coupling(joint=other, coulomb=way * a * place.coulomb, viscous=way * a * place.viscous)
         return updated(robot, place.joint, coupling=(own,))

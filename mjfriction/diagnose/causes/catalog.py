@@ -6,7 +6,7 @@ from mjfriction.diagnose.causes.asymmetry import Asymmetry
 from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.cause import Cause
 from mjfriction.diagnose.causes.coulomb_viscous import CoulombViscous
-from mjfriction.diagnose.causes.coupling import DifferenceDrive, SharedEffort, SharedFriction, SumDrive
+from mjfriction.diagnose.causes.coupling import DifferenceDrive, SharedEffort, SharedFriction, SharedMotion, SumDrive
 from mjfriction.diagnose.causes.crossed_play import CrossedPlay
 from mjfriction.diagnose.causes.delay import JointDelay, LogDelay
 from mjfriction.diagnose.causes.elasticity import Elasticity, LinkSideElasticity, SwingingElasticity
@@ -15,7 +15,7 @@ from mjfriction.diagnose.causes.landed_play import LandedPlay
 from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
 from mjfriction.diagnose.causes.load import DriveLoad, Load
 from mjfriction.diagnose.causes.offset import Offset
-from mjfriction.diagnose.causes.presliding import Presliding
+from mjfriction.diagnose.causes.presliding import DampedPresliding, Presliding
 from mjfriction.diagnose.causes.pressure import PistonPressure, Pressure
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.causes.saturating_viscous import SaturatingViscous
@@ -38,6 +38,7 @@ STRUCTURAL: tuple[Cause, ...] = (
     Load(),
     DriveLoad(),
     Presliding(),
+    DampedPresliding(),
     PositionFriction(),
     Warming(),
     WarmUpDrift(),
@@ -49,6 +50,7 @@ STRUCTURAL: tuple[Cause, ...] = (
     RotorInertia(),
     TorqueConstant(),
     SharedFriction(),
+    SharedMotion(),
     SharedEffort(),
     SumDrive(),
     DifferenceDrive(),

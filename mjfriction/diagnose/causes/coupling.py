@@ -18,6 +18,7 @@ from mjfriction.robot.schema import CommonDrive, Coupling
 
 COULOMB = Parameter("coulomb", "{force}", "dry friction that the other joint's direction of motion brings")
 VISCOUS = Parameter("viscous", "{force}·s/{length}", "damping that the other joint's velocity brings")
+CARRIED = Parameter("inertia", "{force}·s²/{length}", "inertia that the other joint's acceleration brings")
 INERTIA = Parameter("inertia", "{force}·s²/{length}", "inertia of the rotor that both joints turn", lower=0.0)
 EFFORT = Parameter("effort", "1", "share of the other joint's effort")
 MOST_SHARED = 0.9  # of another joint's effort
@@ -70,6 +71,37 @@ class SharedFriction(_Coupling):
         return (
             f"its effort follows the motion of {self.from_name(gap, site)}: {strengths[0]:+.3g} {unit} with its "
             f"direction and {strengths[1] * speed:+.3g} {unit} at its usual speed"
+        )
+
+
+@final
+class SharedMotion(_Coupling):
+    """C·sgn vₖ + V·vₖ + I·aₖ of the other joint k: its friction, and a rotor that turns with it."""
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """Direction, velocity and acceleration of the other joint, (n, 3)."""
+        motion, other = gap.motion, self.source(gap, site)
+        return np.column_stack([gap.forward(other), motion.velocity[:, other], motion.acceleration[:, other]])
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """Level, damping and inertia."""
+        return (Quantity(COULOMB), Quantity(VISCOUS), Quantity(CARRIED))
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """State the coupling."""
+        coulomb, viscous, inertia = strengths.tolist()
+        return _coupled(robot, site, coulomb=coulomb, viscous=viscous, inertia=inertia)
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Name the other joint and what it brings."""
+        unit = "N" if gap.body.sliding[site.joint] else "N·m"
+        other = self.source(gap, site)
+        moved = (gap.motion.velocity[:, other], gap.motion.acceleration[:, other])
+        speed, surge = (float(np.sqrt(np.mean(np.square(course)))) for course in moved)
+        return (
+            f"its effort follows the motion of {self.from_name(gap, site)}: {strengths[0]:+.3g} {unit} with its "
+            f"direction, {strengths[1] * speed:+.3g} {unit} at its usual speed and {strengths[2] * surge:+.3g} {unit} "
+            "at its usual acceleration"
         )
 
 

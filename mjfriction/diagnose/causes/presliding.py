@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import final
 
 import numpy as np
@@ -11,12 +12,15 @@ from mjfriction.identify.doubt import DOUBT_PERIODS, YIELDING
 from mjfriction.identify.gap import Gap
 from mjfriction.laws.ambient import ambient
 from mjfriction.laws.dahl import DAHL
+from mjfriction.laws.law import Law
+from mjfriction.laws.lugre import LUGRE
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import raised_levels, stated_levels, stribeck_excess, with_term
 from mjfriction.robot.robot import Robot
 
 LEVEL = Parameter("presliding_level", "{force}", "part of the Coulomb level that builds up over a travel", lower=0.0)
+DAMPING = LUGRE.parameter("bristle_damping")
 TRAVEL = Parameter("presliding_travel", "{length}", "travel over which 63 % of the change builds up", lower=1e-9)
 SHORTEST = 2.0  # times the travel that a reversal's doubt covers: what builds up within it cannot be seen
 LONGEST = 0.2  # of the stroke
@@ -36,9 +40,8 @@ def _bristle(level: float, travel: float) -> dict[str, float]:
     return {"coulomb": level, "bristle_stiffness": level / travel, "shape_exponent": 1.0, "viscous": 0.0}
 
 
-@final
-class Presliding(JointCause):
-    """Of the Coulomb level, E follows a Dahl bristle in place of the direction of motion: E·(z − sgn v), where
+class _Bristle(JointCause):
+    """Of the Coulomb level, E follows a bristle in place of the direction of motion: E·(z − sgn v), where
     dz/dx = (1 − z·sgn v)/x₀.
     """
 
@@ -63,19 +66,15 @@ class Presliding(JointCause):
         blurred = gap.doubt_speed[joint] * DOUBT_PERIODS / motion.cutoff
         return [(SHORTEST * blurred, LONGEST * float(np.ptp(motion.position[:, joint])))]
 
-    def samples(self, gap: Gap, site: Site) -> Floats:
-        """The bristle's share less the direction of motion, (n, 1)."""
+    def bristle(self, gap: Gap, site: Site) -> Floats:
+        """Return z, the share of the level that has built up, −1 to 1, (n,)."""
         motion, joint = gap.motion, site.joint
         packed = DAHL.pack(_bristle(1.0, site.shape[0]))
         bristle = np.empty_like(motion.time)
         for own in motion.pieces:
             velocity = motion.velocity[own, joint]
             bristle[own] = DAHL.follow(velocity, ambient(velocity.size), 1.0 / motion.rate, packed)[0]
-        return column(bristle - gap.forward(joint))
-
-    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """The level that builds up."""
-        return (Quantity(LEVEL),)
+        return bristle
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """Friction that builds up stands against the motion, and is no trace of what there is nor more than that."""
@@ -92,10 +91,15 @@ class Presliding(JointCause):
         return bool(site.shape[0] > YIELDING * np.ptp(gap.motion.position[:, site.joint]))
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Move a part of the Coulomb level into a Dahl law."""
+        """Move a part of the Coulomb level into a law that builds up."""
         joint = robot.joints[site.joint]
         level = min(float(strengths[0]), stated_levels(robot.joint(joint))[0])
-        return with_term(raised_levels(robot, joint, -level, 0.0), joint, DAHL.name, _bristle(level, site.shape[0]))
+        law, values = self.law(level, site.shape[0], strengths)
+        return with_term(raised_levels(robot, joint, -level, 0.0), joint, law.name, values)
+
+    @abstractmethod
+    def law(self, level: float, travel: float, strengths: Floats) -> tuple[Law, dict[str, float]]:
+        """Return the law whose ``level`` builds up over a ``travel``, and its values."""
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give the travel."""
@@ -104,3 +108,46 @@ class Presliding(JointCause):
             f"after every reversal {strengths[0]:.3g} {'N' if sliding else 'N·m'} of the friction build up over a "
             f"travel of {site.shape[0]:.3g} {'m' if sliding else 'rad'}, fast or slow"
         )
+
+
+@final
+class Presliding(_Bristle):
+    """A bristle without damping: Dahl's."""
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """The bristle's share less the direction of motion, (n, 1)."""
+        return column(self.bristle(gap, site) - gap.forward(site.joint))
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """The level that builds up."""
+        return (Quantity(LEVEL),)
+
+    def law(self, level: float, travel: float, strengths: Floats) -> tuple[Law, dict[str, float]]:
+        """Dahl's."""
+        return DAHL, _bristle(level, travel)
+
+
+@final
+class DampedPresliding(_Bristle):
+    """A bristle whose deflection is damped, LuGre's: σ₁·(1 − z·sgn v)·v besides, damping that is there after a reversal
+    and fades as the bristle slides; without it a viscous curve bends for it.
+    """
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """The bristle's share less the direction of motion, and the rate of its deflection, (n, 2)."""
+        bristle, velocity = self.bristle(gap, site), gap.motion.velocity[:, site.joint]
+        return np.column_stack([bristle - gap.forward(site.joint), velocity - np.abs(velocity) * bristle])
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """The level that builds up, and the damping."""
+        return (Quantity(LEVEL), Quantity(DAMPING))
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """Deflection is damped, never driven."""
+        return super().admissible(gap, site, strengths) and bool(strengths[1] > 0.0)
+
+    def law(self, level: float, travel: float, strengths: Floats) -> tuple[Law, dict[str, float]]:
+        """LuGre's, with no Stribeck curve."""
+        curve = {"coulomb": level, "static": level, "stribeck_velocity": 1.0, "stribeck_exponent": 2.0}
+        stiff = {"bristle_stiffness": level / travel, "bristle_damping": float(strengths[1]), "viscous": 0.0}
+        return LUGRE, curve | stiff

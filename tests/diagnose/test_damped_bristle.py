@@ -1,0 +1,44 @@
+"""A bristle whose deflection is damped, as LuGre's is: stiffness and damping are told apart."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mjfriction.diagnose import diagnosis
+from mjfriction.diagnose.causes.presliding import DampedPresliding
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import UR5_COULOMB, UR5_JOINTS, Instant, Machine, bristle, write_case
+
+PAN, TRAVEL, DAMPING = 0, 0.02, 20.0
+
+
+def damped(at: Instant) -> np.ndarray:
+    built = bristle(at.q, TRAVEL)
+    along = np.sign(at.v)
+    return UR5_COULOMB[PAN] * (built - along) + DAMPING * at.v * (1.0 - built * along)
+
+
+def test_the_travel_is_not_the_shorter_for_the_damping(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    log, robot = write_case(tmp_path, Machine(hidden={PAN: damped}), seed=4)
+
+    def found() -> dict[str, float]:
+        diagnosed = diagnose_log(read_log(log), read_robot(robot))
+        (finding,) = diagnosed.findings
+        assert (finding.cause, finding.joint) == ("friction.presliding", UR5_JOINTS[PAN])
+        (law,) = [term.law for term in diagnosed.robot.joint(UR5_JOINTS[PAN]).friction or () if "bristle" in str(term)]
+        return {value.name: value.value for value in finding.parameters} | {law: 1.0}
+
+    told = found()
+    assert told["presliding_travel"] == pytest.approx(TRAVEL, rel=0.05)
+    assert told["bristle_damping"] == pytest.approx(DAMPING, rel=0.05)
+    assert "lugre" in told
+    others = tuple(cause for cause in diagnosis.STRUCTURAL if not isinstance(cause, DampedPresliding))
+    monkeypatch.setattr(diagnosis, "STRUCTURAL", others)
+    plain = found()
+    assert "dahl" in plain
+    assert plain["presliding_travel"] < 0.7 * TRAVEL

@@ -1,0 +1,36 @@
+"""What another joint's motion brings: its acceleration too, as a rotor does that turns along."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mjfriction.diagnose import diagnosis
+from mjfriction.diagnose.causes.coupling import SharedMotion
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.outcome import Verdict
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import UR5_JOINTS, Instant, Machine, write_case
+
+ELBOW, WRIST = 2, 3
+VISCOUS, INERTIA = -0.9, -0.35
+
+
+def brought(at: Instant) -> np.ndarray:
+    return VISCOUS * at.velocities[:, WRIST] + INERTIA * np.gradient(at.velocities[:, WRIST], at.time)
+
+
+def test_a_rotor_that_turns_with_another_joint_is_told_with_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: brought}), seed=4)
+    (finding,) = diagnose_log(read_log(log), read_robot(robot)).findings
+    assert (finding.cause, finding.joint) == ("drive.coupling", UR5_JOINTS[ELBOW])
+    told = {value.name: value.value for value in finding.parameters}
+    assert told["inertia"] == pytest.approx(INERTIA, rel=0.05)
+    assert told["viscous"] == pytest.approx(VISCOUS, rel=0.1)
+    # No coupling without an acceleration does as well.
+    others = tuple(cause for cause in diagnosis.STRUCTURAL if not isinstance(cause, SharedMotion))
+    monkeypatch.setattr(diagnosis, "STRUCTURAL", others)
+    assert diagnose_log(read_log(log), read_robot(robot)).verdict is Verdict.UNEXPLAINED
