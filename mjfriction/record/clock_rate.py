@@ -1,0 +1,90 @@
+"""A clock that ran at another rate for a while, while the rows went on as before: only the time is wrong there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from mjfriction.record.faults import Fault, spans
+from mjfriction.record.log import POSITION, VELOCITY, Floats, Log
+from mjfriction.record.resample import GAP_STEPS
+
+OFF = 0.02  # of the ordinary step, from which on a step is another
+STEADY = 0.2  # of what its steps are off by, that a stretch's steps may spread: a clock that jitters has no rate
+FEWEST = 30  # rows of a stretch, that such a clock is told by
+WINDOW = 0.08  # s on each side of an edge, that tell how fast the joints went
+FEWEST_AROUND, MOST_AROUND = 8, 60  # rows of it
+DEGREE = 5  # of the curves that the joints' courses are smooth by
+CLOSE = 0.3  # of the rate, in logarithm, that measured speeds may be off by
+SURE = 10.0  # by which one is the likelier, in logarithm
+
+
+def without_clock_drift(log: Log) -> Log:
+    """Return the log with its clock put right where it ran at another, steady rate though the joints' speeds tell that
+    rows went on as evenly as before, and with that said.  Where they tell that rows came at another rate, or nothing
+    tells, the clock is kept.
+    """
+    step = np.diff(log.time)
+    joined = np.diff(log.segment) == 0
+    ahead = step[joined & (step > 0.0)]
+    if not ahead.size:
+        return log
+    ordinary = float(np.median(ahead))
+    other = joined & (np.abs(step - ordinary) > OFF * ordinary) & (step < GAP_STEPS * ordinary) & (step > 0.0)
+    new, faults = step.copy(), []
+    for first, end in spans(other):
+        rate = float(np.median(step[first:end])) / ordinary
+        spread = float(np.quantile(np.abs(step[first:end] / ordinary - rate), 0.9))
+        if end - first < FEWEST or spread > STEADY * abs(rate - 1.0) or not _went_on(log, first, end, rate, ordinary):
+            continue
+        new[first:end] = ordinary
+        where = f"{log.time[first]:.6g} s to {log.time[end]:.6g} s"
+        how = f"it ran {rate:.4g} times as fast as before, though the joints went on as evenly: so does time there"
+        faults.append(Fault("data.clock", where, how))
+    if not faults:
+        return log
+    time = log.time[0] + np.concatenate([[0.0], np.cumsum(new)])
+    recorded, kept = (log.time, np.ones(time.size, dtype=bool)) if log.recorded is None else (log.recorded, log.kept)
+    return replace(log, time=time, faults=(*log.faults, *faults), recorded=recorded, kept=kept)
+
+
+def _went_on(log: Log, first: int, end: int, rate: float, ordinary: float) -> bool:
+    # Whether the joints' courses go on smoothly over both edges of a stretch from row to row, and not by the clock,
+    # by which a joint that goes on would change its speed at once; else what was measured of speeds tells.
+    around = int(np.clip(round(WINDOW / ordinary), FEWEST_AROUND, MOST_AROUND))
+    for_rows = 0.0
+    for edge in (first, end):
+        window = slice(edge - around, edge + around + 1)
+        if window.start < 0 or window.stop > log.time.size or np.ptp(log.segment[window]) != 0:
+            continue
+        time = log.time[window] - log.time[edge]
+        for joint in log.joints:
+            course = log.columns[f"{POSITION}.{joint}"][window]
+            if np.ptp(course) > 0.0:
+                for_rows += _rough(course, time) - _rough(course, np.arange(-around, around + 1.0))
+    return for_rows > 0.0 if abs(for_rows) > SURE else _measured_so(log, first, end, rate)
+
+
+def _rough(course: Floats, along: Floats) -> float:
+    # What a course leaves of the smoothest curve through it, as minus the logarithm of a likelihood.
+    basis = np.vander(along / along[-1], DEGREE + 1)
+    left = course - basis @ np.linalg.lstsq(basis, course, rcond=None)[0]
+    least = np.finfo(float).eps * float(np.max(np.abs(course)))
+    return 0.5 * course.size * float(np.log(np.mean(np.square(left)) + least**2))
+
+
+def _measured_so(log: Log, first: int, end: int, rate: float) -> bool:
+    # Whether the joints went as far, at the speeds that were measured, as in evenly spaced rows: less by the rate than
+    # by the clock.
+    rows, shares = slice(first, end + 1), []
+    for joint in log.joints:
+        velocity = log.columns.get(f"{VELOCITY}.{joint}")
+        if velocity is None:
+            continue
+        went = np.diff(log.columns[f"{POSITION}.{joint}"][rows])
+        by_clock = 0.5 * (velocity[rows][1:] + velocity[rows][:-1]) * np.diff(log.time[rows])
+        if np.any(by_clock):
+            shares.append(float(np.dot(went, by_clock) / np.dot(by_clock, by_clock)))
+    share = float(np.median(shares)) if shares else 1.0
+    return bool(share > 0.0 and abs(np.log(share * rate)) < CLOSE * abs(np.log(rate)))
