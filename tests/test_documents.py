@@ -19,7 +19,7 @@ from mjfriction.diagnose.causes.presliding import LEAST_PART
 from mjfriction.diagnose.causes.stribeck import GONE_BY, UNFINISHED
 from mjfriction.diagnose.causes.varying import EDGE, Step
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
-from mjfriction.diagnose.compete import KEPT
+from mjfriction.diagnose.compete import KEPT, MOST_CAUSES
 from mjfriction.diagnose.exact import EXACT, MOST_JOINTS, NEARLY_ALL
 from mjfriction.diagnose.exchange import MOST_EXCHANGED
 from mjfriction.diagnose.findings import ONE_OF_MANY
@@ -36,10 +36,12 @@ from mjfriction.diagnose.untold import DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
 from mjfriction.diagnose.verdict import LEAST_FRICTION, MUCH_COLOURED
 from mjfriction.identify import choose, conclude, landings, turning
 from mjfriction.identify.colour import AROUND, COLOURED, EVEN_BELOW
+from mjfriction.identify.gap import ENOUGH_PER_PERIOD
 from mjfriction.identify.stroke_waves import STEPS_PER_LOBE
 from mjfriction.identify.swing import FASTEST, SLOWEST
 from mjfriction.laws.catalog import LAWS
 from mjfriction.record import jumps
+from mjfriction.record.clock_rate import OFF
 from mjfriction.record.motion import DAWDLING, HELD, RINGING, USUALLY
 from mjfriction.reproduce.catalog import DOCUMENTS
 from mjfriction.robot.robot import bundled_robots
@@ -102,7 +104,8 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert f"and {uneven[2]:g} % where it is a course over time" in told
     assert EVENEST == 0.25, "the page says a quarter"
     assert f"at a level of {100 * FALSE_ALARM:g} % that is shared out" in told
-    assert (KEPT, MOST_EXCHANGED) == (10, 8), "in words"
+    assert (KEPT, MOST_EXCHANGED, MOST_CAUSES, ENOUGH_PER_PERIOD) == (10, 8, 12, 4.0), "in words"
+    assert f"for a while, by {100 * OFF:g} % at least" in told
     assert f"an uneven machine leaves at least {100 * UNEVEN / math.sqrt(2.0):.1f} % of its friction" in told
     assert f"either has to be {100 * LEAST_FRICTION:g} % of the joint's friction besides" in told
     drives = [f"({100 * off:g} % as a rule, {100 * FARTHEST * off:g} % at most)" for off in (ROTOR, CONSTANT)]

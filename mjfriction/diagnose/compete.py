@@ -49,25 +49,32 @@ def compete(
     that takes most is chosen, until none is left.  Backward: causes that the later ones have made needless are dropped.
     Proof: where a steady tone or a load that swings is heard, all compete anew beside it; what
     :func:`~mjfriction.diagnose.refusal.refused` names is refused, and the others compete anew without it.  Where
-    nothing competes, nothing is listened for.  Causes that were found already may be there from the ``begin``; as soon
-    as a model is ``enough`` it is returned as it is.
+    nothing competes, nothing is listened for.  Of a search that was broken off, having come to more causes than can be
+    true, little is believed: it is made anew once at most, beside what was heard, and what is refused is dropped.
+    Causes that were found already may be there from the ``begin``; as soon as a model is ``enough`` it is returned as
+    it is.
     """
     if not field:
         return build_model(gap, nuisance, ()), field
-    asked, chances = field, chances_in(field)
+    asked, chances, heard = field, chances_in(field), False
     while True:
         model = _forward(_with_found(gap, nuisance, begin), asked, chances, tell, enough)
         if enough(model):
             return model, asked
-        model = _exchanged(as_known(plainer(_pruned(model, chances), asked)), asked, chances, tell, enough)
-        sources = new_oscillations(model)
+        hopeless = len(model.noteworthy) >= MOST_CAUSES
+        model = as_known(plainer(_pruned(model, chances), asked))
+        if not hopeless:
+            model = _exchanged(model, asked, chances, tell, enough)
+        sources = [] if hopeless and heard else new_oscillations(model)
         if sources:
-            nuisance = nuisance.along(gap, (*nuisance.sources, *sources))
+            nuisance, heard = nuisance.along(gap, (*nuisance.sources, *sources)), True
             continue
         no_causes = refused(model)
-        if not no_causes:
-            return straightened(with_kin(fulfilled(model), field)), asked
         asked = _narrowed(asked, no_causes)
+        if hopeless or not no_causes:
+            for choice in no_causes:
+                model = model.without(choice)
+            return straightened(with_kin(fulfilled(model), field)), asked
         begin = tuple(choice for choice in begin if choice.key not in {one.key for one in no_causes})
 
 

@@ -58,7 +58,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     findings = sorted((*play_findings(seen, heldout, seed), *told.findings), key=lambda one: -one.gain.reduction)
     joints = tuple(joint_error(gap, joint, left, heldout, seed, stated=seen.stated) for joint in gap.examined)
     extended = extend_robot(model)
-    bandwidths = {} if faults else find_bandwidths(gap, extended)
+    bandwidths = {} if faults else find_bandwidths(seen.whole, extended)
     verdict = Verdict.BAD_DATA if faults else reach_verdict(findings, remaining)
     return Diagnosis(
         gap=gap,

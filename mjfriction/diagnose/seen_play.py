@@ -13,7 +13,7 @@ from mjfriction.diagnose.alike import MOST_CONFIDENT
 from mjfriction.diagnose.causes.play import BACKLASH, Play
 from mjfriction.diagnose.outcome import Finding
 from mjfriction.identify.fitted import Fitted
-from mjfriction.identify.gap import Gap, gap_along, measure_gap
+from mjfriction.identify.gap import Gap, gap_along, measure_gap, thinned, thinning
 from mjfriction.identify.proof import gain_at
 from mjfriction.record.jumps import Jumps
 from mjfriction.record.log import Floats
@@ -27,9 +27,11 @@ OFF = 0.05  # of a play that is stated, by which the one that is seen must diffe
 @dataclass(frozen=True)
 class SeenPlay:
     """The play that was seen, by joint, and what is left of the log with what was ``stated``, (rows, joints), along
-    the rows of ``gap``: that of the robot with the play, on motion that is free of its jumps.
+    the rows of ``gap``: that of the robot with the play, on motion that is free of its jumps; ``whole`` is the same on
+    every sample of the log.
     """
 
+    whole: Gap
     gap: Gap
     stated: Floats
     jumps: Mapping[int, Jumps]
@@ -37,7 +39,8 @@ class SeenPlay:
 
 def unseen(stated: Gap) -> SeenPlay:
     """Return that nothing was seen: the gap is what it was."""
-    return SeenPlay(stated, stated.residual, {})
+    gap = thinned(stated)
+    return SeenPlay(stated, gap, gap.residual, {})
 
 
 def see_play(stated: Gap, highest: float) -> SeenPlay:
@@ -56,9 +59,10 @@ def see_play(stated: Gap, highest: float) -> SeenPlay:
             found[joint] = jumps
     if not found:
         return unseen(stated)
-    gap = measure_gap(stated.log, _with_play(robot, found), highest=highest)
-    jumping = estimate_motion(stated.log, gap.motion.joints, gap.motion.cutoff)
-    return SeenPlay(gap, gap_along(robot, jumping, gap).residual, found)
+    whole = measure_gap(stated.log, _with_play(robot, found), highest=highest)
+    jumping = estimate_motion(stated.log, whole.motion.joints, whole.motion.cutoff)
+    gap = thinned(whole)
+    return SeenPlay(whole, gap, gap_along(robot, jumping.thinned(thinning(whole.motion)), gap).residual, found)
 
 
 def _with_play(robot: Robot, seen: Mapping[int, Jumps]) -> Robot:

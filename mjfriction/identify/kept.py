@@ -10,7 +10,7 @@ from mjfriction.identify.regression import Columns
 
 Asked = TypeVar("Asked")
 Made = TypeVar("Made")
-MOST_NUMBERS = 30_000_000  # that are kept at a time: 240 MB
+MOST_NUMBERS = 16_000_000  # that are kept at a time: 128 MB
 
 
 class Kept:

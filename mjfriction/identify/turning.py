@@ -104,7 +104,7 @@ class _SlowRows:
         """Return whether friction that turns over with speed leaves far less than friction that builds up over the
         ``travel`` since the last turn (all rows).
         """
-        own = travel[self.rows]
+        own = np.maximum(travel[self.rows], 0.0)  # at a turn the rows' filter rings below nothing
         reaches = np.max(travel) * TRAVELS
         least = min(float(np.sum(self._squares(np.exp(-own / reach)))) for reach in reaches)
         return bool(np.sum(self._best[1]) < ALONE * least)

@@ -186,8 +186,11 @@ def frozen(values: Floats, moving: Mask) -> Mask:
 
 
 def clipped(values: Floats, moving: Mask) -> Mask:
-    """Return where a channel stands at its own extreme, (n,): many samples at one value, few beside it."""
-    out = np.zeros(values.size, dtype=bool)
+    """Return where a channel stands at its own extreme, (n,): many samples at one value, few beside it.
+
+    A drive that clips one way clips the other way too, at as much: there it is enough that it often stays there.
+    """
+    out, standing = np.zeros(values.size, dtype=bool), []
     span = float(np.ptp(values))
     if span <= 0.0:
         return out
@@ -198,10 +201,12 @@ def clipped(values: Floats, moving: Mask) -> Mask:
         beside = (np.abs(values - extreme) <= beyond) & ~at
         runs = [(a, b) for a, b in _runs(at.astype(np.int64)) if at[a]]
         longest = max((b - a for a, b in runs), default=0)
-        many = np.count_nonzero(at & moving) >= FEWEST_CLIPPED and longest >= CLIPPED_RUN
-        if many and np.count_nonzero(at) * factor > np.count_nonzero(beside):
-            out |= at
-    return out
+        if np.count_nonzero(at & moving) >= FEWEST_CLIPPED and longest >= CLIPPED_RUN:
+            standing.append(at)
+            if np.count_nonzero(at) * factor > np.count_nonzero(beside):
+                out |= at
+    both_ways = abs(float(np.max(values)) + float(np.min(values))) <= 1e-9 * span
+    return np.logical_or.reduce([out, *standing]) if both_ways and np.any(out) else out
 
 
 def _runs(values: NDArray[np.generic]) -> list[tuple[int, int]]:

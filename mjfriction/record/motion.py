@@ -35,6 +35,7 @@ LEAST_SPEED = 1e-12  # rad/s or m/s, for logs without any noise
 # A joint that stops from any steady deceleration seems to swing back by 1.8 % of its fastest speed within two periods
 # of the cutoff: so much does the zero-phase filter of fourth order ring.
 RINGING, RINGING_PERIODS = 0.02, 2.0
+UNFOLDED = 0.35  # of a thinner rate, above which little may be left
 
 
 @dataclass(frozen=True)
@@ -130,6 +131,18 @@ class Motion:
         sampled = ("time", "piece", "position", "velocity", "acceleration", "torque", "settled")
         columns = {name: values[samples] for name, values in self.columns.items()}
         return replace(self, columns=columns, **{name: getattr(self, name)[samples] for name in sampled})
+
+    def thinned(self, every: int) -> Motion:
+        """Return the motion by one sample of so many.
+
+        Positions have nothing left that fewer samples do not show, as long as there are a few of them in a period of
+        the cutoff; what the drives reported goes through a low-pass first, so that nothing of it folds into their band.
+        """
+        thin = slice(None, None, every)
+        torque = self.low_passed(self.torque, UNFOLDED * self.rate / every)
+        part = replace(self, torque=torque).part(thin)
+        grids = [replace(grid, time=part.time[part.piece == i]) for i, grid in enumerate(self.grids)]
+        return replace(part, rate=self.rate / every, grids=tuple(grids))
 
     def differentiated(self, values: Floats) -> Floats:
         """Return the derivative of values (n,) along the motion, each piece by central differences."""
@@ -314,7 +327,8 @@ def back_to_log(motion: Motion, log: Log, values: Floats) -> Floats:
     for grid in motion.grids:
         stop = start + grid.time.size
         piece = values[start:stop]
-        out[grid.rows] = np.interp(log.time[grid.rows], grid.time, piece) if grid.moved else piece
+        own = log.time[grid.rows]
+        out[grid.rows] = np.interp(own, grid.time, piece) if grid.moved or piece.size != own.size else piece
         start = stop
     return out
 

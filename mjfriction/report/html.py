@@ -62,7 +62,7 @@ def _page(template: str, compared: Compared, report: Report, first: Sequence[str
         robot=gap.robot.name,
         log_name=gap.log.name,
         seconds=gap.motion.time.size / gap.motion.rate,
-        rate=gap.motion.rate,
+        rate=1.0 / gap.motion.clock.step,
         band=gap.chain.band,
         bars=Markup(figure_html(error_bars(compared, str(more["after"])), "errors")),
         courses=courses,

@@ -190,7 +190,13 @@ def direction(velocity: Floats, sure: Floats) -> tuple[Floats, Floats]:
     if not known.size:
         return np.full(velocity.size, 0.5), speed
     sample = np.arange(velocity.size)
-    forward = np.interp(sample, known, (velocity[known] > 0.0).astype(np.float64), left=0.5, right=0.5)
+    ahead = (velocity[known] > 0.0).astype(np.float64)
+    forward = np.interp(sample, known, ahead, left=0.5, right=0.5)
+    # A sample stands for the time halfway to its neighbours: one that turns from one to the next does so at once.
+    turned = known[:-1][(np.diff(known) == 1) & (np.diff(ahead) != 0.0)]
+    at = velocity[turned] / (velocity[turned] - velocity[turned + 1]) - 0.5
+    forward[turned] += np.sign(velocity[turned + 1]) * np.maximum(0.0, -at)
+    forward[turned + 1] -= np.sign(velocity[turned + 1]) * np.maximum(0.0, at)
     gaps = np.flatnonzero(np.diff(known) > 1)
     if gaps.size:
         spans = np.column_stack([known[gaps] + 1, known[gaps + 1]])

@@ -8,7 +8,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from mjfriction.record.faults import frozen, glitches, held_rows, repeated_rows, stuck
+from mjfriction.record.faults import clipped, frozen, glitches, held_rows, repeated_rows, stuck
 from mjfriction.record.log import Log
 from mjfriction.record.readers.table import log_from_table
 
@@ -209,6 +209,23 @@ def test_a_coarse_reading_is_clipped_where_it_stands_at_its_extreme_more_than_be
     most = 0.8 * np.max(columns[EFFORT])
     columns[EFFORT] = np.minimum(columns[EFFORT], np.round(most / 0.4) * 0.4)
     np.testing.assert_array_equal(read(columns).unusable[EFFORT], columns[EFFORT] == columns[EFFORT].max())
+
+
+@pytest.mark.parametrize(("lowest", "both"), [(-1.2, True), (-1.6, False)])
+def test_a_drive_that_clips_one_way_clips_the_other_way_too(lowest: float, *, both: bool) -> None:
+    # Coarse counts, of which many lie just above the lower limit and few below the upper one.
+    below, above = np.repeat([lowest, lowest + 0.4, lowest + 0.8], [10, 40, 20]), np.repeat([0.4, 0.8, 1.2], [2, 1, 30])
+    values = np.tile(np.concatenate([below, above]), 20)
+    found = clipped(values, np.ones(values.size, dtype=bool))
+    np.testing.assert_array_equal(found, (values == 1.2) | ((values == lowest) & both))
+
+
+def test_a_drive_that_gives_all_it_has_for_long_is_clipped_and_not_stuck() -> None:
+    columns = clip(recording(), kept=0.85)
+    columns[EFFORT][2000:2300] = np.max(columns[EFFORT])
+    log = read(columns)
+    assert {fault.kind for fault in log.faults} == {"data.saturation"}
+    assert np.all(log.unusable[EFFORT][2000:2300])
 
 
 def test_a_quick_start_from_rest_is_no_stuck_sensor() -> None:

@@ -90,6 +90,18 @@ def test_friction_passes_over_as_a_joint_turns_and_is_none_at_rest() -> None:
     assert starting.tolist() == [0.5, 0.5, 1.0]
 
 
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_sample_stands_for_the_time_around_it_where_a_joint_turns_at_once(way: float) -> None:
+    """Quick turns at every place between two samples: the mean of sgn v from halfway to halfway."""
+    for turn in np.linspace(2.0, 3.0, 11):
+        velocity = way * 0.3 * (turn - np.arange(7.0))
+        if np.min(np.abs(velocity)) < 1e-3:
+            continue
+        around = np.arange(7.0)[:, None] + np.linspace(-0.5, 0.5, 2001)
+        expected = np.mean(way * (turn - around) > 0.0, axis=1)
+        np.testing.assert_allclose(direction(velocity, np.full(7, 1e-3))[0], expected, atol=1e-3)
+
+
 def moved(velocity: np.ndarray, noise: float) -> Motion:
     count = velocity.size
     time = np.arange(count) / 1000.0
