@@ -95,6 +95,7 @@ def _values(usual: Usual, fading: float, travel: float) -> dict[str, float]:
         **{f"level_{way}": level for way in ("extending", "retracting")},
         **{f"viscous_{way}": damping for way in ("extending", "retracting")},
         **{f"rod_pressure_{way}": 0.0 for way in ("extending", "retracting")},
+        **dict.fromkeys(("head", "rod", "difference"), 0.0),
         "attraction": 50.0 * level,
         "coulomb_per_kelvin": 0.0,
         "viscous_decay": 0.01,

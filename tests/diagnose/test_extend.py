@@ -67,6 +67,6 @@ def test_any_two_causes_on_one_joint_make_a_robot_that_can_be_simulated(tmp_path
         extensions.append(functools.partial(cause.extend, site=at, strengths=strengths))
     # No temperature and no pressures are logged, this robot states no rotors that could load their gears, and no link
     # lands with a blow.
-    assert len(extensions) == len(STRUCTURAL) - 4
+    assert len(extensions) == len(STRUCTURAL) - 5
     for first, then in itertools.permutations(extensions, 2):
         robot_laws(then(first(gap.robot)))

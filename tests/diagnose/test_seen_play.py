@@ -14,7 +14,7 @@ import mjfriction.diagnose.diagnosis as module
 from mjfriction.control.observe import observe_log
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Verdict
-from mjfriction.diagnose.seen_play import SeenPlay
+from mjfriction.diagnose.seen_play import SeenPlay, unseen
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.record.log import Floats, Log
 from mjfriction.record.readers import read_log
@@ -53,7 +53,7 @@ def test_a_sensor_that_jumps_with_the_load_is_play(case: tuple[Path, Path]) -> N
 
 def test_without_looking_at_the_position_it_is_missed(case: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch) -> None:
     def blind(stated: Gap, highest: float) -> SeenPlay:
-        return SeenPlay(stated, stated.residual, {})
+        return unseen(stated)
 
     monkeypatch.setattr(module, "see_play", blind)
     assert diagnose_log(read_log(case[0]), read_robot(case[1])).findings == ()
