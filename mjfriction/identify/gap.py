@@ -294,7 +294,7 @@ def measure_gap(log: Log, robot: Robot, *, yielding: float = YIELDING, highest: 
 def thinned(gap: Gap) -> Gap:
     """Return the gap on as few samples as its rows need, where the log has more: so much faster, and smaller."""
     motion = gap.motion.thinned(thinning(gap.motion))
-    if motion.rate == gap.motion.rate:
+    if motion is gap.motion:
         return gap
     effort = predict_effort(gap.robot, gap.body, motion)
     chain = make_chain(motion, gap.log.source, whole_below(gap.filtered))

@@ -23,6 +23,7 @@ import math
 import numbers
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
@@ -31,6 +32,7 @@ from numba import types
 from numpy.typing import NDArray
 
 from mjfriction.errors import LawError, suggestion
+from mjfriction.laws.kept_code import let_go_of_stale_code
 from mjfriction.laws.rules import Rule, Values
 from mjfriction.parameter import Parameter
 
@@ -38,6 +40,8 @@ Floats = NDArray[np.float64]
 Steady = Callable[[float, Floats, Floats], float]
 Advance = Callable[[float, Floats, Floats, float, Floats, Floats], tuple[float, float]]
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
+
+let_go_of_stale_code(Path(__file__).parents[1])  # before the first kernel asks for its own
 
 
 def kernel(function: Kernel) -> Kernel:
