@@ -51,7 +51,9 @@ def run(robot: Robot, trajectory: Trajectory, control: Control | None = None, co
 
 
 def test_the_log_is_what_the_robot_predicts(ur5: Robot) -> None:
-    robot = with_elbow(ur5, coupling=(Coupling(joint="wrist_1_joint", viscous=3.0),), spring=Spring(stiffness=5.0))
+    robot = with_elbow(
+        ur5, coupling=(Coupling(joint="wrist_1_joint", viscous=3.0, inertia=0.3),), spring=Spring(stiffness=5.0)
+    )
     log = log_from_table(pa.table(simulate(robot, motion(robot), recorder=Recorder(500.0))), "log")
     predicted = predict_log(log, robot)
     for joint in robot.joints:
