@@ -28,11 +28,16 @@ def motion(seed: int) -> np.ndarray:
     return np.asarray(np.sin(0.9 * time + phase) ** 5 * np.sin(0.23 * time + 2.0 * phase))
 
 
-def found(lost: np.ndarray, velocity: np.ndarray) -> np.ndarray:
-    """Return the speeds found where ``lost`` (rows, joints), of the level and along the motion, differs from stated."""
+def found(lost: np.ndarray, velocity: np.ndarray, rings: float = 0.0) -> np.ndarray:
+    """Return the speeds found where ``lost`` (rows, joints), of the level and along the motion, differs from stated.
+
+    The travel since a turn ``rings`` below nothing there, by so much of the longest, as a filter makes it.
+    """
     residual = LEVEL * lost * np.sign(velocity) + NOISE * np.random.default_rng(1).standard_normal(velocity.shape)
     clear, top = np.ones(velocity.shape, dtype=bool), np.quantile(np.abs(velocity), 0.99, axis=0)
-    return turning_speeds(velocity, travel_of(velocity), residual, clear, np.full(JOINTS, LEVEL), top)
+    travel = travel_of(velocity)
+    travel = np.where(travel < 0.1 * np.max(travel), travel - rings * np.max(travel), travel)
+    return turning_speeds(velocity, travel, residual, clear, np.full(JOINTS, LEVEL), top)
 
 
 def travel_of(velocity: np.ndarray) -> np.ndarray:
@@ -45,6 +50,7 @@ def test_the_speed_over_which_friction_turns_is_found(share: float) -> None:
     velocity = motion(4)
     speeds = found(np.tanh(np.abs(velocity) / share) - 1.0, velocity)
     assert speeds == pytest.approx(TURNED * share, rel=0.3)
+    np.testing.assert_array_equal(found(np.tanh(np.abs(velocity) / share) - 1.0, velocity, rings=0.3), speeds)
 
 
 def test_levels_that_are_off_and_friction_that_fades_turn_at_once() -> None:
