@@ -10,6 +10,7 @@ from mjfriction.diagnose.model import Model
 from mjfriction.diagnose.oscillations import told_oscillations
 from mjfriction.diagnose.outcome import Finding, Verdict
 from mjfriction.diagnose.stroke_curve import ALONG_STROKE, StrokeCurve
+from mjfriction.diagnose.which_log import logs_with
 from mjfriction.identify.colour import COLOURED, NOTHING, coloured_share
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.joint_error import JointError
@@ -114,7 +115,9 @@ def summarize(
     if verdict is Verdict.UNEXPLAINED:
         left = ", ".join(_left(entry, joints) for entry in remaining)
         found = f"Found: {named}; {gain}. But" if findings else "No cause that this version knows fits, but"
-        return f"{found} an error remains that none explains: {left}."
+        alone = " and ".join(logs_with(gap, remaining))
+        where = f" It is in {alone} alone: what was different then, a load that the arm held?" if alone else ""
+        return f"{found} an error remains that none explains: {left}.{where}"
     if verdict is Verdict.AMBIGUOUS:
         unsure = next(finding for finding in findings if finding.alternatives)
         return (

@@ -37,7 +37,8 @@ class Log:
     under its full name (``position.elbow_joint``), each of shape (n,).  ``joints`` are the joints that have a
     position column, in the order of the file.  ``faults`` are those of the recording that were found and mended;
     ``unusable`` marks samples of a column, (n,), that were recorded but say nothing.  Where rows were left out,
-    ``recorded`` (m,) is the time of every row of the file and ``kept`` (m,) marks the n that stand here.
+    ``recorded`` (m,) is the time of every row of the file and ``kept`` (m,) marks the n that stand here.  ``begins``
+    are the times at which each of several logs begins that were joined.
     """
 
     source: str
@@ -49,6 +50,7 @@ class Log:
     unusable: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
     recorded: Floats | None = None
     kept: NDArray[np.bool_] | None = None
+    begins: tuple[float, ...] = ()
 
     def __repr__(self) -> str:
         """The file, how much it holds, and of which joints."""

@@ -14,12 +14,14 @@ import pytest
 from mjfriction.diagnose.audit import SAMPLES, _look
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Verdict
+from mjfriction.diagnose.which_log import logs_with
 from mjfriction.errors import LogError, RobotError
 from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.identification import identify_log
 from mjfriction.identify.outcome import Identification
 from mjfriction.identify.protocol import plan_passes
 from mjfriction.identify.stretches import cut_stretches
+from mjfriction.identify.structure import Structure
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.sensors import Recorder
 from mjfriction.record.log import Log
@@ -151,7 +153,16 @@ def test_logs_of_several_masses_are_diagnosed_together() -> None:
     values = {own.name: own.value for finding in diagnosis.findings for own in finding.parameters}
     assert values == pytest.approx(TRUE, rel=0.05)
     # Unsaid, the second mass is a payload that comes and goes, which no cause is.
-    assert diagnose_log(merge_logs(logs()), stated(None)).verdict is Verdict.UNEXPLAINED
+    unsaid = diagnose_log(merge_logs(logs()), stated(None))
+    assert unsaid.verdict is Verdict.UNEXPLAINED
+    assert f"It is in {logs()[1].name} alone" in unsaid.summary
+
+
+def test_what_all_logs_have_is_in_none_alone() -> None:
+    gap = measure_gap(merge_logs([logs()[0], replace(logs()[0], source="again")]), stated(None))
+    remains = (Structure(ELBOW, "time", 0.5),)
+    assert logs_with(gap, remains) == ()
+    assert logs_with(measure_gap(logs()[1], stated(None)), remains) == ()
 
 
 def test_what_was_held_is_not_in_the_efforts_that_columns_are_told_by() -> None:
