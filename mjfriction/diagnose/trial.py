@@ -120,7 +120,9 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
     relief = strain(model, model.strengths) - strain(model, fitted)
     size = effects(model, choice, strengths, most)
     improvement, error = (before - after).sum(axis=0), before.sum(axis=0)
-    least = least_of_friction(model, choice, _left_at(model, after[touched.index(most)], most))
+    least = least_of_friction(
+        model, choice, left_of_friction(model, _rms_of(model, after[touched.index(most)], most), most)
+    )
     return Trial(choice, improvement, error, relief, *size, least, wald, count, int(groups[-1]))
 
 
@@ -150,15 +152,16 @@ def negligible(model: Model, choice: Chosen, strengths: Floats, before: Floats, 
     """
     joint = shown_at(model, choice, before, after)
     of_effort, of_friction = effects(model, choice, strengths, joint)
-    left = model.gap.rms(after[:, joint], joint) / model.friction[joint]
+    left = left_of_friction(model, model.gap.rms(after[:, joint], joint), joint)
     return of_effort < LEAST_EFFECT or of_friction < least_of_friction(model, choice, left)
 
 
 def least_of_friction(model: Model, choice: Chosen, left: float = np.inf) -> float:
     """Return how much of a joint's friction a cause has to be on this machine.
 
-    Of few joints it is not known how uneven they are; but where what is ``left`` beside the cause (RMS, relative to
-    friction) is less than an uneven machine's waves would leave, this one is more even.  Waves themselves are those.
+    Of few joints it is not known how uneven they are; but where what is ``left`` beside the cause and the sensor's
+    noise (RMS, relative to friction) is less than an uneven machine's waves would leave, this one is more even.  Waves
+    themselves are those.
     """
     uneven, few = model.nuisance.uneven, len(model.gap.examined) < FEWEST_JOINTS
     if few and not isinstance(choice.cause, Cogging | PositionFriction):
@@ -172,10 +175,16 @@ def shown_at(model: Model, choice: Chosen, before: Floats, after: Floats) -> int
     return max(_feeling(columns), key=lambda j: gap.rms(before[:, j], j) / max(gap.rms(after[:, j], j), 1e-300))
 
 
-def _left_at(model: Model, errors: Floats, joint: int) -> float:
-    # What weighted errors (blocks,) at a joint come to, RMS, relative to its friction.
+def left_of_friction(model: Model, rms: float, joint: int) -> float:
+    """Return what is left at a joint (RMS) beyond its sensor's noise, relative to its friction."""
+    beyond = max(0.0, rms**2 - float(model.gap.noise_floor[joint]) ** 2)
+    return float(np.sqrt(beyond)) / model.friction[joint]
+
+
+def _rms_of(model: Model, errors: Floats, joint: int) -> float:
+    # What weighted errors (blocks,) at a joint come to, RMS.
     power = float(np.sum(np.square(model.system.rows.weight[:, joint])))
-    return float(np.sqrt(np.sum(errors) / max(power, 1e-300))) / model.friction[joint]
+    return float(np.sqrt(np.sum(errors) / max(power, 1e-300)))
 
 
 def _feeling(columns: Columns) -> list[int]:

@@ -12,7 +12,14 @@ from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.field import make_field, size
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
 from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.trial import FALSE_ALARM, LEAST_EFFECT, LEAST_SHARE, at_its_most, least_of_friction
+from mjfriction.diagnose.trial import (
+    FALSE_ALARM,
+    LEAST_EFFECT,
+    LEAST_SHARE,
+    at_its_most,
+    least_of_friction,
+    left_of_friction,
+)
 from mjfriction.diagnose.unevenness import with_unevenness
 from mjfriction.identify.gap import Gap
 from mjfriction.progress import Tell, counting, silently
@@ -79,7 +86,7 @@ def _of_friction(model: Model, choice: Chosen, left: Floats) -> float:
     # How large the effect is that is as much of the joint's friction as has to be, at its most.
     joint, (columns, _) = choice.site.joint, cause_block(model.gap, choice)
     most = max(at_its_most(model, columns, own, joint) / max(_rms(own), 1e-300) for own in columns[joint].T)
-    least = least_of_friction(model, choice, model.gap.rms(left[:, joint], joint) / model.friction[joint])
+    least = least_of_friction(model, choice, left_of_friction(model, model.gap.rms(left[:, joint], joint), joint))
     return least * model.friction[joint] / max(most, 1e-300)
 
 
