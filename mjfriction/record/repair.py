@@ -87,8 +87,6 @@ def repaired(log: Log) -> Log:
                 continue
             flat = clipped(columns[name], moving)
             held = frozen(columns[name], moving) & ~flat
-            at_limit = _at_limit(columns[name], flat, held)
-            flat, held = flat | at_limit, held & ~at_limit
             said = {
                 "data.saturation": (
                     flat,
@@ -102,15 +100,6 @@ def repaired(log: Log) -> Log:
                     faults.append(_left_out(log, kind, name, mask, action))
     changed = replace(log, columns=columns, faults=tuple(faults), unusable=unusable)
     return _without(changed, dropped) if np.any(dropped) else changed
-
-
-def _at_limit(values: Floats, flat: Mask, held: Mask) -> Mask:
-    # Of what is held, the stretches at a limit that clips elsewhere: a drive that gives all it has, for long.
-    out = np.zeros_like(held)
-    limits = np.isin(values, np.unique(values[flat]))
-    for first, past in spans(held):
-        out[first:past] = np.mean(limits[first:past]) > 0.5
-    return out
 
 
 def _travel(position: Floats) -> float:

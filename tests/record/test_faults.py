@@ -220,14 +220,6 @@ def test_a_drive_that_clips_one_way_clips_the_other_way_too(lowest: float, *, bo
     np.testing.assert_array_equal(found, (values == 1.2) | ((values == lowest) & both))
 
 
-def test_a_drive_that_gives_all_it_has_for_long_is_clipped_and_not_stuck() -> None:
-    columns = clip(recording(), kept=0.85)
-    columns[EFFORT][2000:2300] = np.max(columns[EFFORT])
-    log = read(columns)
-    assert {fault.kind for fault in log.faults} == {"data.saturation"}
-    assert np.all(log.unusable[EFFORT][2000:2300])
-
-
 def test_a_quick_start_from_rest_is_no_stuck_sensor() -> None:
     columns = recording()
     time = columns["time"]
