@@ -60,8 +60,8 @@ friction = { law = "lugre", side = "motor", parameters = { ... },
 
 `side = "motor"` sees the joint through its gear: velocity times the ratio, load divided by it, torque back times the
 ratio. `level` multiplies all of the law but its linear damping by 1 + per_load·|τ_load| + per_kelvin·(T − T₀) + the
-waves. τ_load is what passes the transmission to the links; with `load_includes_rotor` what the drive's own rotor takes is
-counted in. `negative` runs one copy of an odd law for each direction, max(τ⁺, 0) + min(τ⁻, 0).
+waves. τ_load is what passes the transmission to the links; with `load_includes_rotor` what the drive's own rotor takes
+is counted in. `negative` runs one copy of an odd law for each direction, max(τ⁺, 0) + min(τ⁻, 0).
 """
 
 COSTS = """## What they cost
