@@ -23,22 +23,26 @@ def damped(at: Instant) -> np.ndarray:
     return UR5_COULOMB[PAN] * (built - along) + DAMPING * at.v * (1.0 - built * along)
 
 
-def test_the_travel_is_not_the_shorter_for_the_damping(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    log, robot = write_case(tmp_path, Machine(hidden={PAN: damped}), seed=4)
+def found(folder: Path) -> dict[str, float]:
+    log, robot = write_case(folder, Machine(hidden={PAN: damped}), seed=4)
+    diagnosed = diagnose_log(read_log(log), read_robot(robot))
+    (finding,) = diagnosed.findings
+    assert (finding.cause, finding.joint) == ("friction.presliding", UR5_JOINTS[PAN])
+    (law,) = [term.law for term in diagnosed.robot.joint(UR5_JOINTS[PAN]).friction or () if "bristle" in str(term)]
+    return {value.name: value.value for value in finding.parameters} | {law: 1.0}
 
-    def found() -> dict[str, float]:
-        diagnosed = diagnose_log(read_log(log), read_robot(robot))
-        (finding,) = diagnosed.findings
-        assert (finding.cause, finding.joint) == ("friction.presliding", UR5_JOINTS[PAN])
-        (law,) = [term.law for term in diagnosed.robot.joint(UR5_JOINTS[PAN]).friction or () if "bristle" in str(term)]
-        return {value.name: value.value for value in finding.parameters} | {law: 1.0}
 
-    told = found()
+def test_stiffness_and_damping_are_told_apart(tmp_path: Path) -> None:
+    told = found(tmp_path)
     assert told["presliding_travel"] == pytest.approx(TRAVEL, rel=0.05)
     assert told["bristle_damping"] == pytest.approx(DAMPING, rel=0.05)
     assert "lugre" in told
+
+
+@pytest.mark.bench
+def test_without_damping_the_travel_is_taken_for_shorter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     others = tuple(cause for cause in diagnosis.STRUCTURAL if not isinstance(cause, DampedPresliding))
     monkeypatch.setattr(diagnosis, "STRUCTURAL", others)
-    plain = found()
+    plain = found(tmp_path)
     assert "dahl" in plain
     assert plain["presliding_travel"] < 0.7 * TRAVEL

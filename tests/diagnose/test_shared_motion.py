@@ -23,14 +23,18 @@ def brought(at: Instant) -> np.ndarray:
     return VISCOUS * at.velocities[:, WRIST] + INERTIA * np.gradient(at.velocities[:, WRIST], at.time)
 
 
-def test_a_rotor_that_turns_with_another_joint_is_told_with_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_rotor_that_turns_with_another_joint_is_told_with_it(tmp_path: Path) -> None:
     log, robot = write_case(tmp_path, Machine(hidden={ELBOW: brought}), seed=4)
     (finding,) = diagnose_log(read_log(log), read_robot(robot)).findings
     assert (finding.cause, finding.joint) == ("drive.coupling", UR5_JOINTS[ELBOW])
     told = {value.name: value.value for value in finding.parameters}
     assert told["inertia"] == pytest.approx(INERTIA, rel=0.05)
     assert told["viscous"] == pytest.approx(VISCOUS, rel=0.1)
-    # No coupling without an acceleration does as well.
+
+
+@pytest.mark.bench
+def test_no_coupling_without_an_acceleration_does_as_well(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: brought}), seed=4)
     others = tuple(cause for cause in diagnosis.STRUCTURAL if not isinstance(cause, SharedMotion))
     monkeypatch.setattr(diagnosis, "STRUCTURAL", others)
     assert diagnose_log(read_log(log), read_robot(robot)).verdict is Verdict.UNEXPLAINED
