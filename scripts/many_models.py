@@ -19,8 +19,8 @@ import numpy as np
 
 import mjfriction as mjf
 from mjfriction.laws.law import Floats
+from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import FrictionTerm
 from mjfriction.sim.attach import candidate_blocks
 from mjfriction.sim.reading import write_candidates
 

@@ -19,8 +19,8 @@ from mjfriction.identify.protocol import plan_excitation
 from mjfriction.plant.machine import run_machine
 from mjfriction.plant.sensors import Recorder
 from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import FrictionTerm
 
 STICKS = {"coulomb": 10.0, "static": 16.0, "stribeck_velocity": 0.15, "stribeck_exponent": 2.0, "viscous": 12.0}
 SENSOR_NOISE = 0.1  # N·m

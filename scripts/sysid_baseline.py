@@ -28,9 +28,9 @@ from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.friction import stated_levels
+from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import FrictionTerm
 from mjfriction.robot.simulation import robot_spec
 from scripts.verbs import run_verbs
 

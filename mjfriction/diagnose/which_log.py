@@ -8,24 +8,25 @@ import numpy as np
 
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
-from mjfriction.record.log import JOINED
 
 LOUDER = 4.0  # times the mean square that is left of the quietest log, that one of these leaves
 
 
 def logs_with(gap: Gap, remaining: Sequence[Structure]) -> tuple[str, ...]:
     """Return the names of the logs in which the stated robot is far more off than in the others, at every joint where
-    something remains; none where it is as far off in all of them, or there is but one.
+    something remains; none where it is as far off in all of them, or but one log tells.
     """
-    names = gap.log.name.split(JOINED)
-    if len(gap.log.begins) < 2 or not remaining:
+    joined = gap.log.joined
+    if len(joined) < 2 or not remaining:
         return ()
-    log_of = np.searchsorted(gap.log.begins, gap.chain.time, side="right") - 1
-    loud = np.ones(len(names), dtype=bool)
+    log_of = np.searchsorted([begin for _, begin in joined], gap.chain.time, side="right") - 1
+    loud = np.ones(len(joined), dtype=bool)
     for entry in remaining:
         joint = gap.robot.joints.index(entry.joint)
-        clear = gap.clear[:, joint]
-        left = [gap.residual[clear & (log_of == k), joint] for k in range(len(names))]
-        power = np.array([np.mean(np.square(own)) if own.size else 0.0 for own in left])
-        loud &= power > LOUDER * np.min(power)
-    return tuple(name for name, own in zip(names, loud.tolist(), strict=True) if own)
+        told = gap.clear[:, joint]
+        power = {k: np.mean(np.square(gap.residual[told & (log_of == k), joint])) for k in np.unique(log_of[told])}
+        if len(power) < 2:
+            return ()  # the joint moved in one of them only
+        quietest = min(power.values())
+        loud &= [power.get(k, 0.0) > LOUDER * quietest for k in range(len(joined))]
+    return tuple(name for (name, _), own in zip(joined, loud.tolist(), strict=True) if own)

@@ -10,7 +10,7 @@ from mjfriction.errors import LogError
 from mjfriction.identify.friction_course import FrictionCourse
 from mjfriction.identify.phases import Phase
 from mjfriction.laws.law import Floats
-from mjfriction.robot.schema import Wave
+from mjfriction.robot.table import Wave
 
 SURE = 4.0  # deviations of a wave, below which it is left out
 COLOUR = 4.0  # by how many times coloured noise widens them, passes being repeated at few speeds

@@ -15,7 +15,7 @@ from mjfriction.identify.stroke_waves import STEPS_PER_LOBE, wavenumbers, waves_
 from mjfriction.laws.law import Law
 from mjfriction.laws.rules import Values, array
 from mjfriction.record.log import Floats
-from mjfriction.robot.schema import FrictionTerm
+from mjfriction.robot.friction_tables import FrictionTerm
 
 MOST = 8  # elements
 TRAVELS = 16  # of the ladder on which springs may break away

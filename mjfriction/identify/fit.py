@@ -18,7 +18,7 @@ from mjfriction.laws.catalog import find_law
 from mjfriction.laws.law import Law
 from mjfriction.laws.rules import Values, scalar
 from mjfriction.record.log import Floats
-from mjfriction.robot.schema import FrictionTerm
+from mjfriction.robot.friction_tables import FrictionTerm
 
 STATIC_SIBLING = {
     "dahl": "coulomb_viscous",

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import make_interp_spline
 
 from mjfriction.body.inverse import motion_derivatives
 from mjfriction.body.model import Body
@@ -48,8 +47,6 @@ FEWEST_CLEAR, ENOUGH_CLEAR = 0.2, 50  # of a joint's rows, and rows: with fewer 
 HOPELESS = 1e6  # times the effort, that a row may be off by which says nothing
 FILTER_PERIODS = 8.0  # of a low-pass's band, after which it has forgotten
 ENOUGH_PER_PERIOD = 4.0  # samples in a period of the position filter's cutoff, that leave rows what they are
-SAMPLES_PER_PERIOD = 8.0  # of the position filter's cutoff, that show the motion
-SAMPLES_OF_PIECE = 15  # at least
 KEPT_LATELY = 4  # robots whose torques are kept
 
 
@@ -146,36 +143,14 @@ class Gap:
                 rows.append(self._reported(joint, values[:, joint], motion, chain))
         return {joint: np.concatenate(rows) for joint, rows in found.items()}
 
-    @functools.cached_property
-    def _sparse(self) -> slice:
-        # As few samples as the position's filter leaves anything between, and some of every piece.
-        shortest = min(int(np.count_nonzero(own)) for own in self.motion.pieces)
-        least = min(int(self.motion.rate / (SAMPLES_PER_PERIOD * self.motion.cutoff)), shortest // SAMPLES_OF_PIECE)
-        return slice(None, None, max(1, least))
-
-    @functools.cached_property
-    def _sparse_motion(self) -> Motion:
-        thin = self._sparse
-        return replace(self.motion.part(thin), rate=self.motion.rate / thin.step)
-
     def predicted(self, robot: Robot) -> Floats:
-        """Return what a robot would report along this motion, at the rows, (rows, joints).
-
-        It is computed on as few samples as show the motion: good for what one robot predicts otherwise than another.
-        """
-        reported = reported_of(robot, self._sparse_motion, self._needed(robot))
-        if self._sparse.step == 1:
-            return self.chain.rows(reported)
-        out = np.empty((self.motion.time.size, reported.shape[1]))
-        for own, some in zip(self.motion.pieces, self._sparse_motion.pieces, strict=True):
-            between = make_interp_spline(self._sparse_motion.time[some], reported[some], k=3)
-            out[own] = between(self.motion.time[own])
-        return self.chain.rows(out)
+        """Return what a robot would report along this motion, at the rows, (rows, joints)."""
+        return self.chain.rows(reported_of(robot, self.motion, self._needed(robot)))
 
     def _needed(self, robot: Robot) -> Floats:
-        # The torques that a robot needs on the sparse samples: the same for all that differ in their sensors only.
-        # What links and rotors need is the same for all that differ in friction only.
-        drives, motion = unheard(robot), self._sparse_motion
+        # The torques that a robot needs: the same for all that differ in their sensors only.  What links and rotors
+        # need is the same for all that differ in friction only.
+        drives, motion = unheard(robot), self.motion
 
         def torques() -> Floats:
             laden = bare(drives)
@@ -221,7 +196,7 @@ class Gap:
         """Return the gap with what is set beside residual and prediction drawn with another robot's loads."""
         body = robot.body()
         gap = replace(self, known=Known(robot, body, predict_effort(robot, body, self.motion)))
-        same = {"_kinematics", "_forward", "blown", "link_rows", "linked", "_sparse_motion", "predicted_as_stated"}
+        same = {"_kinematics", "_forward", "blown", "link_rows", "linked", "predicted_as_stated"}
         same |= {"_needed_lately", "_carried_lately"}
         gap.__dict__.update({name: self.__dict__[name] for name in same if name in self.__dict__})
         return gap

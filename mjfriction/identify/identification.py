@@ -27,8 +27,8 @@ from mjfriction.identify.statics import Passes
 from mjfriction.laws.catalog import find_law
 from mjfriction.progress import Tell, silently
 from mjfriction.record.log import Floats, Log
+from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import FrictionTerm
 
 ROUNDS = 3  # of what stands beside the laws, and the laws, each with the other free as far as it is linear
 

@@ -15,8 +15,8 @@ from mjfriction.identify.starts import Usual
 from mjfriction.laws.law import Law
 from mjfriction.laws.rules import Values
 from mjfriction.record.log import Floats
+from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.rubbing import direction, forward_share, surroundings, term_torque
-from mjfriction.robot.schema import FrictionTerm
 
 Side = Literal["joint", "motor"]
 NOISE_ROUNDS = 3

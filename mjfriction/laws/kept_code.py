@@ -20,7 +20,7 @@ def let_go_of_stale_code(package: Path) -> None:
     Where nothing may be written there, Numba keeps nothing there either.
     """
     sources = sorted(file for room in KERNELS for file in (package / room).glob("*.py"))
-    states = [(file.name, (state := file.stat()).st_mtime_ns, state.st_size) for file in sources]
+    states = [(file.parts[-2:], (state := file.stat()).st_mtime_ns, state.st_size) for file in sources]
     told = hashlib.sha256(repr(states).encode()).hexdigest()
     stamp = package / KERNELS[0] / "__pycache__" / STAMP
     with contextlib.suppress(OSError):

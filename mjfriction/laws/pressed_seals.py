@@ -31,7 +31,7 @@ def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: F
 
 
 def _per_pascal(name: str, meaning: str) -> Parameter:
-    return Parameter(name, "{force}/Pa", f"growth of the level with {meaning}", typical=(0.0, 1e-6))
+    return Parameter(name, "{force}/Pa", f"growth of the level with {meaning}", typical=(0.0, 1e-5))
 
 
 PRESSED_SEALS = Law(

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
+from mjfriction.record.clock import put_right, steps_of
 from mjfriction.record.faults import Fault, spans
 from mjfriction.record.log import POSITION, VELOCITY, Floats, Log
 from mjfriction.record.resample import GAP_STEPS
@@ -25,13 +24,11 @@ def without_clock_drift(log: Log) -> Log:
     rows went on as evenly as before, and with that said.  Where they tell that rows came at another rate, or nothing
     tells, the clock is kept.
     """
-    step = np.diff(log.time)
-    joined = np.diff(log.segment) == 0
-    ahead = step[joined & (step > 0.0)]
-    if not ahead.size:
+    steps = steps_of(log)
+    if steps is None:
         return log
-    ordinary = float(np.median(ahead))
-    other = joined & (np.abs(step - ordinary) > OFF * ordinary) & (step < GAP_STEPS * ordinary) & (step > 0.0)
+    step, ordinary = steps.length, steps.ordinary
+    other = steps.joined & (np.abs(step - ordinary) > OFF * ordinary) & (step < GAP_STEPS * ordinary) & (step > 0.0)
     new, faults = step.copy(), []
     for first, end in spans(other):
         rate = float(np.median(step[first:end])) / ordinary
@@ -45,8 +42,7 @@ def without_clock_drift(log: Log) -> Log:
     if not faults:
         return log
     time = log.time[0] + np.concatenate([[0.0], np.cumsum(new)])
-    recorded, kept = (log.time, np.ones(time.size, dtype=bool)) if log.recorded is None else (log.recorded, log.kept)
-    return replace(log, time=time, faults=(*log.faults, *faults), recorded=recorded, kept=kept)
+    return put_right(log, time, faults)
 
 
 def _went_on(log: Log, first: int, end: int, rate: float, ordinary: float) -> bool:

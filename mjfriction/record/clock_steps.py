@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
+from mjfriction.record.clock import put_right, steps_of
 from mjfriction.record.faults import Fault
 from mjfriction.record.log import POSITION, Floats, Log
 from mjfriction.record.resample import GAP_STEPS
@@ -19,27 +18,23 @@ def without_clock_steps(log: Log) -> Log:
     """Return the log with its clock put right where it was set, back or ahead, while the joints moved on as in one
     ordinary step, and with that said.  Where they did not, another motion begins, or rows are missing.
     """
-    step = np.diff(log.time)
-    joined = np.diff(log.segment) == 0
-    ahead = step[joined & (step > 0.0)]
-    if not ahead.size:
+    steps = steps_of(log)
+    if steps is None:
         return log
-    ordinary = float(np.median(ahead))
-    jumps = np.flatnonzero(joined & (np.abs(step) > GAP_STEPS * ordinary))
-    set_at = [row for row in jumps.tolist() if _ran_on(log, row, ordinary)]
+    jumps = np.flatnonzero(steps.joined & (np.abs(steps.length) > GAP_STEPS * steps.ordinary))
+    set_at = [row for row in jumps.tolist() if _ran_on(log, row, steps.ordinary)]
     if not set_at:
         return log
     time, faults = log.time.copy(), []
     for row in set_at:
-        wrong = float(step[row]) - ordinary
+        wrong = float(steps.length[row]) - steps.ordinary
         time[row + 1 :] -= wrong
         if _told(log, row):
             continue  # rows that were written twice took the time that is missing
         way = f"{'ahead' if wrong > 0.0 else 'back'} by {abs(wrong):.4g} s, though the joints went on"
         where = f"{log.time[row]:.6g} s to {log.time[row + 1]:.6g} s"
         faults.append(Fault("data.clock", where, f"it was set {way}: time runs on there"))
-    recorded, kept = (log.time, np.ones(time.size, dtype=bool)) if log.recorded is None else (log.recorded, log.kept)
-    return replace(log, time=time, faults=(*log.faults, *faults), recorded=recorded, kept=kept)
+    return put_right(log, time, faults)
 
 
 def _told(log: Log, row: int) -> bool:

@@ -37,8 +37,8 @@ class Log:
     under its full name (``position.elbow_joint``), each of shape (n,).  ``joints`` are the joints that have a
     position column, in the order of the file.  ``faults`` are those of the recording that were found and mended;
     ``unusable`` marks samples of a column, (n,), that were recorded but say nothing.  Where rows were left out,
-    ``recorded`` (m,) is the time of every row of the file and ``kept`` (m,) marks the n that stand here.  ``begins``
-    are the times at which each of several logs begins that were joined.
+    ``recorded`` (m,) is the time of every row of the file and ``kept`` (m,) marks the n that stand here.  ``joined``
+    are the names of several logs that were joined, each with the time at which it begins here.
     """
 
     source: str
@@ -50,7 +50,7 @@ class Log:
     unusable: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
     recorded: Floats | None = None
     kept: NDArray[np.bool_] | None = None
-    begins: tuple[float, ...] = ()
+    joined: tuple[tuple[str, float], ...] = ()
 
     def __repr__(self) -> str:
         """The file, how much it holds, and of which joints."""

@@ -58,5 +58,5 @@ def merge_logs(logs: Sequence[Log]) -> Log:
             for name in shared
             if any(name in log.unusable for log in logs)
         },
-        begins=tuple(float(own[0]) for own in times),
+        joined=tuple((log.name, float(own[0])) for log, own in zip(logs, times, strict=True)),
     )

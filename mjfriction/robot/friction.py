@@ -11,8 +11,10 @@ from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
 from mjfriction.laws.load_dependent import LOAD_DEPENDENT
 from mjfriction.laws.rules import SumReaches, Values, array, scalar
 from mjfriction.laws.stribeck import STRIBECK
+from mjfriction.robot.friction_tables import FrictionTerm, LevelTable
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import FrictionTerm, Joint, LevelTable, Wave
+from mjfriction.robot.schema import Joint
+from mjfriction.robot.table import Wave
 
 LEVELS = (
     "coulomb",

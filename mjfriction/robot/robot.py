@@ -14,7 +14,8 @@ from mjfriction.body.inertia import RigidLink
 from mjfriction.body.model import Body, Load, load_body
 from mjfriction.errors import RobotError, suggestion
 from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
-from mjfriction.robot.schema import FrictionTerm, Joint, RobotTable
+from mjfriction.robot.friction_tables import FrictionTerm
+from mjfriction.robot.schema import Joint, RobotTable
 
 EXAMPLE_ROBOT_DATA = "package://example-robot-data/"
 

@@ -10,8 +10,10 @@ from mjfriction.laws.friction import Friction
 from mjfriction.laws.law import Floats
 from mjfriction.record.log import HEAD_PRESSURE, ROD_PRESSURE
 from mjfriction.record.motion import SURE, Motion
+from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import FrictionTerm, Joint, Wave
+from mjfriction.robot.schema import Joint
+from mjfriction.robot.table import Wave
 
 RESTING_SAMPLES = 200  # places of a motion that the level at rest is sought at
 MOST_SHARE = 0.9  # of the places, whose level is not higher

@@ -2,38 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator
+from pydantic import BeforeValidator, Field, field_validator
 
-from mjfriction.laws.ambient import ROOM_TEMPERATURE
-from mjfriction.laws.friction import Friction, Level, friction
-from mjfriction.laws.friction import Wave as LevelWave
+from mjfriction.robot.friction_tables import Event, FrictionTerm, PressureFriction, Thermal, WarmUp
+from mjfriction.robot.table import Finite, NonNegative, Positive, Table, Wave
 
-Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
-Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=True)]
-NonNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False, strict=True)]
 Vector = tuple[Finite, Finite, Finite]
 ROUNDING = 1e-9  # of a link's moments, by which numbers written to a file may miss what is physical
 
 
 def _as_list(value: Any) -> Any:
     return [value] if isinstance(value, dict) else value
-
-
-class Table(BaseModel):
-    """A table of the file: unknown keys are refused, values cannot be changed once read."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Wave(Table):
-    """A torque that repeats along the stroke: ``cosine`` · cos(k q) + ``sine`` · sin(k q), k the ``wavenumber``."""
-
-    wavenumber: Positive
-    cosine: Finite = 0.0
-    sine: Finite = 0.0
 
 
 class Actuator(Table):
@@ -123,59 +105,6 @@ class EffortSensor(Table):
     noise: NonNegative = 0.0
 
 
-class LevelTable(Table):
-    """What scales the level of a law, all but its linear damping, by 1 + the following.
-
-    ``per_load``: 1/(N·m) or 1/N of the load on the law's side.  ``per_kelvin``: 1/K above ``reference_temperature``
-    (°C).  ``waves``: shares that repeat along the stroke of the law's side.
-    """
-
-    per_load: Finite = 0.0
-    per_kelvin: Finite = 0.0
-    reference_temperature: Finite = ROOM_TEMPERATURE
-    waves: tuple[Wave, ...] = ()
-
-
-class FrictionTerm(Table):
-    """One friction law on a joint; ``side`` is the side whose velocity and torque the law speaks of.
-
-    ``negative`` are the parameters for motion backward, where they differ; ``level`` scales the law's level.  The load
-    that a law reads is what passes the transmission to the links, with ``load_includes_rotor`` what the drive's rotor
-    takes too.
-    """
-
-    law: str
-    side: Literal["joint", "motor"] = "joint"
-    parameters: dict[str, Finite | tuple[Finite, ...]]
-    negative: dict[str, Finite | tuple[Finite, ...]] | None = None
-    level: LevelTable = LevelTable()
-    load_includes_rotor: bool = False
-
-    def friction(self, gear_ratio: float, *, where: str = "") -> Friction:
-        """Return the law as it stands at a joint whose drive has that gear ratio.
-
-        Raises :class:`~mjfriction.errors.LawError`, ``where`` (the joint) in front, for what the law does not allow.
-        """
-        waves = tuple(LevelWave(wave.wavenumber, wave.cosine, wave.sine) for wave in self.level.waves)
-        level = Level(self.level.per_load, self.level.per_kelvin, self.level.reference_temperature, waves)
-        ratio = gear_ratio if self.side == "motor" else 1.0
-        return friction(
-            self.law,
-            self.parameters,
-            negative=self.negative,
-            gear_ratio=ratio,
-            level=level,
-            load_includes_rotor=self.load_includes_rotor,
-            where=where,
-        )
-
-    def value(self, name: str) -> float:
-        """Return a parameter that is one number: forward and backward averaged, 0 where the law has none of it."""
-        sets = [self.parameters, {**self.parameters, **(self.negative or {})}]
-        found = [values.get(name, 0.0) for values in sets]
-        return sum(0.0 if isinstance(value, tuple) else value for value in found) / len(sets)
-
-
 class Spring(Table):
     """A spring on a joint: ``preload`` + ``stiffness`` · q + ``quadratic`` · q² + ``cubic`` · q³, the last two for
     balancers and hoses whose torque bends along the stroke.
@@ -185,45 +114,6 @@ class Spring(Table):
     preload: Finite = 0.0
     quadratic: Finite = 0.0
     cubic: Finite = 0.0
-
-
-class Thermal(Table):
-    """Friction that follows the logged temperature: (``coulomb_per_kelvin`` · sgn q̇ + ``viscous_per_kelvin`` · q̇) times
-    the temperature above ``reference_temperature`` (°C).
-    """
-
-    coulomb_per_kelvin: Finite = 0.0
-    viscous_per_kelvin: Finite = 0.0
-    reference_temperature: Finite = ROOM_TEMPERATURE
-
-
-class WarmUp(Table):
-    """Friction that settles with running time t (s): (``coulomb`` · sgn q̇ + ``viscous`` · q̇) · (1 − e^(−t/τ)), τ the
-    ``time_constant``, t counted from ``begin`` on the log's clock.
-    """
-
-    coulomb: Finite = 0.0
-    viscous: Finite = 0.0
-    time_constant: Positive
-    begin: Finite = 0.0
-
-
-class Event(Table):
-    """Friction that steps at a ``time`` of the log (s) and stays: ``coulomb`` · sgn q̇ + ``viscous`` · q̇ from then."""
-
-    time: Finite
-    coulomb: Finite = 0.0
-    viscous: Finite = 0.0
-
-
-class PressureFriction(Table):
-    """Friction that the chambers press on: (``head`` · p₁ + ``rod`` · p₂ + ``difference`` · |p₁ − p₂|) · sgn q̇, N or
-    N·m per Pa.
-    """
-
-    head: Finite = 0.0
-    rod: Finite = 0.0
-    difference: Finite = 0.0
 
 
 class Coupling(Table):
@@ -382,9 +272,9 @@ class RobotTable(Table):
     gravity: Vector | None = None
     payload: Payload | None = None
     held: Place | None = None
-    link_inertia: dict[str, LinkInertia] = {}
-    link_scale: dict[str, Positive] = {}
-    link_shift: dict[str, Vector] = {}
+    link_inertia: dict[str, LinkInertia] = Field(default_factory=dict)
+    link_scale: dict[str, Positive] = Field(default_factory=dict)
+    link_shift: dict[str, Vector] = Field(default_factory=dict)
     joint: tuple[Joint, ...] = Field(min_length=1)
 
     @field_validator("joint")

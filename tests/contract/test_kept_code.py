@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 import pytest
 
+import mjfriction
 from mjfriction.laws.kept_code import KERNELS, let_go_of_stale_code
 
 
@@ -55,3 +57,13 @@ def test_a_package_that_may_not_be_written_to_is_left_alone(package: Path, monke
     monkeypatch.setattr(Path, "unlink", refuse)
     let_go_of_stale_code(package)
     assert kept(package) == 2 * len(KERNELS)
+
+
+def test_every_file_with_compiled_functions_stands_in_one_of_the_rooms() -> None:
+    package = Path(mjfriction.__file__).parent
+    rooms = {
+        file.relative_to(package).parts[0]
+        for file in package.rglob("*.py")
+        if re.search(r"^(import|from) numba|law import .*\b(kernel|routine)\b", file.read_text("utf-8"), re.MULTILINE)
+    }
+    assert rooms == set(KERNELS)

@@ -25,8 +25,8 @@ from mjfriction.plant.machine import Run, run_machine
 from mjfriction.plant.motions import inner_loops, sine
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.robot.files import read_robot
+from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import FrictionTerm
 
 
 @pytest.fixture(scope="module")

@@ -15,8 +15,8 @@ from mjfriction.plant.sensors import Recorder
 from mjfriction.record.log import Log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
+from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import FrictionTerm
 
 
 @pytest.fixture(scope="module")

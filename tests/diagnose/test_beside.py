@@ -24,7 +24,8 @@ from mjfriction.identify.gap import Gap, gap_of, measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import LinkInertia, Payload, Spring, Wave
+from mjfriction.robot.schema import LinkInertia, Payload, Spring
+from mjfriction.robot.table import Wave
 from tests.hidden.machine import Machine, write_case
 
 ELBOW = 2

@@ -18,7 +18,7 @@ from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
-from mjfriction.robot.schema import FrictionTerm
+from mjfriction.robot.friction_tables import FrictionTerm
 
 WRIST = 3
 

@@ -16,7 +16,7 @@ from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder
 from mjfriction.record.readers.table import log_from_table
-from mjfriction.robot.schema import PressureFriction
+from mjfriction.robot.friction_tables import PressureFriction
 from tests.diagnose.test_lone_axis import COULOMB, pendulum
 
 

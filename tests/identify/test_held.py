@@ -28,10 +28,11 @@ from mjfriction.record.log import Log
 from mjfriction.record.merge import merge_logs
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot, write_robot
+from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.links_torque import held_torque
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import FrictionTerm, Payload, Place
+from mjfriction.robot.schema import Payload, Place
 from tests.cli.here import mjfriction_here
 
 ELBOW, MASSES = "elbow_joint", (0.0, 4.0)
@@ -163,6 +164,20 @@ def test_what_all_logs_have_is_in_none_alone() -> None:
     remains = (Structure(ELBOW, "time", 0.5),)
     assert logs_with(gap, remains) == ()
     assert logs_with(measure_gap(logs()[1], stated(None)), remains) == ()
+
+
+def test_a_log_in_which_a_joint_tells_nothing_is_no_quiet_one() -> None:
+    gap = measure_gap(merge_logs(logs()), stated(None))
+    remains = (Structure(ELBOW, "time", 0.5),)
+    assert logs_with(gap, remains) == (logs()[1].name,)
+    second = gap.chain.time >= gap.log.joined[1][1]
+    assert logs_with(replace(gap, clear=gap.clear & second[:, None]), remains) == ()
+
+
+def test_a_files_name_may_hold_what_names_are_joined_by() -> None:
+    pair = [replace(log, source=f"{log.source} + tool.csv") for log in logs()]
+    gap = measure_gap(merge_logs(pair), stated(None))
+    assert logs_with(gap, (Structure(ELBOW, "time", 0.5),)) == (pair[1].name,)
 
 
 def test_what_was_held_is_not_in_the_efforts_that_columns_are_told_by() -> None:

@@ -40,8 +40,8 @@ from mjfriction.record.readers.table import log_from_table
 from mjfriction.report.html import identified_html
 from mjfriction.report.identified import make_identified_report
 from mjfriction.robot.files import read_robot
+from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import FrictionTerm
 
 # Table 1 of the manipulator paper, joint 3, a tenth of it: the UR5 is a smaller arm.
 ELBOW_LAW = {

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import FrictionTerm
 
 
 def frictionless(robot: Robot) -> Robot:

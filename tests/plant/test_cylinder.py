@@ -13,8 +13,9 @@ from mjfriction.plant.machine import Run, run_machine, simulate
 from mjfriction.plant.motions import sine
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.robot.files import read_robot
+from mjfriction.robot.friction_tables import FrictionTerm, PressureFriction
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import FrictionTerm, Hydraulics, PressureFriction
+from mjfriction.robot.schema import Hydraulics
 from tests.plant.bare import frictionless
 
 

@@ -19,9 +19,11 @@ from mjfriction.plant.sensors import Recorder
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
+from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Actuator, CommonDrive, FrictionTerm, PositionSensor, Transmission, Wave
+from mjfriction.robot.schema import Actuator, CommonDrive, PositionSensor, Transmission
+from mjfriction.robot.table import Wave
 from mjfriction.sim.transmission import DeadZone
 
 LINK, ROTOR = 60.0, 6.0e-5 * 628.3185307**2  # kg of the linear axis

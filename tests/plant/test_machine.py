@@ -17,9 +17,10 @@ from mjfriction.plant.trajectory import Trajectory
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.friction import stated_levels
+from mjfriction.robot.friction_tables import Event, WarmUp
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Coupling, Event, Spring, Transmission, WarmUp
+from mjfriction.robot.schema import Coupling, Spring, Transmission
 from mjfriction.sim.transmission import GIVE_DAMPING
 from tests.plant.bare import frictionless
 

@@ -15,10 +15,10 @@ from mjfriction.record.motion import Motion, estimate_motion
 from mjfriction.record.readers import read_log
 from mjfriction.robot.effort import friction_states
 from mjfriction.robot.files import read_robot
+from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import direction, resting_level, term_torque
-from mjfriction.robot.schema import FrictionTerm
 from tests.hidden.machine import Machine, write_case
 
 

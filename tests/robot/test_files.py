@@ -21,8 +21,9 @@ from mjfriction.robot.friction import (
     with_term,
 )
 from mjfriction.robot.robot import Robot, bundled_robots
-from mjfriction.robot.schema import RobotTable, Wave
+from mjfriction.robot.schema import RobotTable
 from mjfriction.robot.simulation import robot_laws
+from mjfriction.robot.table import Wave
 from tests.hidden.machine import UR5
 
 TEXT = f"""

@@ -16,7 +16,8 @@ from mjfriction.laws.catalog import LAWS
 from mjfriction.laws.friction import Level, Wave, friction
 from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.friction import raised_levels, stated_levels
-from mjfriction.robot.schema import FrictionTerm, Joint
+from mjfriction.robot.friction_tables import FrictionTerm
+from mjfriction.robot.schema import Joint
 from tests.contract.draws import named
 
 URDF = """<robot name="one"><link name="base"/><link name="arm"><inertial><mass value="1"/>

@@ -7,10 +7,7 @@ import numpy as np
 from mjfriction.benchmark.effects.effect import Effect, Place, on_joint, sign, updated, wave_along
 from mjfriction.body.inverse import inertia_at
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import (
-    CommonDrive,
-    Coupling,
-)
+from mjfriction.robot.schema import CommonDrive, Coupling
 
 SLOWEST_SWING = 10.0  # Hz
 

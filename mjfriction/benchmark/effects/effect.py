@@ -14,7 +14,8 @@ import numpy as np
 from mjfriction.laws.law import Floats
 from mjfriction.robot.friction import stated_levels
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Joint, Wave
+from mjfriction.robot.schema import Joint
+from mjfriction.robot.table import Wave
 
 Change = Callable[[Robot, float], Robot]
 

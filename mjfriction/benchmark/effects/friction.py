@@ -6,8 +6,8 @@ import numpy as np
 
 from mjfriction.benchmark.effects.effect import Effect, Place, on_joint, sign, updated, wave_along
 from mjfriction.robot.friction import raised_levels, with_asymmetric_damping, with_friction_wave, with_term
+from mjfriction.robot.friction_tables import Event, PressureFriction, Thermal, WarmUp
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Event, PressureFriction, Thermal, WarmUp
 
 CHAMBERS = 0.6  # of the cases with seals, in which either chamber presses its own; else the piston's seal presses
 

@@ -46,63 +46,51 @@ class _Coupling(JointCause):
         return gap.robot.joints[self.source(gap, site)]
 
 
+class _SharedMotion(_Coupling):
+    """What the other joint's motion ``brings``: a part with its direction, one with its velocity, and so on."""
+
+    brings: ClassVar[tuple[Parameter, ...]]
+
+    def courses(self, gap: Gap, site: Site) -> list[Floats]:
+        """Return direction, velocity and acceleration of the other joint, (n,) each, as many as it brings."""
+        motion, other = gap.motion, self.source(gap, site)
+        courses = [gap.forward(other), motion.velocity[:, other], motion.acceleration[:, other]]
+        return courses[: len(self.brings)]
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """The other joint's courses, (n, strengths)."""
+        return np.column_stack(self.courses(gap, site))
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """What each of them brings."""
+        return tuple(Quantity(own) for own in self.brings)
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """State the coupling."""
+        own = zip(self.brings, strengths.tolist(), strict=True)
+        return _coupled(robot, site, **{parameter.name: strength for parameter, strength in own})
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Name the other joint and what it brings."""
+        unit = "N" if gap.body.sliding[site.joint] else "N·m"
+        usual = [1.0, *(float(np.sqrt(np.mean(np.square(course)))) for course in self.courses(gap, site)[1:])]
+        words = ("with its direction", "at its usual speed", "at its usual acceleration")
+        parts = [f"{one * by:+.3g} {unit} {word}" for one, by, word in zip(strengths, usual, words, strict=False)]
+        return f"its effort follows the motion of {self.from_name(gap, site)}: {', '.join(parts[:-1])} and {parts[-1]}"
+
+
 @final
-class SharedFriction(_Coupling):
+class SharedFriction(_SharedMotion):
     """C·sgn vₖ + V·vₖ of the other joint k."""
 
-    def samples(self, gap: Gap, site: Site) -> Floats:
-        """Direction and velocity of the other joint, (n, 2)."""
-        other = self.source(gap, site)
-        return np.column_stack([gap.forward(other), gap.motion.velocity[:, other]])
-
-    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """Level and damping."""
-        return (Quantity(COULOMB), Quantity(VISCOUS))
-
-    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """State the coupling."""
-        return _coupled(robot, site, coulomb=float(strengths[0]), viscous=float(strengths[1]))
-
-    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
-        """Name the other joint and what it brings."""
-        unit = "N" if gap.body.sliding[site.joint] else "N·m"
-        other = self.source(gap, site)
-        speed = float(np.sqrt(np.mean(np.square(gap.motion.velocity[:, other]))))
-        return (
-            f"its effort follows the motion of {self.from_name(gap, site)}: {strengths[0]:+.3g} {unit} with its "
-            f"direction and {strengths[1] * speed:+.3g} {unit} at its usual speed"
-        )
+    brings = (COULOMB, VISCOUS)
 
 
 @final
-class SharedMotion(_Coupling):
-    """C·sgn vₖ + V·vₖ + I·aₖ of the other joint k: its friction, and a rotor that turns with it."""
+class SharedMotion(_SharedMotion):
+    """C·sgn vₖ + V·vₖ + I·aₖ of the other joint k: a rotor that turns with it too."""
 
-    def samples(self, gap: Gap, site: Site) -> Floats:
-        """Direction, velocity and acceleration of the other joint, (n, 3)."""
-        motion, other = gap.motion, self.source(gap, site)
-        return np.column_stack([gap.forward(other), motion.velocity[:, other], motion.acceleration[:, other]])
-
-    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """Level, damping and inertia."""
-        return (Quantity(COULOMB), Quantity(VISCOUS), Quantity(CARRIED))
-
-    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """State the coupling."""
-        coulomb, viscous, inertia = strengths.tolist()
-        return _coupled(robot, site, coulomb=coulomb, viscous=viscous, inertia=inertia)
-
-    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
-        """Name the other joint and what it brings."""
-        unit = "N" if gap.body.sliding[site.joint] else "N·m"
-        other = self.source(gap, site)
-        moved = (gap.motion.velocity[:, other], gap.motion.acceleration[:, other])
-        speed, surge = (float(np.sqrt(np.mean(np.square(course)))) for course in moved)
-        return (
-            f"its effort follows the motion of {self.from_name(gap, site)}: {strengths[0]:+.3g} {unit} with its "
-            f"direction, {strengths[1] * speed:+.3g} {unit} at its usual speed and {strengths[2] * surge:+.3g} {unit} "
-            "at its usual acceleration"
-        )
+    brings = (COULOMB, VISCOUS, CARRIED)
 
 
 @final

@@ -36,7 +36,7 @@ def _usual_effort(gap: Gap, joint: int) -> float:
     return float(np.sqrt(np.mean(np.square(gap.measured[:, joint]))))
 
 
-def _bristle(level: float, travel: float) -> dict[str, float]:
+def _dahl(level: float, travel: float) -> dict[str, float]:
     return {"coulomb": level, "bristle_stiffness": level / travel, "shape_exponent": 1.0, "viscous": 0.0}
 
 
@@ -69,7 +69,7 @@ class _Bristle(JointCause):
     def bristle(self, gap: Gap, site: Site) -> Floats:
         """Return z, the share of the level that has built up, −1 to 1, (n,)."""
         motion, joint = gap.motion, site.joint
-        packed = DAHL.pack(_bristle(1.0, site.shape[0]))
+        packed = DAHL.pack(_dahl(1.0, site.shape[0]))
         bristle = np.empty_like(motion.time)
         for own in motion.pieces:
             velocity = motion.velocity[own, joint]
@@ -124,13 +124,13 @@ class Presliding(_Bristle):
 
     def law(self, level: float, travel: float, strengths: Floats) -> tuple[Law, dict[str, float]]:
         """Dahl's."""
-        return DAHL, _bristle(level, travel)
+        return DAHL, _dahl(level, travel)
 
 
 @final
 class DampedPresliding(_Bristle):
     """A bristle whose deflection is damped, LuGre's: σ₁·(1 − z·sgn v)·v besides, damping that is there after a reversal
-    and fades as the bristle slides; without it a viscous curve bends for it.
+    and fades as the bristle slides; without it the travel comes out too short.
     """
 
     def samples(self, gap: Gap, site: Site) -> Floats:

@@ -17,9 +17,9 @@ from mjfriction.identify.regression import Columns
 from mjfriction.laws.ambient import ROOM_TEMPERATURE
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
+from mjfriction.robot.friction_tables import Event, Thermal, WarmUp
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import warmed
-from mjfriction.robot.schema import Event, Thermal, WarmUp
 
 COULOMB = Parameter("coulomb", "{force}", "change of the Coulomb level")
 VISCOUS = Parameter("viscous", "{force}·s/{length}", "change of the damping")

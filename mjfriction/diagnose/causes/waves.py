@@ -21,7 +21,7 @@ from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import with_friction_wave
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Wave
+from mjfriction.robot.table import Wave
 
 WAVENUMBER = Parameter("wavenumber", "rad/{length}", "phase per position; 2π over the period", lower=1e-6)
 COSINE = Parameter("cosine", "{force}", "amplitude of the cosine of wavenumber times position")

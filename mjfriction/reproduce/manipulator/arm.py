@@ -31,8 +31,10 @@ from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.bandwidth import choose_cutoff
 from mjfriction.robot.effort import effort_per_reported
 from mjfriction.robot.files import read_robot
+from mjfriction.robot.friction_tables import FrictionTerm, LevelTable
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import FrictionTerm, LevelTable, Payload, Wave
+from mjfriction.robot.schema import Payload
+from mjfriction.robot.table import Wave
 
 ARMS = ("comau_ns12", "comau_nj60")
 SLOWEST, FASTEST = 0.8, 400.0  # rad/s of the motors: the document's

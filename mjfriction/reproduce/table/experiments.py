@@ -26,8 +26,8 @@ from mjfriction.reproduce.table.machine import (
     true_table,
     weak_control,
 )
+from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import FrictionTerm
 
 TUNED = {"gms": "attraction", "lugre": "bristle_damping", "leuven": "bristle_damping"}
 BETWEEN = {"attraction": (1.0, 1e4), "bristle_damping": (1e2, 3e5)}  # N/s, N·s/m

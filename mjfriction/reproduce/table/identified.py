@@ -24,8 +24,9 @@ from mjfriction.plant.trajectory import Trajectory
 from mjfriction.record.log import Log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.reproduce.table.machine import JOINT, PITCH, blank_table, stiff_control, true_table
+from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import FrictionTerm, Wave
+from mjfriction.robot.table import Wave
 
 SPEEDS = np.geomspace(80e-6, 20e-3, 12)  # m/s
 SHORTEST, LONGEST, SECONDS = 4e-3, 60e-3, 8.0  # m, m, s of a pass

@@ -10,8 +10,9 @@ from mjfriction.control.disturbance import disturbance_observer
 from mjfriction.control.servo import Control
 from mjfriction.laws.law import Floats
 from mjfriction.robot.files import read_robot
+from mjfriction.robot.friction_tables import FrictionTerm, LevelTable
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import FrictionTerm, LevelTable, Wave
+from mjfriction.robot.table import Wave
 
 JOINT = "axis"
 PITCH = 0.05  # m of the screw

@@ -1,0 +1,25 @@
+"""What all tables of a robot.toml share: kinds of numbers, and waves along the stroke."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
+Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=True)]
+NonNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False, strict=True)]
+
+
+class Table(BaseModel):
+    """A table of the file: unknown keys are refused, values cannot be changed once read."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Wave(Table):
+    """A torque that repeats along the stroke: ``cosine`` · cos(k q) + ``sine`` · sin(k q), k the ``wavenumber``."""
+
+    wavenumber: Positive
+    cosine: Finite = 0.0
+    sine: Finite = 0.0
