@@ -64,6 +64,14 @@ class Body:
         _append(model, load)
         return replace(self, model=model)
 
+    def weightless(self) -> Body:
+        """Return the same joints with nothing on them that has mass or inertia, the rotors gone too."""
+        model = pin.Model(self.model)
+        for i in range(1, model.njoints):
+            model.inertias[i] = pin.Inertia.Zero()
+        model.armature = np.zeros(model.nv)
+        return replace(self, model=model)
+
     def on_link(self, parent: str, point: Floats, link: str) -> Floats:
         """Return a ``point`` (m) of a payload's ``parent`` frame in the frame of the ``link`` it is fixed to, (3,)."""
         held, own = _link_frame(self.model, parent), _link_frame(self.model, link)

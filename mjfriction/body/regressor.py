@@ -41,12 +41,9 @@ def tip_mass_torques(body: Body, position: Floats, velocity: Floats, acceleratio
 
 
 def _holding_nothing_but(body: Body, joint: int, inertia: pin.Inertia) -> Body:
-    model = body.model.copy()
-    for i in range(1, model.njoints):
-        model.inertias[i] = pin.Inertia.Zero()
-    model.inertias[joint] = inertia
-    model.armature = np.zeros(model.nv)
-    return replace(body, model=model)
+    alone = body.weightless()
+    alone.model.inertias[joint] = inertia
+    return alone
 
 
 def link_torques(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> Floats:

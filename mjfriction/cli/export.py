@@ -40,6 +40,8 @@ def export(robot: RobotSource, out: Out, fastest: Fastest = 2.0, as_json: Json =
     with whole_file(out) as draft:
         draft.write_text(spec.to_xml(), encoding="utf-8")
     lost = {joint.name: keys for joint in read.table.joint if (keys := not_in_model(joint))}
+    if read.table.taken_up:
+        lost[read.name] = ["taken_up"]
     if as_json:
         typer.echo(json.dumps({"model": str(out), "joints": [asdict(one) for one in carried], "not_carried": lost}))
         return

@@ -11,8 +11,8 @@ from mjfriction.body.regressor import tip_link
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LinkScale
+from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
-from mjfriction.diagnose.causes.whole_arm import Payload
 from mjfriction.diagnose.exchange import for_place_of, in_place_of
 from mjfriction.diagnose.field import Entrant, Field, chances_in, in_place_of_levels
 from mjfriction.diagnose.intervals import half_widths

@@ -10,8 +10,8 @@ from mjfriction.diagnose.alike import EVEN, Standing, standing
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LinkScale
+from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
-from mjfriction.diagnose.causes.whole_arm import Payload
 from mjfriction.diagnose.field import Field
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.link_finding import link_finding
@@ -93,7 +93,7 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
     links = link_finding(model, widths, untold, field, seed)
     if links is not None:
         findings.append(links)
-    findings = [_beside_links(finding, findings) for finding in findings]
+    findings = [_beside_links(finding, findings, model) for finding in findings]
     experiment = None
     if unsure:
         _, choice, rival, other = min(unsure, key=lambda entry: entry[0])
@@ -124,10 +124,12 @@ def _of_one_factor(choice: Chosen, stands: Standing) -> Standing:
     return replace(stands, alternatives=alternatives, confidence=min(stands.confidence, EVEN))
 
 
-def _beside_links(finding: Finding, findings: list[Finding]) -> Finding:
-    # What is held at the flange is a part of the last link: beside links that are off it may be that this one is too.
+def _beside_links(finding: Finding, findings: list[Finding], model: Model) -> Finding:
+    # What is held at the flange throughout is a part of the last link: beside links that are off it may be that this
+    # one is too.
     off = any(one.cause == LinkScale.name for one in findings)
-    if finding.cause != Payload.name or finding.alternatives or not off:
+    throughout = any(isinstance(choice.cause, Payload) for choice in model.chosen)
+    if finding.cause != Payload.name or not throughout or finding.alternatives or not off:
         return finding
     return replace(finding, alternatives=(LinkScale.name,), confidence=min(finding.confidence, EVEN))
 

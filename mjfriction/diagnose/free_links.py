@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
-from mjfriction.diagnose.causes.whole_arm import Payload
+from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.compete import compete
 from mjfriction.diagnose.field import Field, size
 from mjfriction.diagnose.model import Chosen, Model, cause_block

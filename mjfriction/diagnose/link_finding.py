@@ -10,7 +10,7 @@ from mjfriction.diagnose.alike import EVEN, MOST_CONFIDENT, Standing, of_last_li
 from mjfriction.diagnose.base_changes import base_changes
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LEAST_NOTED, LinkScale
-from mjfriction.diagnose.causes.whole_arm import Payload
+from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.field import Field
 from mjfriction.diagnose.intervals import HalfWidths
 from mjfriction.diagnose.links_off import links_far_off

@@ -75,6 +75,11 @@ def cut_stretches(gap: Gap, robot: Robot, seconds: float) -> Stretches:
             f"{gap.log.source}: its '{HELD_MASS}' is not in the MuJoCo model, so that simulated motion cannot be "
             "compared; take logs of one mass by themselves, and state it as the robot's payload"
         )
+    if robot.table.taken_up:
+        raise RobotError(
+            f"robot '{robot.name}': what it takes up is not in the MuJoCo model, so that simulated motion cannot be "
+            "compared; take a log of one mass, and state it as the robot's payload"
+        )
     lacking = [joint for i, joint in enumerate(robot.joints) if i not in gap.examined]
     if lacking:
         raise RobotError(f"simulated motion needs the efforts of all joints, and {', '.join(lacking)} has none")

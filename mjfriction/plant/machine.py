@@ -16,6 +16,7 @@ from mjfriction.plant.cylinder import Cylinder
 from mjfriction.plant.oil import OilDrives
 from mjfriction.plant.passive import Passive, has_passive
 from mjfriction.plant.sensors import Recorder, record
+from mjfriction.plant.taken_up import TakenUp
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.plant.varying import Surrounding, Varying, varies, with_pressed_seals, with_room_to_vary
 from mjfriction.progress import Tell, silently
@@ -119,6 +120,7 @@ def run_machine(
         passive=Passive(robot) if has_passive(robot) else None,
         around=surrounding,
         laws_at=Varying(robot, surrounding, time, step) if any(map(varies, robot.table.joint)) else None,
+        masses_at=TakenUp(robot, time) if robot.table.taken_up else None,
         whole=whole,
         tell=tell,
     )
@@ -154,7 +156,7 @@ def _check(robot: Robot, trajectory: Trajectory) -> None:
 
 def _spec(robot: Robot, step: float, link_inertia: Floats) -> tuple[Spec, dict[str, DeadZone]]:
     # The model with what gives and what is shared in its transmissions; springs act beside, as the drives feel them.
-    spec = robot_spec(_without_springs(robot))
+    spec = robot_spec(_without_springs(robot), with_taken_up=True)
     spec.option.timestep = step
     drop_actuators(spec)
     dead_zones: dict[str, DeadZone] = {}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.body.model import Body, Load
@@ -11,6 +12,7 @@ from mjfriction.laws.law import Floats
 from mjfriction.record.log import HELD_MASS
 from mjfriction.record.motion import Motion
 from mjfriction.robot.robot import Robot
+from mjfriction.robot.schema import Place
 
 
 def held_mass(robot: Robot, motion: Motion) -> Floats | None:
@@ -28,22 +30,43 @@ def held_mass(robot: Robot, motion: Motion) -> Floats | None:
 
 
 def held_torque(robot: Robot, body: Body, motion: Motion) -> Floats:
-    """Return the torques of what the motion's log says was held, (n, joints), N·m or N: none where it says nothing.
-
-    A point mass m at a fixed place of a link adds m times what one kilogram there adds.
-    """
+    """Return the torques of what the motion's log says was held, (n, joints), N·m or N: none where it says nothing."""
     mass, held = held_mass(robot, motion), robot.table.held
     if mass is None or held is None:
         return np.zeros_like(motion.position)
+    return mass[:, None] * _of_one_kilogram(robot, body, held, motion, slice(None), "held")
+
+
+def taken_up_torque(robot: Robot, body: Body, motion: Motion) -> Floats:
+    """Return the torques of what the robot holds for a while, (n, joints), N·m or N."""
+    out = np.zeros_like(motion.position)
+    for load in robot.table.taken_up:
+        own = is_held(load.begin, load.end, motion.time)
+        out[own] += load.mass * _of_one_kilogram(robot, body, load, motion, own, "taken_up")
+    return out
+
+
+def is_held(begin: float, end: float | None, time: Floats) -> NDArray[np.bool_]:
+    """Return at which of the moments (n,), s, that is held which is taken up at ``begin`` and put down at ``end``."""
+    return (time >= begin) & (time < (np.inf if end is None else end))
+
+
+def _of_one_kilogram(
+    robot: Robot, body: Body, place: Place, motion: Motion, own: slice | NDArray[np.bool_], key: str
+) -> Floats:
+    # A point mass at a fixed place of a link needs so many times what one kilogram there needs.
     try:
-        laden = body.holding(Load(1.0, held.com, held.parent))
+        alone = body.weightless().holding(Load(1.0, place.com, place.parent))
     except RobotError as error:
-        raise RobotError(f"robot '{robot.name}': held: {error}") from None
-    course = motion.position, motion.velocity, motion.acceleration
-    return np.asarray(mass[:, None] * (inverse_dynamics(laden, *course) - inverse_dynamics(body, *course)))
+        raise RobotError(f"robot '{robot.name}': {key}: {error}") from None
+    return inverse_dynamics(alone, motion.position[own], motion.velocity[own], motion.acceleration[own])
 
 
 def links_torque(robot: Robot, body: Body, motion: Motion) -> Floats:
-    """Return the torques of links, payload, rotors and of what the log says was held besides, (n, joints), N·m or N."""
+    """Return the torques of links, payload, rotors and of what is held besides, by the log's word or the robot's, (n,
+    joints), N·m or N.
+    """
     torque = inverse_dynamics(body, motion.position, motion.velocity, motion.acceleration)
-    return torque if held_mass(robot, motion) is None else torque + held_torque(robot, body, motion)
+    if held_mass(robot, motion) is not None:
+        torque += held_torque(robot, body, motion)
+    return torque + taken_up_torque(robot, body, motion) if robot.table.taken_up else torque

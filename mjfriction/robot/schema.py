@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BeforeValidator, Field, field_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator
 
 from mjfriction.robot.friction_tables import Event, FrictionTerm, PressureFriction, Thermal, WarmUp
 from mjfriction.robot.table import Finite, NonNegative, Positive, Table, Wave
@@ -238,6 +238,24 @@ class Place(Table):
     parent: str
 
 
+class TakenUp(Place):
+    """A mass held for a while: kg beyond the payload, below none where that much of it is put down, from ``begin`` to
+    ``end`` on the log's clock (s), or to the log's end.
+    """
+
+    mass: Finite
+    begin: Finite
+    end: Finite | None = None
+
+    @field_validator("end")
+    @classmethod
+    def _later(cls, value: float | None, told: ValidationInfo) -> float | None:
+        begin = told.data.get("begin")
+        if value is not None and begin is not None and value <= begin:
+            raise ValueError(f"it begins at {begin:g} s; what is held ends after that, or has no end")
+        return value
+
+
 class LinkInertia(Table):
     """The inertia of the link that a joint moves: ``mass`` (kg), its centre ``com`` (m, along the axes of the link's
     frame from the joint on) and ``inertia`` about that, xx, yy, zz, xy, xz, yz (kg·m²).
@@ -261,7 +279,8 @@ class LinkInertia(Table):
 class RobotTable(Table):
     """A whole robot file.
 
-    ``held`` is where the arm holds what logs speak of in their column ``held_mass``.  For links, each named by the
+    ``held`` is where the arm holds what logs speak of in their column ``held_mass``; ``taken_up`` is what it holds
+    besides for a while.  For links, each named by the
     joint that moves it: ``link_inertia`` takes the place of what the model says; ``link_shift`` is by how much the
     centre of mass lies elsewhere, m along the axes of the link's frame; ``link_scale`` is what multiplies the mass and
     inertia, a payload on the link included.
@@ -272,6 +291,7 @@ class RobotTable(Table):
     gravity: Vector | None = None
     payload: Payload | None = None
     held: Place | None = None
+    taken_up: tuple[TakenUp, ...] = ()
     link_inertia: dict[str, LinkInertia] = Field(default_factory=dict)
     link_scale: dict[str, Positive] = Field(default_factory=dict)
     link_shift: dict[str, Vector] = Field(default_factory=dict)

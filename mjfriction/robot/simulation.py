@@ -7,10 +7,11 @@ from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
 from mjfriction.laws.friction import Friction, Level, friction
 from mjfriction.laws.position_dependent import POSITION_DEPENDENT
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Joint
+from mjfriction.robot.schema import Joint, Payload, TakenUp
 from mjfriction.robot.spring import coefficients
 from mjfriction.sim.spec import LinkMass, PointLoad, Spec, add_springs, read_spec
 
+PAYLOAD = "payload"
 BESIDE = (
     "hydraulics",
     "cogging",
@@ -26,19 +27,22 @@ BESIDE = (
 )
 
 
-def robot_spec(robot: Robot) -> Spec:
+def robot_spec(robot: Robot, *, with_taken_up: bool = False) -> Spec:
     """Read the model file as a MuJoCo spec with the robot's gravity, payload, links, rotors and springs built in.
 
-    Friction is not in it: :func:`mjfriction.attach` puts :func:`robot_laws` on.  Raises
+    Friction is not in it: :func:`mjfriction.attach` puts :func:`robot_laws` on.  ``with_taken_up`` adds a body without
+    mass, by the names of :func:`taken_up_bodies`, for all that the robot takes up.  Raises
     :class:`~mjfriction.errors.SimulationError` where MuJoCo cannot read the file.
     """
     table = robot.table
-    payload = table.payload
+    loads = {} if table.payload is None else {PAYLOAD: _point_load(table.payload, table.payload.mass)}
+    if with_taken_up:
+        loads |= {name: _point_load(load, 0.0) for name, load in taken_up_bodies(robot).items()}
     spec = read_spec(
         robot.model_path,
         robot.joints,
         gravity=table.gravity,
-        payload=PointLoad(payload.mass, payload.com, payload.parent) if payload else None,
+        loads=loads,
         link_inertia={name: LinkMass(own.mass, own.com, own.inertia) for name, own in table.link_inertia.items()},
         link_scale=table.link_scale,
         link_shift=table.link_shift,
@@ -46,6 +50,15 @@ def robot_spec(robot: Robot) -> Spec:
     )
     add_springs(spec, {joint.name: coefficients(joint.spring) for joint in table.joint})
     return spec
+
+
+def _point_load(held: Payload | TakenUp, mass: float) -> PointLoad:
+    return PointLoad(mass, held.com, held.parent)
+
+
+def taken_up_bodies(robot: Robot) -> dict[str, TakenUp]:
+    """Return what a robot takes up, by the names of the bodies that stand for it in its spec."""
+    return {f"taken_up_{k}": load for k, load in enumerate(robot.table.taken_up)}
 
 
 def not_in_model(joint: Joint) -> list[str]:

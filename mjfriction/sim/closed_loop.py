@@ -70,6 +70,7 @@ def play(
     passive: Passive | None = None,
     around: Callable[[int], Around] | None = None,
     laws_at: Callable[[int], Laws | None] | None = None,
+    masses_at: Callable[[int], Mapping[str, float] | None] | None = None,
     whole: bool = False,
     tell: Tell = silently,
 ) -> Played:
@@ -77,8 +78,8 @@ def play(
 
     ``start`` are position and velocity (2, joints).  The torque of a step is held through it.  ``dead_zones`` act in
     the transmissions of joints that were split.  ``around`` is asked, after the drive, for what surrounds the joints;
-    ``laws_at`` may give other laws (of the same kinds) for a step on; with ``whole`` the friction laws' states are
-    kept; ``tell`` hears how far it is.
+    ``laws_at`` may give other laws (of the same kinds) for a step on, ``masses_at`` other masses (kg) of bodies; with
+    ``whole`` the friction laws' states are kept; ``tell`` hears how far it is.
 
     Raises :class:`SimulationError` when the run leaves what can be computed: the joint and the time.
     """
@@ -121,10 +122,11 @@ def play(
                 data.userdata[reader.warmth] = now.warmth[rubbing]
                 data.userdata[reader.pressure_head] = now.pressure_head[rubbing]
                 data.userdata[reader.pressure_rod] = now.pressure_rod[rubbing]
-            if laws_at is not None:
-                changed = laws_at(k)
-                if changed is not None:
-                    rewrite(model, changed)
+            changed = laws_at and laws_at(k)
+            if changed:
+                rewrite(model, changed)
+            for name, mass in ((masses_at and masses_at(k)) or {}).items():
+                _weigh(model, name, mass)
             before = data.time
             mujoco.mj_step(model, data)
             if data.time <= before:  # MuJoCo began again from its initial state
@@ -135,6 +137,16 @@ def play(
                 for name, own in kept.items():
                     states[name][k] = data.userdata[own]
     return out
+
+
+def _weigh(model: mujoco.MjModel, name: str, mass: float) -> None:
+    body = model.body(name).id
+    more = mass - model.body_mass[body]
+    model.body_mass[body] = mass
+    while body:
+        model.body_subtreemass[body] += more
+        body = model.body_parentid[body]
+    model.body_subtreemass[0] += more
 
 
 def _broken(model: mujoco.MjModel, data: mujoco.MjData, time: float) -> str:

@@ -45,7 +45,7 @@ def read_spec(
     joints: Sequence[str],
     *,
     gravity: Sequence[float] | None = None,
-    payload: PointLoad | None = None,
+    loads: Mapping[str, PointLoad] | None = None,
     link_inertia: Mapping[str, LinkMass] | None = None,
     link_scale: Mapping[str, float] | None = None,
     link_shift: Mapping[str, Sequence[float]] | None = None,
@@ -53,11 +53,11 @@ def read_spec(
 ) -> mujoco.MjSpec:
     """Read a URDF or MJCF file and build the robot's own data into it.
 
-    Joints that are not asked for are held at zero.  ``gravity`` (m/s²) replaces the model's own; ``link_inertia`` takes
-    the place of what the model says of the link a joint moves, ``link_shift`` moves that link's own centre of mass (m,
-    in the body's frame), and ``link_scale`` multiplies its mass and inertia, its payload included; ``rotor_inertia``
-    (kg·m² or kg at the joint) is added as armature.  Shapes and meshes of a URDF are left out: they play no part in the
-    motion.
+    Joints that are not asked for are held at zero.  ``gravity`` (m/s²) replaces the model's own; ``loads`` are masses
+    held, each a body of that name; ``link_inertia`` takes the place of what the model says of the link a joint moves,
+    ``link_shift`` moves that link's own centre of mass (m, in the body's frame), and ``link_scale`` multiplies its mass
+    and inertia, its loads included; ``rotor_inertia`` (kg·m² or kg at the joint) is added as armature.  Shapes and
+    meshes of a URDF are left out: they play no part in the motion.
 
     Raises :class:`SimulationError` when the file cannot be read or a joint or body is not there.
     """
@@ -70,7 +70,7 @@ def read_spec(
         if name not in names:
             raise SimulationError(f"{path}: there is no joint '{name}' in the model{suggestion(name, names)}")
     # By a held joint too, which is gone in a moment.
-    loads = [] if payload is None else [(_link(spec, payload.parent, path), payload)]
+    holders = {name: _link(spec, load.parent, path, name) for name, load in (loads or {}).items()}
     _hold(spec, set(names) - set(joints))
     for key, named in (("link_inertia", link_inertia), ("link_shift", link_shift), ("link_scale", link_scale)):
         for name in named or {}:
@@ -80,9 +80,9 @@ def read_spec(
         _put_in_place(spec.joint(name), link)
     for name, shift in (link_shift or {}).items():
         _shift_centre(spec.joint(name).parent, np.array(shift), path)
-    for link, load in loads:
+    for name, load in (loads or {}).items():
         # The body stays in the parent's frame: a spec takes a place left out of `ipos` from `pos`.
-        link.add_body(name="payload", ipos=load.com, mass=load.mass, inertia=[0.0] * 3, explicitinertial=True)
+        holders[name].add_body(name=name, ipos=load.com, mass=load.mass, inertia=[0.0] * 3, explicitinertial=True)
     for name, scale in (link_scale or {}).items():
         _scale_link(spec.joint(name), scale, path)
     for name, inertia in (rotor_inertia or {}).items():
@@ -90,13 +90,13 @@ def read_spec(
     return spec
 
 
-def _link(spec: mujoco.MjSpec, name: str, path: Path) -> mujoco.MjsBody:
+def _link(spec: mujoco.MjSpec, name: str, path: Path, load: str) -> mujoco.MjsBody:
     # A body by its own name, or by that of the joint which moves it.
     for link in (spec.body(name), *(joint.parent for joint in spec.joints if joint.name == name)):
         if link is not None:
             return link
     names = [one.name for one in (*spec.bodies, *spec.joints) if one.name]
-    raise SimulationError(f"{path}: payload: there is no body or joint '{name}' in the model{suggestion(name, names)}")
+    raise SimulationError(f"{path}: {load}: there is no body or joint '{name}' in the model{suggestion(name, names)}")
 
 
 def _hold(spec: mujoco.MjSpec, names: set[str]) -> None:

@@ -13,8 +13,8 @@ from mjfriction.diagnose.alike import standing
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LinkScale
+from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
-from mjfriction.diagnose.causes.whole_arm import Payload
 from mjfriction.diagnose.compete import NO_DIFFERENCE
 from mjfriction.diagnose.exchange import Kinds, exchanged
 from mjfriction.diagnose.field import Field, chances_in, make_field

@@ -11,7 +11,7 @@ import pytest
 
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LinkScale
-from mjfriction.diagnose.causes.whole_arm import Payload
+from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.model import Chosen, same_columns
 from mjfriction.diagnose.outcome import Diagnosis, Verdict

@@ -13,7 +13,6 @@ import pytest
 
 from mjfriction.diagnose.audit import SAMPLES, _look
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.outcome import Verdict
 from mjfriction.diagnose.which_log import logs_with
 from mjfriction.errors import LogError, RobotError
 from mjfriction.identify.gap import measure_gap
@@ -153,10 +152,11 @@ def test_logs_of_several_masses_are_diagnosed_together() -> None:
     }
     values = {own.name: own.value for finding in diagnosis.findings for own in finding.parameters}
     assert values == pytest.approx(TRUE, rel=0.05)
-    # Unsaid, the second mass is a payload that comes and goes, which no cause is.
+    # Unsaid, it is a payload that the second log alone has.
     unsaid = diagnose_log(merge_logs(logs()), stated(None))
-    assert unsaid.verdict is Verdict.UNEXPLAINED
-    assert f"It is in {logs()[1].name} alone" in unsaid.summary
+    (payload,) = [finding for finding in unsaid.findings if finding.cause == "body.payload"]
+    assert payload.parameters[0].value == pytest.approx(MASSES[1], rel=0.01)
+    assert f"in {logs()[1].name} alone" in payload.evidence
 
 
 def test_what_all_logs_have_is_in_none_alone() -> None:

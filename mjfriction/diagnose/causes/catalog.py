@@ -11,10 +11,12 @@ from mjfriction.diagnose.causes.crossed_play import CrossedPlay
 from mjfriction.diagnose.causes.delay import JointDelay, LogDelay
 from mjfriction.diagnose.causes.elasticity import Elasticity, LinkSideElasticity, SwingingElasticity
 from mjfriction.diagnose.causes.encoder_offset import EncoderOffset
+from mjfriction.diagnose.causes.gravity_direction import GravityDirection
 from mjfriction.diagnose.causes.landed_play import LandedPlay
 from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
 from mjfriction.diagnose.causes.load import DriveLoad, Load
 from mjfriction.diagnose.causes.offset import Offset
+from mjfriction.diagnose.causes.payload import Payload, PayloadForAWhile
 from mjfriction.diagnose.causes.presliding import DampedPresliding, Presliding
 from mjfriction.diagnose.causes.pressure import PistonPressure, Pressure
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
@@ -25,7 +27,6 @@ from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.causes.varying import Step, Warming, WarmUpDrift
 from mjfriction.diagnose.causes.viscous_nonlinear import ViscousNonlinear
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
-from mjfriction.diagnose.causes.whole_arm import GravityDirection, Payload
 
 STATED_LEVELS = CoulombViscous()
 
@@ -64,6 +65,7 @@ STRUCTURAL: tuple[Cause, ...] = (
     Spring(),
     BentSpring(),
     Payload(),
+    PayloadForAWhile(),
     LinkScale(),
     LinkCentre(),
     GravityDirection(),

@@ -5,6 +5,7 @@ Adding a cause is one file with one class, and one line in :mod:`~mjfriction.dia
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -30,7 +31,7 @@ class Site:
 
     ``other`` is the joint that it comes from, where it comes from one; ``around`` the strength that a curved cause's
     columns are drawn around, 0 for the stated robot; ``order`` counts those of its kind on the joint, from 0; ``begin``
-    is the moment (s, on the log's clock) from which a course of time is counted.
+    is the moment (s, on the log's clock) from which a course of time is counted, ``end`` that at which it is over.
     """
 
     joint: int
@@ -39,6 +40,7 @@ class Site:
     around: float = 0.0
     order: int = 0
     begin: float = 0.0
+    end: float = math.inf
 
     def shaped(self, shape: Shape) -> Site:
         """Return the same place with another shape."""

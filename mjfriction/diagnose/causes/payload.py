@@ -1,0 +1,145 @@
+"""body.payload: a mass at the flange, throughout or in some of several logs only."""
+
+from __future__ import annotations
+
+import math
+from typing import final
+
+import numpy as np
+
+from mjfriction.body.model import Body
+from mjfriction.body.regressor import tip_link, tip_mass_torques
+from mjfriction.diagnose.causes.cause import Quantity, Site
+from mjfriction.diagnose.causes.whole_arm import WholeArm
+from mjfriction.identify.gap import Gap
+from mjfriction.parameter import Parameter
+from mjfriction.record.log import Floats
+from mjfriction.robot.links_torque import is_held
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.schema import Payload as PayloadTable
+from mjfriction.robot.schema import TakenUp
+
+FARTHEST = 1.0  # m; a payload's centre lies nearer to the flange
+NOTHING = 0.05  # of what is set down, by which what is left may seem to weigh less than nothing
+HELD = (
+    Parameter("mass", "kg", "mass held at the flange", lower=0.0),
+    *(Parameter(f"moment_{axis}", "kg·m", f"its first moment along {axis} of the flange") for axis in "xyz"),
+)
+
+
+@final
+class Payload(WholeArm):
+    """A mass at the flange: m and its first moment m·c."""
+
+    name = "body.payload"
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """The whole arm, unless a payload is stated on another link already."""
+        return [] if _elsewhere(gap) else self.felt_most(gap, Site(0))
+
+    def torques(self, gap: Gap, site: Site) -> Floats:
+        """Torques per mass and first moment."""
+        motion = gap.motion
+        return tip_mass_torques(gap.body, motion.position, motion.velocity, motion.acceleration)
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """Mass and first moments, stated plus change."""
+        mass, moment = _stated(gap.robot, gap.body)
+        shifts = [mass, *moment]
+        return tuple(Quantity(parameter, shift=shift) for parameter, shift in zip(HELD, shifts, strict=True))
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """A payload has mass, and its centre near the flange."""
+        mass, moment = _stated(gap.robot, gap.body)
+        total = mass + strengths[0]
+        return bool(total > 0.0 and np.linalg.norm(moment + strengths[1:]) < FARTHEST * total)
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """Put the payload into the robot, or change the one that is there."""
+        body = robot.body()
+        mass, moment = _stated(robot, body)
+        total = float(mass + strengths[0])
+        com = (moment + strengths[1:]) / total
+        payload = PayloadTable(mass=total, com=(float(com[0]), float(com[1]), float(com[2])), parent=tip_link(body))
+        return Robot(robot.table.model_copy(update={"payload": payload}), robot.folder)
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give mass and centre."""
+        mass, moment = _stated(gap.robot, gap.body)
+        total = mass + strengths[0]
+        centre = ", ".join(f"{value:.3g}" for value in (moment + strengths[1:]) / total)
+        return (
+            f"all joints need what a mass of {total:.3g} kg at the flange needs, its centre at ({centre}) m of "
+            f"{tip_link(gap.body)}, where {mass:.3g} kg are stated"
+        )
+
+
+@final
+class PayloadForAWhile(WholeArm):
+    """A mass at the flange in some of several logs only, more or less than is stated: m and its first moment m·c."""
+
+    name = "body.payload"
+    times = 2  # in one log another than in all
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """From every log on, up to every log and in every log alone, unless a payload is stated on another link."""
+        begins = [begin for _, begin in gap.log.joined]
+        if len(begins) < 2 or _elsewhere(gap):
+            return []
+        ends = [*begins[1:], math.inf]
+        whiles = {(begins[0], end) for end in ends} | {(begin, math.inf) for begin in begins}
+        whiles = whiles.union(zip(begins, ends, strict=True)) - {(begins[0], math.inf)}
+        return [own for begin, end in sorted(whiles) for own in self.felt_most(gap, Site(0, begin=begin, end=end))]
+
+    def torques(self, gap: Gap, site: Site) -> Floats:
+        """Torques per mass and first moment while it is held."""
+        motion = gap.motion
+        out = np.zeros((*motion.position.shape, len(HELD)))
+        own = is_held(site.begin, site.end, motion.time)
+        out[own] = tip_mass_torques(gap.body, motion.position[own], motion.velocity[own], motion.acceleration[own])
+        return out
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """Mass and first moments in those logs, stated plus change."""
+        return Payload().quantities(gap, site)
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """A payload has mass, or none is left of it, and its centre near the flange."""
+        left = _stated(gap.robot, gap.body)[0] + strengths[0]
+        near = np.linalg.norm(strengths[1:]) < FARTHEST * abs(strengths[0])
+        return bool(left >= -NOTHING * abs(strengths[0]) and near)
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """Let the robot take it up, or put so much down, for that while."""
+        body, (x, y, z) = robot.body(), (strengths[1:] / strengths[0]).tolist()
+        load = TakenUp(
+            mass=float(strengths[0]),
+            com=(x, y, z),
+            parent=tip_link(body),
+            begin=site.begin,
+            end=None if math.isinf(site.end) else site.end,
+        )
+        return Robot(robot.table.model_copy(update={"taken_up": (*robot.table.taken_up, load)}), robot.folder)
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give the logs, mass and centre."""
+        logs = " and ".join(name for name, begin in gap.log.joined if site.begin <= begin < site.end)
+        centre = ", ".join(f"{value:.3g}" for value in strengths[1:] / strengths[0])
+        return (
+            f"in {logs} alone all joints need what {strengths[0]:+.3g} kg at the flange need besides, centred at "
+            f"({centre}) m of {tip_link(gap.body)}: what it held there is another payload"
+        )
+
+
+def _elsewhere(gap: Gap) -> bool:
+    # Whether a payload is stated on another link than the last.
+    stated, body = gap.robot.table.payload, gap.body
+    return stated is not None and body.link_holding(stated.parent) != body.link_holding(tip_link(body))
+
+
+def _stated(robot: Robot, body: Body) -> tuple[float, Floats]:
+    # Mass and first moment about the tip link's frame.
+    payload = robot.table.payload
+    if payload is None:
+        return 0.0, np.zeros(3)
+    return payload.mass, payload.mass * body.on_link(payload.parent, np.array(payload.com), tip_link(body))
