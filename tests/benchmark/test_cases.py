@@ -152,13 +152,10 @@ def test_play_behind_a_payload_is_drawn_with_it(monkeypatch: pytest.MonkeyPatch)
 
 
 @pytest.mark.bench
-@pytest.mark.parametrize(("seed", "joint"), [(740047, "elbow_joint"), (740096, "joint3")])
-def test_a_drive_that_others_and_links_could_stand_in_for_is_named(
-    seed: int, joint: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Two other drives and a link 25 % off, or all other drives 1 % off, did as well on motion not fitted."""
-    case = draw_case(seed).case()
-    constant = ("drive.torque_constant", joint)
+def test_a_drive_that_others_could_stand_in_for_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All other drives 1 % off did as well on motion not fitted."""
+    case = draw_case(740096).case()
+    constant = ("drive.torque_constant", "joint3")
     (strength,) = (one.strength for one in case.hidden if (one.cause, one.joint) == constant)
     findings = {(one.cause, one.joint): one.parameters[0].value for one in diagnosed(case).findings}
     assert findings.keys() == {(one.cause, one.joint) for one in case.hidden}

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import free_links
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.exact import usual_nuisance
@@ -69,10 +68,3 @@ def test_a_stribeck_curve_beside_it_is_found(tmp_path: Path) -> None:
     excess, velocity, _ = finding.parameters
     assert excess.value == pytest.approx(EXCESS, rel=0.1)
     assert velocity.value == pytest.approx(STRIBECK_VELOCITY, rel=0.1)
-
-
-@pytest.mark.bench
-def test_found_joint_by_joint_it_hides_the_curve(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(free_links, "yielding", lambda *_: ())
-    found = diagnosed(tmp_path, STICKS)
-    assert [(finding.cause, finding.joint) for finding in found.findings] != [("friction.stribeck", UR5_JOINTS[LIFT])]
