@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from mjfriction.record.faults import Fault
 from mjfriction.record.log import Floats, Log
 
+DEGREE = 5  # of the curves that the joints' courses are smooth by
+SURE = 10.0  # by which one clock is likelier than another, in logarithm
+
 
 @dataclass(frozen=True)
 class Steps:
@@ -34,3 +37,13 @@ def put_right(log: Log, time: Floats, faults: Sequence[Fault]) -> Log:
     """Return the log by another ``time`` (n,), what was wrong said; by what time its rows were recorded stays known."""
     recorded, kept = (log.time, np.ones(time.size, dtype=bool)) if log.recorded is None else (log.recorded, log.kept)
     return replace(log, time=time, faults=(*log.faults, *faults), recorded=recorded, kept=kept)
+
+
+def roughness(course: Floats, along: Floats) -> float:
+    """Return what a course (n,) leaves of the smoothest curve through it ``along`` a clock (n,) that begins at 0, as
+    minus the logarithm of a likelihood.
+    """
+    basis = np.vander(along / max(along[-1], np.finfo(float).tiny), DEGREE + 1)
+    left = course - basis @ np.linalg.lstsq(basis, course, rcond=None)[0]
+    least = np.finfo(float).eps * float(np.max(np.abs(course)))
+    return 0.5 * course.size * float(np.log(np.mean(np.square(left)) + least**2))

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mjfriction.record.clock import put_right, steps_of
+from mjfriction.record.clock import SURE, put_right, roughness, steps_of
 from mjfriction.record.faults import Fault, spans
-from mjfriction.record.log import POSITION, VELOCITY, Floats, Log
+from mjfriction.record.log import POSITION, VELOCITY, Log
 from mjfriction.record.resample import GAP_STEPS
 
 OFF = 0.02  # of the ordinary step, from which on a step is another
@@ -14,9 +14,7 @@ STEADY = 0.2  # of what its steps are off by, that a stretch's steps may spread:
 FEWEST = 30  # rows of a stretch, that such a clock is told by
 WINDOW = 0.08  # s on each side of an edge, that tell how fast the joints went
 FEWEST_AROUND, MOST_AROUND = 8, 60  # rows of it
-DEGREE = 5  # of the curves that the joints' courses are smooth by
 CLOSE = 0.3  # of the rate, in logarithm, that measured speeds may be off by
-SURE = 10.0  # by which one is the likelier, in logarithm
 
 
 def without_clock_drift(log: Log) -> Log:
@@ -58,16 +56,8 @@ def _went_on(log: Log, first: int, end: int, rate: float, ordinary: float) -> bo
         for joint in log.joints:
             course = log.columns[f"{POSITION}.{joint}"][window]
             if np.ptp(course) > 0.0:
-                for_rows += _rough(course, time) - _rough(course, np.arange(-around, around + 1.0))
+                for_rows += roughness(course, time) - roughness(course, np.arange(-around, around + 1.0))
     return for_rows > 0.0 if abs(for_rows) > SURE else _measured_so(log, first, end, rate)
-
-
-def _rough(course: Floats, along: Floats) -> float:
-    # What a course leaves of the smoothest curve through it, as minus the logarithm of a likelihood.
-    basis = np.vander(along / along[-1], DEGREE + 1)
-    left = course - basis @ np.linalg.lstsq(basis, course, rcond=None)[0]
-    least = np.finfo(float).eps * float(np.max(np.abs(course)))
-    return 0.5 * course.size * float(np.log(np.mean(np.square(left)) + least**2))
 
 
 def _measured_so(log: Log, first: int, end: int, rate: float) -> bool:

@@ -6,7 +6,7 @@ They are found in the samples alone, before any model is asked, and repaired whe
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,6 +34,9 @@ CLIPPED_RUN = 4  # samples of one of them at least
 AT_THE_EDGE = 8.0  # times the samples at the extreme must be more than those beside it
 BESIDE = 0.02  # of the range, that is beside the extreme
 QUANTA, OF_QUANTA = 2.5, 0.5  # the same of a channel whose steps are coarser than that, in steps
+
+
+MOST_LISTED = 3  # places of one fault that are spelled out
 
 
 @dataclass(frozen=True)
@@ -212,6 +215,13 @@ def clipped(values: Floats, moving: Mask) -> Mask:
 def _runs(values: NDArray[np.generic]) -> list[tuple[int, int]]:
     cuts = np.flatnonzero(values[1:] != values[:-1]) + 1
     return list(itertools.pairwise([0, *cuts.tolist(), values.size]))
+
+
+def in_words(places: Sequence[tuple[float, float]]) -> str:
+    """Return stretches of time (s) as words, all but the first few of them counted."""
+    words = [f"{a:.4g} s" if a == b else f"{a:.4g} s to {b:.4g} s" for a, b in places[:MOST_LISTED]]
+    more = len(places) - MOST_LISTED
+    return ", ".join(words) + (f" and {more} more places" if more > 0 else "")
 
 
 def spans(mask: Mask) -> list[tuple[int, int]]:

@@ -13,6 +13,7 @@ from mjfriction.record.faults import (
     frozen,
     glitches,
     held_rows,
+    in_words,
     repeated_rows,
     spans,
     stuck,
@@ -24,7 +25,6 @@ from mjfriction.record.ticks import TICKS, tick_of
 
 SLOWEST_CLOCK = 1.0  # s, steps from which on no clock counts seconds: one in milliseconds makes them 1 kHz at most
 FASTEST = 30.0  # rad/s or m/s, that a joint is usually slower than
-MOST_LISTED = 3  # places of one fault that are spelled out
 ENDS = 0.01  # of a joint's samples, at either end of its travel, that glitches may be
 MOST_CLIPPED = 0.8  # of a channel's samples; past that it is no recording of a torque
 
@@ -57,7 +57,7 @@ def _without_repeated(log: Log, repeated: Mask) -> Log:
         return log
     places = [(log.time[a], log.time[b - 1]) for a, b in spans(repeated)]
     count = int(np.count_nonzero(repeated))
-    fault = Fault("data.duplicate", f"{_places(places)} ({count} rows)", "dropped the repeated rows", places[0])
+    fault = Fault("data.duplicate", f"{in_words(places)} ({count} rows)", "dropped the repeated rows", places[0])
     return replace(_without(log, repeated), segment=log.segment[~repeated], faults=(*log.faults, fault))
 
 
@@ -131,13 +131,7 @@ def _speed(log: Log, columns: dict[str, Floats], joint: str) -> Floats:
 
 def _left_out(log: Log, kind: str, name: str, mask: np.ndarray, action: str) -> Fault:
     places = [(float(log.time[a]), float(log.time[b - 1])) for a, b in spans(mask)]
-    return Fault(kind, f"{name}, {_places(places)}", action, places[0])
-
-
-def _places(places: list[tuple[float, float]]) -> str:
-    words = [f"{a:.4g} s" if a == b else f"{a:.4g} s to {b:.4g} s" for a, b in places[:MOST_LISTED]]
-    more = len(places) - MOST_LISTED
-    return ", ".join(words) + (f" and {more} more places" if more > 0 else "")
+    return Fault(kind, f"{name}, {in_words(places)}", action, places[0])
 
 
 def _without(log: Log, rows: np.ndarray) -> Log:
