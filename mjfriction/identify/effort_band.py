@@ -12,10 +12,10 @@ import itertools
 import numpy as np
 from scipy.signal import welch
 
+from mjfriction.identify.doubt import doubt_speeds
 from mjfriction.record.log import Floats
 from mjfriction.record.motion import Motion
 from mjfriction.robot.effort import Effort
-from mjfriction.robot.rubbing import forward_share
 
 GONE = 0.03  # of the steps' power, under which a filter has taken the rest
 FEWEST_STEPS = 0.01  # of the effort's RMS that dry friction must reach to tell by
@@ -35,15 +35,25 @@ def filtered_from(motion: Motion, effort: Effort, measured: Floats) -> Floats:
 
     ``measured`` (n, joints) is the effort that the drives reported, NaN where a joint has none.
     """
-    out = np.full(measured.shape[1], np.inf)
+    out, slow = np.full(measured.shape[1], np.inf), doubt_speeds(motion)
     for i in range(measured.shape[1]):
         if np.isfinite(measured[0, i]) and motion.moving[i]:
-            out[i] = _filtered_from(motion, effort, measured[:, i], i)
+            out[i] = _filtered_from(motion, effort, measured[:, i], i, _sure_course(motion, i, float(slow[i])))
     return out
 
 
-def _filtered_from(motion: Motion, effort: Effort, measured: Floats, joint: int) -> float:
-    forward = forward_share(motion, joint)
+def _sure_course(motion: Motion, joint: int, slow: float) -> Floats:
+    # The direction of friction where a joint surely moves, and no quicker from one to the other than it is sure of: a
+    # joint at rest holds what its drive gives, that may go over slowly, whichever way the sensor's noise points.
+    velocity, out = motion.velocity[:, joint], np.zeros(motion.time.size)
+    for own in motion.pieces:
+        sure = own & (np.abs(velocity) > slow)
+        if np.any(sure):
+            out[own] = np.interp(motion.time[own], motion.time[sure], np.sign(velocity[sure]))
+    return out
+
+
+def _filtered_from(motion: Motion, effort: Effort, measured: Floats, joint: int, forward: Floats) -> float:
     columns = np.column_stack([forward, motion.velocity[:, joint], effort.rigid[:, joint], np.ones_like(forward)])
     level = abs(float(np.linalg.lstsq(columns, measured, rcond=None)[0][0]))
     size = float(np.std(measured))
