@@ -35,7 +35,7 @@ def link_finding(model: Model, widths: HalfWidths, untold: Untold, field: Field,
     if off is None or not links_far_off(model):
         return None
     without = model.without_links()
-    if not shows(gap, without.heldout_residual(), model.heldout_residual(), untold.left, untold.bare):
+    if not shows(gap, without.heldout_residual(), model.heldout_residual(), untold.left, untold.bare, {}):
         return None
     before, heldout = without.heldout_residual(oscillations=True), model.heldout_residual(oscillations=True)
     gains = {joint: gain_at(gap, before, heldout, joint, seed) for joint in gap.examined}

@@ -6,6 +6,7 @@ import numpy as np
 
 from mjfriction.diagnose.causes.delay import JointDelay, late
 from mjfriction.diagnose.causes.play import Play
+from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.varying import Varying
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, cause_block
@@ -14,6 +15,7 @@ from mjfriction.identify.proof import measure_gain
 
 BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "friction.presliding", "friction.asymmetry"})
 PROOF_SEED = 0  # of the resampling by which a gain is held against zero
+ON_THE_WAY = 0.5  # of what friction that builds up over travel gains, that it must gain while its joint moves
 APART, SURELY_APART = 0.5, 2.0  # of a delay, and deviations, by which friction's part of it differs from the rest's
 
 
@@ -33,7 +35,8 @@ def proved(model: Model, choice: Chosen) -> bool:
     did as well without it nearer to what is stated than so many numbers more are worth.
 
     A joint at rest holds its friction at any level below Coulomb's, for as long as it rests: many rows that say one
-    thing.  What is seen there alone, and not while the joint moves, is no finding.  Rows count by how sure they are.
+    thing.  What is seen there alone, and not while the joint moves, is no finding.  Rows count by how sure they
+    are.  Friction that builds up over travel does so on the way: most of its gain has to be there.
     """
     gap, weight = model.gap, model.system.rows.weight
     without = model.without(choice)
@@ -43,6 +46,11 @@ def proved(model: Model, choice: Chosen) -> bool:
     before, after = without.heldout_residual() * weight, model.heldout_residual() * weight
     moving = np.abs(gap.at_rows("velocity")) > gap.doubt_speed
     touched, _ = cause_block(gap, choice)
+    if choice.cause.name == Presliding.name:
+        joint = choice.site.joint
+        gain = np.square(before[:, joint]) - np.square(after[:, joint])
+        if np.sum(gain[moving[:, joint]]) < ON_THE_WAY * np.sum(gain):
+            return False
     return any(
         measure_gain(before[own, joint], after[own, joint], gap.blocks.row[own], PROOF_SEED).low > 0.0
         for joint, own in ((joint, moving[:, joint]) for joint in touched)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
+from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.causes.varying import Step, Warming, WarmUpDrift
 from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.exact import (
@@ -20,19 +21,21 @@ from mjfriction.diagnose.exact import (
     usually_off,
 )
 from mjfriction.diagnose.field import Field, chances_in, in_place_of_levels
-from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
 from mjfriction.diagnose.nuisance import Level
 from mjfriction.diagnose.one_factor import beside_factors, scaled_levels
 from mjfriction.diagnose.refusal import BENDING
 from mjfriction.diagnose.shapes import reshaped
 from mjfriction.diagnose.short_list import contenders, passing
 from mjfriction.diagnose.trial import FALSE_ALARM, Trial, try_out
+from mjfriction.robot.friction import stated_levels
 
 MOST_LINK_CHANGE = 0.8  # past which a scaled link is no link any more, and the fit a sign of something else
 LEAST_CHANGE = 0.04  # that counts on a robot stated exactly
 LEAST_CHANGE_ROUGH = 0.10  # that counts on a robot whose joints are all a little off, or that has too few to compare
 OUTLYING = 3.0  # times the typical change that it must be there besides
 AS_MUCH = 1.0  # of the stated friction: no way of writing a curve down makes up for that
+FADED = 0.1  # of what levels are off by at more than usual speed, that what bends a curve near rest still is there
 ALWAYS = 0.25  # of the stated friction: a quarter off is a finding whatever the others are
 MOMENTS = 61  # of a course, its own length before and after it included, of which stated levels may be
 BAR = 2.0  # standard errors by which drives, or links, that are let go must help on motion not fitted
@@ -123,8 +126,30 @@ def _unbent(model: Model, joint: int, asked: Field) -> Model | None:
 def _own(model: Model, level: Level, change: dict[int, float]) -> bool:
     # Whether levels that are off are so by themselves: not as a bend's basis, nor at another time than that of the log.
     joint = level.site.joint
-    bent = _bent(model, joint) and change[joint] < AS_MUCH
+    bent = _bent(model, joint) and change[joint] < AS_MUCH and not _off_beyond_a_bend(model, level, _bar(change, joint))
     return not bent and not _of_another_time(model, level, _bar(change, joint))
+
+
+def _off_beyond_a_bend(model: Model, level: Level, bar: float) -> bool:
+    # Whether friction is off, by the size that counts, where its joint is so fast that what bends its curve near rest
+    # has faded away.
+    gap, joint = model.gap, level.site.joint
+    bends = [
+        (choice, place)
+        for choice, place in zip(model.chosen, model.places, strict=True)
+        if choice.site.joint == joint and choice.cause.name in BENDING | {PositionFriction.name}
+    ]
+    if any(choice.cause.name != Stribeck.name for choice, _ in bends):
+        return False
+    speed = np.abs(gap.at_rows("velocity")[:, joint])
+    fast = gap.clear[:, joint] & (speed > gap.rms(speed, joint))
+    if not bends or not np.any(fast):
+        return False
+    stated = level.columns[joint] @ np.array(stated_levels(gap.robot.table.joint[joint]))
+    moved = level.columns[joint] @ model.strengths[model.nuisance.of_level(joint)]
+    bent = sum(cause_block(gap, choice)[0][joint] @ model.strengths[place] for choice, place in bends)
+    friction, off, faded = (float(np.linalg.norm(np.asarray(part)[fast])) for part in (stated, moved, bent))
+    return faded < FADED * off and off > bar * friction
 
 
 def _of_another_time(model: Model, level: Level, bar: float) -> bool:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
 from mjfriction.diagnose.causes.moved_link import MovedLink
+from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.causes.varying import Step, WarmUpDrift
 from mjfriction.diagnose.exact import stated_exactly
@@ -24,6 +25,7 @@ from mjfriction.record.log import Floats
 LEAST_SEEN = 0.1  # of the mean square that is left at a joint, that a cause must take away there
 MISFIT = 0.05  # of what other causes take off it, that may be left for it since their form is not quite theirs
 SURELY_SEEN = 0.2  # of what is left, that is enough whatever others take: half as large as the noise
+BRISTLE_MISFIT = 0.005  # of what a bristle takes off its joint, that no machine's builds up quite like
 DROWNED = 1.0  # of the mean square that is left unexplained at a joint, if any, that it must take away
 COURSES = frozenset({WarmUpDrift.name, Step.name})  # of friction over time
 LEAST_OF_COURSES = 0.2  # of the largest on a joint, that another must reach: no warm-up is quite the one fitted
@@ -81,7 +83,12 @@ def find_untold(
     bare = build_model(gap, model.nuisance, ()).heldout_residual()
     for choice in causes:
         # Without it others bend to stand in for it, and what that costs may show at joints that it does not touch.
-        if choice.key not in common | small and not shows(gap, before[choice.key], heldout, left, bare):
+        built_up = {
+            other.site.joint: before[other.key]
+            for other in model.chosen
+            if other.cause.name == Presliding.name and other.key != choice.key
+        }
+        if choice.key not in common | small and not shows(gap, before[choice.key], heldout, left, bare, built_up):
             small.add(choice.key)
     of_links = [choice for choice in model.chosen if isinstance(choice.cause, LinkScale | LinkCentre)]
     if any(choice.key not in common | small for choice in of_links) and not links_far_off(model):
@@ -115,15 +122,20 @@ def without_cause(model: Model, choice: Chosen) -> Model:
     return without
 
 
-def shows(gap: Gap, before: Floats, after: Floats, left: dict[int, float], bare: Floats) -> bool:
+def shows(
+    gap: Gap, before: Floats, after: Floats, left: Mapping[int, float], bare: Floats, built_up: Mapping[int, Floats]
+) -> bool:
     """Return whether a change takes enough off the mean square on motion not fitted, at one joint at least.
 
     ``before`` and ``after`` (rows, joints) are left without it and with it, ``bare`` without any cause; ``left`` is the
-    share of ``after`` that is unexplained, by joint.
+    share of ``after`` that is unexplained, by joint; ``built_up`` what is left without another cause by which friction
+    builds up over travel, by the joint that has one.
     """
     for joint in gap.examined:
         own, without, none = (gap.rms(course[:, joint], joint) ** 2 for course in (after, before, bare))
         misfit = min(MISFIT * (none - without), SURELY_SEEN * own)
+        if joint in built_up:
+            misfit = max(misfit, BRISTLE_MISFIT * (gap.rms(built_up[joint][:, joint], joint) ** 2 - own))
         if without - own > max(LEAST_SEEN * own, misfit, DROWNED * left.get(joint, 0.0) * own):
             return True
     return False

@@ -35,9 +35,18 @@ def test_what_is_taken_off_what_is_left_decides(taken: float, by_others: float, 
     after = left(1.0, 1.0)
     before = left(1.0 + taken, 1.0)
     bare = left(1.0 + taken + by_others, 1.0)
-    assert shows(gap(), before, after, {0: unexplained}, bare) is seen
+    assert shows(gap(), before, after, {0: unexplained}, bare, {}) is seen
 
 
 def test_one_joint_is_enough() -> None:
     after, before = left(1.0, 1.0), left(1.0, 1.5)
-    assert shows(gap(), before, after, {0: 1.0}, before)
+    assert shows(gap(), before, after, {0: 1.0}, before, {})
+
+
+def test_beside_a_bristle_more_is_asked_for_on_its_own_joint() -> None:
+    after, before = left(1.0, 1.0), left(1.4, 1.0)
+    bristle = left(201.0, 1.0)  # what no bristle is drawn right to half a percent: as much as the noise
+    assert shows(gap(), before, after, {}, bristle, {})
+    assert not shows(gap(), before, after, {}, bristle, {0: bristle})
+    assert shows(gap(), before, after, {}, bristle, {1: bristle})
+    assert shows(gap(), left(2.2, 1.0), after, {}, bristle, {0: bristle})
