@@ -28,11 +28,12 @@ from mjfriction.diagnose.kin import LEAST_KIN_EFFECT
 from mjfriction.diagnose.link_finding import SURELY
 from mjfriction.diagnose.nuisance import CONSTANT, FARTHEST, LET_GO, LINK_SCALE, LINK_SHIFT, ROTOR
 from mjfriction.diagnose.oscillations import INSTEAD, LEAST_TOLD, NEAR, QUIETER, RESONANT
+from mjfriction.diagnose.refusal import ON_THE_WAY
 from mjfriction.diagnose.short_list import NEAR_BEST
-from mjfriction.diagnose.stated import OUTLYING
+from mjfriction.diagnose.stated import FADED, OUTLYING
 from mjfriction.diagnose.trial import EVENEST, FALSE_ALARM, FEWEST_JOINTS, LEAST_EFFECT, UNEVEN
 from mjfriction.diagnose.unevenness import TOLD_BY
-from mjfriction.diagnose.untold import DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
+from mjfriction.diagnose.untold import BRISTLE_MISFIT, DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
 from mjfriction.diagnose.verdict import LEAST_FRICTION, MUCH_COLOURED
 from mjfriction.diagnose.which_log import LOUDER
 from mjfriction.identify import choose, conclude, landings, turning
@@ -121,6 +122,8 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert (EXACT, MOST_JOINTS, FEWEST_JOINTS) == (0.01, 0.75, 3), "the page says a percent, a quarter, three or more"
     assert f"as much as {100 * MISFIT:g} % of the mean square that they take" in told
     assert f"{100 * SURELY_SEEN:g} % of what is left is enough" in told
+    assert f"where it is {100 * BRISTLE_MISFIT:g} % of what that takes" in told
+    assert (ON_THE_WAY, FADED) == (0.5, 0.1), "the page says half, and a tenth"
     assert (DROWNED, ROOM, COLOURED) == (1.0, 0.5, 0.5), "the page says as much, half of the effect, half of it"
     assert f"more than {100 * LEAST_NOTED:g} %, and by more than {100 * SURELY:g} %" in told
     assert f"lies more than {100 * LEAST_MOVED:g} cm off" in told

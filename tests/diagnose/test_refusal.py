@@ -9,14 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import compete
+from mjfriction.diagnose import compete, refusal
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.delay import JointDelay, LogDelay
 from mjfriction.diagnose.causes.load import Load
+from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.causes.varying import Step
 from mjfriction.diagnose.field import chances_in, make_field
-from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
 from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.refusal import refused
 from mjfriction.diagnose.unevenness import with_unevenness
@@ -24,7 +25,7 @@ from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.progress import silently
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
-from tests.hidden.machine import Instant, Machine, write_case
+from tests.hidden.machine import UR5_COULOMB, Instant, Machine, write_case
 
 SHOULDER, ELBOW = 1, 2
 
@@ -139,3 +140,25 @@ def test_what_shows_only_beside_another_cause_is_asked_again_once_that_is_found(
     assert asked.count(larger) == 2
     assert larger not in found(lambda chosen, name: name != larger[0])
     assert asked.count(larger) == 2
+
+
+def test_friction_that_builds_up_does_so_on_the_way_and_not_at_rest_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gap = gap_of_machine(tmp_path, Machine(pauses=True))
+    bristle = Chosen(Presliding(), Site(ELBOW, shape=(0.01,)))
+    built_up = cause_block(gap, bristle)[0][ELBOW] @ [0.5 * UR5_COULOMB[ELBOW]]
+    moving = np.abs(gap.at_rows("velocity")[:, ELBOW]) > gap.doubt_speed[ELBOW]
+
+    def found(surer_at_rest: float) -> tuple[Model, Chosen]:
+        residual, doubt = gap.residual.copy(), gap.doubt.copy()
+        residual[:, ELBOW] += built_up
+        doubt[~moving, ELBOW] /= surer_at_rest
+        model = build_model(replace(gap, residual=residual, doubt=doubt), make_nuisance(gap), (bristle,))
+        return model, bristle
+
+    assert refusal.proved(*found(1.0))
+    held = found(1e3)
+    assert not refusal.proved(*held)
+    monkeypatch.setattr(refusal, "ON_THE_WAY", -np.inf)
+    assert refusal.proved(*held)

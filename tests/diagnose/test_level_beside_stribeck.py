@@ -1,0 +1,37 @@
+"""Levels that are off at speeds where a Stribeck curve has faded away are off by themselves, and told beside it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mjfriction.diagnose import stated
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import UR5_COULOMB, Instant, Machine, write_case
+
+ELBOW = 2
+EXCESS, HIGHER, STRIBECK_VELOCITY = 0.8 * UR5_COULOMB[ELBOW], 0.6 * UR5_COULOMB[ELBOW], 0.06
+
+
+def sticky(at: Instant) -> np.ndarray:
+    return EXCESS * np.exp(-np.abs(at.v) / STRIBECK_VELOCITY) * np.sign(at.v)
+
+
+def sticky_and_higher(at: Instant) -> np.ndarray:
+    return sticky(at) + HIGHER * np.sign(at.v)
+
+
+def test_they_are_told_beside_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def found(hidden) -> set[str]:
+        log, robot = write_case(tmp_path, Machine(hidden={ELBOW: hidden}, noise=0.1), seed=4)
+        findings = diagnose_log(read_log(log), read_robot(robot)).findings
+        return {finding.cause for finding in findings}
+
+    assert found(sticky_and_higher) == {"friction.stribeck", "friction.coulomb_viscous"}
+    assert found(sticky) == {"friction.stribeck"}
+    monkeypatch.setattr(stated, "_off_beyond_a_bend", lambda *_: False)
+    assert found(sticky_and_higher) == {"friction.stribeck"}
