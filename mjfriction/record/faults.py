@@ -32,6 +32,7 @@ MOVED = 0.3  # of a frozen stretch that the joint moves in: more than a rest wit
 FEWEST_CLIPPED = 12  # samples at the same extreme, in runs
 CLIPPED_RUN = 4  # samples of one of them at least
 AT_THE_EDGE = 8.0  # times the samples at the extreme must be more than those beside it
+LEAVES = 0.5  # of the range, that no effort leaves a limit by at once
 BESIDE = 0.02  # of the range, that is beside the extreme
 QUANTA, OF_QUANTA = 2.5, 0.5  # the same of a channel whose steps are coarser than that, in steps
 
@@ -204,12 +205,19 @@ def clipped(values: Floats, moving: Mask) -> Mask:
         beside = (np.abs(values - extreme) <= beyond) & ~at
         runs = [(a, b) for a, b in _runs(at.astype(np.int64)) if at[a]]
         longest = max((b - a for a, b in runs), default=0)
+        if len(runs) == 1 and _breaks_off(values, *runs[0], LEAVES * span):
+            continue  # a reading that stuck once, higher than others happen to be
         if np.count_nonzero(at & moving) >= FEWEST_CLIPPED and longest >= CLIPPED_RUN:
             standing.append(at)
             if np.count_nonzero(at) * factor > np.count_nonzero(beside):
                 out |= at
     both_ways = abs(float(np.max(values)) + float(np.min(values))) <= 1e-9 * span
     return np.logical_or.reduce([out, *standing]) if both_ways and np.any(out) else out
+
+
+def _breaks_off(values: Floats, start: int, stop: int, by: float) -> bool:
+    # Whether a run ends where no effort that comes down from a limit would go on.
+    return stop < values.size and bool(abs(values[stop] - values[start]) > by)
 
 
 def _runs(values: NDArray[np.generic]) -> list[tuple[int, int]]:

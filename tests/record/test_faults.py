@@ -203,6 +203,18 @@ def test_few_coarse_rows_that_recur_are_no_copy_and_many_are() -> None:
     np.testing.assert_array_equal(repeated_rows({"a": np.r_[fine, fine[5:20]]}), np.arange(55) >= 40)
 
 
+def test_a_reading_that_stuck_once_at_its_highest_is_not_clipped() -> None:
+    time = np.arange(6000) / 100.0
+    effort = np.sin(2.0 * time) + 0.05 * np.random.default_rng(0).normal(size=time.size)
+    moving = np.ones(time.size, dtype=bool)
+    peak = int(np.argmax(effort))
+    effort[peak : peak + 130] = effort[peak]
+    assert not np.any(clipped(effort, moving))
+    assert np.flatnonzero(frozen(effort, moving)).tolist() == list(range(peak, peak + 130))
+    limited = np.minimum(effort, 0.9)  # a limit is left as it was reached
+    assert np.all(clipped(limited, moving)[peak : peak + 130])
+
+
 def test_a_coarse_reading_is_clipped_where_it_stands_at_its_extreme_more_than_beside_it() -> None:
     columns = recording(encoder_bits=20, effort_step=0.4)
     assert read(columns).unusable == {}
