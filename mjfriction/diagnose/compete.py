@@ -173,10 +173,28 @@ def _passing(model: Model, field: Field, chances: Chances) -> list[Trial]:
     # candidates there rank before what is plain at another.
     choices = ranked(model, field)
     for first in range(0, len(choices), SHORT_LIST):
-        best = passing(all_tried(model, choices[first : first + SHORT_LIST]), chances)
+        tried = all_tried(model, choices[first : first + SHORT_LIST])
+        best = [trial for trial in passing(tried, chances) if not _stands_for_less(model, trial, tried, chances)]
         if best:
             return best
     return []
+
+
+def _stands_for_less(model: Model, trial: Trial, tried: list[Trial], chances: Chances) -> bool:
+    # Whether what does more at the joint, and is too little of its friction to be told, leaves nothing for a cause that
+    # makes more of it.
+    for other in tried:
+        cause, joint = other.chosen.cause, other.chosen.site.joint
+        if joint != trial.chosen.site.joint or other.merit <= trial.merit:
+            continue
+        number = chances.among(cause)
+        if other.passes(number) or not other.beyond_chance(number):
+            continue
+        beside = build_model(model.gap, model.nuisance, (*model.chosen, other.chosen))
+        again = try_out(beside, trial.chosen)
+        if again is None or not again.passes(chances.among(trial.chosen.cause)):
+            return True
+    return False
 
 
 def _pruned(model: Model, chances: Chances) -> Model:

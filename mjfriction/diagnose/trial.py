@@ -75,14 +75,14 @@ class Trial:
     def _freedoms_of_chance(self) -> tuple[int, int]:
         return self.count, max(1, self.spare - self.count + 1)
 
+    def beyond_chance(self, candidates: float) -> bool:
+        """Return whether the effect is beyond chance among so many candidates, however little it makes."""
+        return self.chance < FALSE_ALARM / max(candidates, 1.0) and self.share > LEAST_SHARE
+
     def passes(self, candidates: float) -> bool:
         """Return whether the effect is beyond chance among so many candidates, and large enough to matter."""
-        return (
-            self.chance < FALSE_ALARM / max(candidates, 1.0)
-            and self.share > LEAST_SHARE
-            and self.effect > LEAST_EFFECT
-            and self.of_friction > self.least_of_friction
-        )
+        large = self.effect > LEAST_EFFECT and self.of_friction > self.least_of_friction
+        return large and self.beyond_chance(candidates)
 
 
 def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial | None:
