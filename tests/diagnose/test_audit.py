@@ -127,7 +127,7 @@ def test_degrees_and_a_clock_that_is_off_are_known_by_measured_velocities(case: 
         assert faults(with_velocities(factor)) == set()
 
 
-@pytest.mark.parametrize(("spread", "told"), [(0.003, False), (0.1, True)])
+@pytest.mark.parametrize(("spread", "told"), [(0.003, False), (0.05, False), (0.1, True)])
 def test_a_clock_is_at_fault_where_it_is_uneven_and_not_where_it_is_but_read_by_a_computer(
     spread: float, *, told: bool, case: tuple[Path, Path]
 ) -> None:
