@@ -20,6 +20,7 @@ from mjfriction.record.merge import merge_logs
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.friction_tables import Event
+from mjfriction.robot.links_torque import is_held
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import EffortSensor, Payload
@@ -106,3 +107,13 @@ def test_friction_of_another_day_is_no_payload() -> None:
 
 def test_one_log_has_no_while() -> None:
     assert PayloadForAWhile().sites(measure_gap(run(1.5, 1), holding(0.0))) == []
+
+
+def test_its_columns_are_those_of_a_mass_that_is_held_from_begin_to_end() -> None:
+    gap = measure_gap(merge_logs([run(0.0, 0), run(1.5, 1)]), holding(0.0))
+    cause = PayloadForAWhile()
+    for site in cause.sites(gap):
+        held = is_held(site.begin, site.end, gap.motion.time)
+        torques = cause.torques(gap) * held[:, None, None]
+        for joint, values in cause.columns(gap, site).items():
+            np.testing.assert_allclose(values, gap.reported(joint, torques[:, joint]), atol=1e-9)

@@ -27,7 +27,7 @@ class GravityDirection(WholeArm):
         """The whole arm."""
         return self.felt_most(gap, Site(0))
 
-    def torques(self, gap: Gap, site: Site) -> Floats:
+    def torques(self, gap: Gap) -> Floats:
         """Torques per m/s² along the two directions across gravity."""
         return gravity_torques(gap.body, gap.motion.position, _across(gap.body.gravity))
 

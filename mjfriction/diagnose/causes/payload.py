@@ -12,6 +12,7 @@ from mjfriction.body.regressor import tip_link, tip_mass_torques
 from mjfriction.diagnose.causes.cause import Quantity, Site
 from mjfriction.diagnose.causes.whole_arm import WholeArm
 from mjfriction.identify.gap import Gap
+from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.links_torque import is_held
@@ -37,7 +38,7 @@ class Payload(WholeArm):
         """The whole arm, unless a payload is stated on another link already."""
         return [] if _elsewhere(gap) else self.felt_most(gap, Site(0))
 
-    def torques(self, gap: Gap, site: Site) -> Floats:
+    def torques(self, gap: Gap) -> Floats:
         """Torques per mass and first moment."""
         motion = gap.motion
         return tip_mass_torques(gap.body, motion.position, motion.velocity, motion.acceleration)
@@ -91,13 +92,14 @@ class PayloadForAWhile(WholeArm):
         whiles = whiles.union(zip(begins, ends, strict=True)) - {(begins[0], math.inf)}
         return [own for begin, end in sorted(whiles) for own in self.felt_most(gap, Site(0, begin=begin, end=end))]
 
-    def torques(self, gap: Gap, site: Site) -> Floats:
-        """Torques per mass and first moment while it is held."""
-        motion = gap.motion
-        out = np.zeros((*motion.position.shape, len(HELD)))
-        own = is_held(site.begin, site.end, motion.time)
-        out[own] = tip_mass_torques(gap.body, motion.position[own], motion.velocity[own], motion.acceleration[own])
-        return out
+    def torques(self, gap: Gap) -> Floats:
+        """Torques per mass and first moment, held throughout."""
+        return Payload().torques(gap)
+
+    def columns(self, gap: Gap, site: Site) -> Columns:
+        """The effort in those logs: nothing is filtered from one into the next."""
+        held = is_held(site.begin, site.end, gap.chain.time)
+        return {joint: values * held[:, None] for joint, values in super().columns(gap, site).items()}
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """Mass and first moments in those logs, stated plus change."""

@@ -22,17 +22,17 @@ class WholeArm(Cause):
     curved = True
 
     @abstractmethod
-    def torques(self, gap: Gap, site: Site) -> Floats:
+    def torques(self, gap: Gap) -> Floats:
         """Return effort per unit strength at every joint, (n, joints, strengths)."""
 
     def columns(self, gap: Gap, site: Site) -> Columns:
         """The effort at every examined joint, through the chain."""
 
         def made() -> Columns:
-            torques = self.torques(gap, site)
+            torques = self.torques(gap)
             return {joint: gap.reported(joint, torques[:, joint]) for joint in gap.examined}
 
-        return gap.kept.recall((self.name, site.begin, site.end), made)
+        return gap.kept.recall(self.name, made)
 
     def felt_most(self, gap: Gap, site: Site) -> list[Site]:
         """Return the site at the joint whose effort the cause moves most, relative to its noise."""
