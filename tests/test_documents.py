@@ -43,8 +43,10 @@ from mjfriction.identify.stroke_waves import STEPS_PER_LOBE
 from mjfriction.identify.swing import FASTEST, SLOWEST
 from mjfriction.laws.catalog import LAWS
 from mjfriction.record import jumps
+from mjfriction.record.clock_bursts import FEWEST_AT_ONCE
 from mjfriction.record.clock_rate import OFF
 from mjfriction.record.motion import DAWDLING, HELD, RINGING, USUALLY
+from mjfriction.report.result import UNEVEN as UNEVEN_CLOCK
 from mjfriction.reproduce.catalog import DOCUMENTS
 from mjfriction.robot.robot import bundled_robots
 
@@ -123,6 +125,8 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert f"as much as {100 * MISFIT:g} % of the mean square that they take" in told
     assert f"{100 * SURELY_SEEN:g} % of what is left is enough" in told
     assert f"where it is {100 * BRISTLE_MISFIT:g} % of what that takes" in told
+    assert f"Steps that spread by less than {100 * UNEVEN_CLOCK:g} % are how" in told
+    assert FEWEST_AT_ONCE == 3, "the page says three"
     assert (ON_THE_WAY, FADED) == (0.5, 0.1), "the page says half, and a tenth"
     assert (DROWNED, ROOM, COLOURED) == (1.0, 0.5, 0.5), "the page says as much, half of the effect, half of it"
     assert f"more than {100 * LEAST_NOTED:g} %, and by more than {100 * SURELY:g} %" in told
