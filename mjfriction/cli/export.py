@@ -40,10 +40,18 @@ def export(robot: RobotSource, out: Out, fastest: Fastest = 2.0, as_json: Json =
     with whole_file(out) as draft:
         draft.write_text(spec.to_xml(), encoding="utf-8")
     lost = {joint.name: keys for joint in read.table.joint if (keys := not_in_model(joint))}
-    if read.table.taken_up:
-        lost[read.name] = ["taken_up"]
+    of_robot = ["taken_up"] if read.table.taken_up else []
     if as_json:
-        typer.echo(json.dumps({"model": str(out), "joints": [asdict(one) for one in carried], "not_carried": lost}))
+        typer.echo(
+            json.dumps(
+                {
+                    "model": str(out),
+                    "joints": [asdict(one) for one in carried],
+                    "not_carried": lost,
+                    "not_carried_of_robot": of_robot,
+                }
+            )
+        )
         return
     for one in carried:
         how = "exact" if one.exact else f"fit, off by {one.error:.3g} of {one.size:.3g} {one.unit} (RMS)"
@@ -53,4 +61,6 @@ def export(robot: RobotSource, out: Out, fastest: Fastest = 2.0, as_json: Json =
         alike.setdefault(", ".join(keys), []).append(name)
     for listed, names in alike.items():
         typer.echo(f"not in the model: {listed} of {', '.join(names)}")
+    if of_robot:
+        typer.echo(f"not in the model: {', '.join(of_robot)} of the robot")
     typer.echo(f"written: {out}")

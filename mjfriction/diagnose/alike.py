@@ -70,6 +70,7 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
         here += in_place_of_levels(gap, joint)
     repeated = redundancy(model.residual()[:, joint] * model.system.rows.weight[:, joint])
     _, rivals = in_place_of(without, own, here)
+    rivals = [rival for rival in rivals if rival.chosen.cause.name != target.cause.name]
     settled = [level.site.joint for level in free.levels]
     if target.cause is not STATED_LEVELS and joint in gap.examined and joint not in settled:
         # The joint's own levels are as stated here, so they stand for the place too.

@@ -171,10 +171,11 @@ def _best(model: Model, field: Field, trials: list[Trial]) -> Trial:
 def _passing(model: Model, field: Field, chances: Chances) -> list[Trial]:
     # The best of a short list that pass; where none does, of the next: what no cause fits at one joint may have a dozen
     # candidates there rank before what is plain at another.
-    choices = ranked(model, field)
+    choices, tried = ranked(model, field), list[Trial]()
     for first in range(0, len(choices), SHORT_LIST):
-        tried = all_tried(model, choices[first : first + SHORT_LIST])
-        best = [trial for trial in passing(tried, chances) if not _stands_for_less(model, trial, tried, chances)]
+        own = all_tried(model, choices[first : first + SHORT_LIST])
+        tried += own
+        best = [trial for trial in passing(own, chances) if not _stands_for_less(model, trial, tried, chances)]
         if best:
             return best
     return []
@@ -184,10 +185,10 @@ def _stands_for_less(model: Model, trial: Trial, tried: list[Trial], chances: Ch
     # Whether what does more at the joint, and is too little of its friction to be told, leaves nothing for a cause that
     # makes more of it.
     for other in tried:
-        cause, joint = other.chosen.cause, other.chosen.site.joint
-        if joint != trial.chosen.site.joint or other.merit <= trial.merit:
+        same = other.chosen.cause.name == trial.chosen.cause.name
+        if same or other.chosen.site.joint != trial.chosen.site.joint or other.merit <= trial.merit:
             continue
-        number = chances.among(cause)
+        number = chances.among(other.chosen.cause)
         if other.passes(number) or not other.beyond_chance(number):
             continue
         beside = build_model(model.gap, model.nuisance, (*model.chosen, other.chosen))

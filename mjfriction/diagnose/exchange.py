@@ -27,12 +27,14 @@ class Exchange:
 
 def for_place_of(choice: Chosen, field: Field) -> Field:
     """Return what of a field may stand in the place of a cause: what sits on its joint or is felt by the whole arm, and
-    has another name.
+    has another name, or counts apart from it.
     """
+    kind = choice.cause.name, choice.cause.first_order
     return tuple(
         entrant
         for entrant in field
-        if (entrant.joint == choice.site.joint or entrant.cause.whole_arm) and entrant.cause.name != choice.cause.name
+        if (entrant.joint == choice.site.joint or entrant.cause.whole_arm)
+        and (entrant.cause.name, entrant.cause.first_order) != kind
     )
 
 

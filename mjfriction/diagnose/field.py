@@ -86,4 +86,7 @@ def chances_in(field: Field) -> Chances:
 
 def present(model: Model, entrant: Entrant) -> int:
     """Return how many of an entrant's kind a model has at its joint."""
-    return sum((choice.cause.name, choice.site.joint) == entrant.key for choice in model.chosen)
+    return sum(
+        (choice.cause.name, choice.site.joint) == entrant.key and choice.cause.first_order == entrant.cause.first_order
+        for choice in model.chosen
+    )

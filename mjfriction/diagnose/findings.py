@@ -62,6 +62,7 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
         level = model.nuisance.of_level(choice.site.joint)
         found.append((choice, without_cause(model, choice), strengths[level], widths.nuisance[level]))
     findings: list[Finding] = []
+    throughout: list[Finding] = []  # payloads, that is, and not in some logs only
     of_many: set[Key] = set()
     unsure: list[tuple[float, Chosen, str, Model]] = []
     for choice, without, own, width in found:
@@ -90,10 +91,11 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
             shown_at=model.gap.robot.joints[shown],
         )
         findings.append(finding)
+        throughout += [finding] if isinstance(choice.cause, Payload) else []
     links = link_finding(model, widths, untold, field, seed)
     if links is not None:
         findings.append(links)
-    findings = [_beside_links(finding, findings, model) for finding in findings]
+    findings = [_beside_links(finding, findings) if finding in throughout else finding for finding in findings]
     experiment = None
     if unsure:
         _, choice, rival, other = min(unsure, key=lambda entry: entry[0])
@@ -124,12 +126,10 @@ def _of_one_factor(choice: Chosen, stands: Standing) -> Standing:
     return replace(stands, alternatives=alternatives, confidence=min(stands.confidence, EVEN))
 
 
-def _beside_links(finding: Finding, findings: list[Finding], model: Model) -> Finding:
-    # What is held at the flange throughout is a part of the last link: beside links that are off it may be that this
-    # one is too.
+def _beside_links(finding: Finding, findings: list[Finding]) -> Finding:
+    # What is held at the flange is a part of the last link: beside links that are off it may be that this one is too.
     off = any(one.cause == LinkScale.name for one in findings)
-    throughout = any(isinstance(choice.cause, Payload) for choice in model.chosen)
-    if finding.cause != Payload.name or not throughout or finding.alternatives or not off:
+    if finding.alternatives or not off:
         return finding
     return replace(finding, alternatives=(LinkScale.name,), confidence=min(finding.confidence, EVEN))
 

@@ -52,7 +52,7 @@ class Chosen:
     @property
     def key(self) -> Key:
         """The cause's name, its joint, and which of its kind it is there."""
-        return self.cause.name, self.site.joint, self.site.order
+        return self.cause.name, self.site.joint, self.cause.first_order + self.site.order
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from mjfriction.plant.cylinder import Cylinder
 from mjfriction.plant.oil import OilDrives
 from mjfriction.plant.passive import Passive, has_passive
 from mjfriction.plant.sensors import Recorder, record
-from mjfriction.plant.taken_up import TakenUp
+from mjfriction.plant.taken_up import HeldMasses
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.plant.varying import Surrounding, Varying, varies, with_pressed_seals, with_room_to_vary
 from mjfriction.progress import Tell, silently
@@ -120,7 +120,7 @@ def run_machine(
         passive=Passive(robot) if has_passive(robot) else None,
         around=surrounding,
         laws_at=Varying(robot, surrounding, time, step) if any(map(varies, robot.table.joint)) else None,
-        masses_at=TakenUp(robot, time) if robot.table.taken_up else None,
+        masses_at=HeldMasses(robot, time) if robot.table.taken_up else None,
         whole=whole,
         tell=tell,
     )

@@ -10,7 +10,7 @@ from mjfriction.robot.robot import Robot
 from mjfriction.robot.simulation import taken_up_bodies
 
 
-class TakenUp:
+class HeldMasses:
     """The masses of what a robot takes up, told whenever one of them changes."""
 
     def __init__(self, robot: Robot, time: Floats) -> None:

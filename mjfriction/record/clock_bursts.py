@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mjfriction.record.clock import SURE, Steps, put_right, roughness, steps_of
 from mjfriction.record.faults import Fault, in_words, spans
 from mjfriction.record.log import POSITION, Floats, Log
 
 AT_ONCE, WAITED = 0.3, 1.7  # of the ordinary step: shorter, rows came at once; longer, the recorder waited
-FEWEST_AT_ONCE = 3  # rows of a burst
+LONG = 10.0  # times the usual step, that pauses are where that is next to none
+FEWEST_AT_ONCE, MOST_AT_ONCE = 3, 1000  # rows of a burst
+FEWEST_BURSTS = 8  # that say at which step rows were sampled
 WHOLE = 0.5  # ordinary steps, by which a stretch may be longer or shorter than its rows: else some are missing
 DRIFT = 0.01  # of a stretch besides
 CHUNK = 48  # rows on which the joints' courses are held against both clocks
@@ -22,29 +25,66 @@ def without_bursts(log: Log) -> Log:
     steps = steps_of(log)
     if steps is None:
         return log
-    ordinary = _ordinary(steps)
-    odd = steps.joined & (steps.length >= 0.0)
-    odd &= (steps.length < AT_ONCE * ordinary) | (steps.length > WAITED * ordinary)
+    ordinary = burst_step(steps) or steps.ordinary
     time, places, most = log.time.copy(), [], 0
-    for first, end in spans(odd):
-        even = np.linspace(log.time[first], log.time[end], end - first + 1)
-        at_once = max((b - a + 1 for a, b in spans(steps.length[first:end] < AT_ONCE * ordinary)), default=0)
-        missing = abs((log.time[end] - log.time[first]) / ordinary - (end - first))
-        if at_once < FEWEST_AT_ONCE or missing > WHOLE + DRIFT * (end - first) or not _evenly(log, first, end):
+    for first, end in spans(_odd(steps, ordinary)):
+        at_once = _rows_at_once(steps.length[first:end], ordinary)
+        even = _even(log.time, first, end, ordinary, at_once)
+        if at_once < FEWEST_AT_ONCE or even is None or not _evenly(log, first, end):
             continue
-        time[first : end + 1], most = even, max(most, at_once)
+        time[first : end + 1] = even
         places.append((float(log.time[first]), float(log.time[end])))
+        most = max(most, at_once)
     if not places:
         return log
     how = f"up to {most} rows came at once after a pause, though the joints went on evenly: so does time there"
     return put_right(log, time, [Fault("data.clock", in_words(places), how)])
 
 
-def _ordinary(steps: Steps) -> float:
-    # Where most rows come in bursts, most steps are none.
-    within = steps.length[steps.joined]
-    mean = float(np.mean(within))
-    return steps.ordinary if np.median(within) > AT_ONCE * mean else mean
+def burst_step(steps: Steps) -> float | None:
+    """Return the step (s) at which rows were sampled that came in bursts throughout, None where they did not.
+
+    Most steps are next to none there; the pauses between are as long as their bursts were, as a rule.
+    """
+    within = np.where(steps.joined, steps.length, np.nan)
+    waits = np.flatnonzero(within > LONG * max(float(np.nanmedian(within)), float(np.finfo(float).tiny)))
+    rows = np.diff(waits)
+    if rows.size < FEWEST_BURSTS or np.median(rows) < FEWEST_AT_ONCE or np.median(rows) > MOST_AT_ONCE:
+        return None
+    ends = np.cumsum(np.nan_to_num(within))[waits]
+    return float(np.median(np.diff(ends) / rows))
+
+
+def _odd(steps: Steps, ordinary: float) -> NDArray[np.bool_]:
+    # The steps of bursts and of the pauses between them; a pause longer than the bursts beside it is one of the
+    # recording, or rows are missing.
+    short = steps.joined & (steps.length >= 0.0) & (steps.length < AT_ONCE * ordinary)
+    odd = short | (steps.joined & (steps.length > WAITED * ordinary))
+    for k in np.flatnonzero(odd & ~short).tolist():
+        before, after = short[:k][::-1], short[k + 1 :]
+        beside = max(int(np.argmin(np.append(part[:MOST_AT_ONCE], False))) for part in (before, after))
+        odd[k] = steps.length[k] < (beside + 1 + FEWEST_AT_ONCE * WHOLE) * ordinary
+    return odd
+
+
+def _even(time: Floats, first: int, end: int, ordinary: float, at_once: int) -> Floats | None:
+    # When the rows of a stretch were sampled; None where some are missing.  A burst at its end, or its begin, may be
+    # there without the pause that goes with it: what came next is another stretch, or lost.
+    count, took = end - first, (time[end] - time[first]) / ordinary
+    short = count - (at_once - 1)
+    if min(abs(took - count), abs(took - short)) > WHOLE + DRIFT * count:
+        return None
+    if abs(took - count) <= abs(took - short):
+        return np.linspace(time[first], time[end], count + 1)
+    course: Floats = ordinary * np.arange(count + 1.0)
+    if end + 1 == time.size or time[first] + course[-1] < time[end + 1]:
+        return np.asarray(time[first] + course)
+    earlier: Floats = time[end] - course[::-1]
+    return earlier if first == 0 or earlier[0] > time[first - 1] else None
+
+
+def _rows_at_once(length: Floats, ordinary: float) -> int:
+    return max((b - a + 1 for a, b in spans(length < AT_ONCE * ordinary)), default=0)
 
 
 def _evenly(log: Log, first: int, end: int) -> bool:

@@ -32,12 +32,10 @@ MOVED = 0.3  # of a frozen stretch that the joint moves in: more than a rest wit
 FEWEST_CLIPPED = 12  # samples at the same extreme, in runs
 CLIPPED_RUN = 4  # samples of one of them at least
 AT_THE_EDGE = 8.0  # times the samples at the extreme must be more than those beside it
+MOST_LISTED = 3  # places of one fault that are spelled out
 LEAVES = 0.5  # of the range, that no effort leaves a limit by at once
 BESIDE = 0.02  # of the range, that is beside the extreme
 QUANTA, OF_QUANTA = 2.5, 0.5  # the same of a channel whose steps are coarser than that, in steps
-
-
-MOST_LISTED = 3  # places of one fault that are spelled out
 
 
 @dataclass(frozen=True)
@@ -216,8 +214,8 @@ def clipped(values: Floats, moving: Mask) -> Mask:
 
 
 def _breaks_off(values: Floats, start: int, stop: int, by: float) -> bool:
-    # Whether a run ends where no effort that comes down from a limit would go on.
-    return stop < values.size and bool(abs(values[stop] - values[start]) > by)
+    # Whether a run that is long enough for a reading which stuck ends where none that comes down from a limit goes on.
+    return stop - start >= SHORTEST_STUCK and stop < values.size and bool(abs(values[stop] - values[start]) > by)
 
 
 def _runs(values: NDArray[np.generic]) -> list[tuple[int, int]]:
@@ -227,7 +225,7 @@ def _runs(values: NDArray[np.generic]) -> list[tuple[int, int]]:
 
 def in_words(places: Sequence[tuple[float, float]]) -> str:
     """Return stretches of time (s) as words, all but the first few of them counted."""
-    words = [f"{a:.4g} s" if a == b else f"{a:.4g} s to {b:.4g} s" for a, b in places[:MOST_LISTED]]
+    words = [f"{a:.6g} s" if a == b else f"{a:.6g} s to {b:.6g} s" for a, b in places[:MOST_LISTED]]
     more = len(places) - MOST_LISTED
     return ", ".join(words) + (f" and {more} more places" if more > 0 else "")
 

@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from mjfriction.record.clock import steps_of
+from mjfriction.record.clock_bursts import burst_step
 from mjfriction.record.faults import (
     Fault,
     Mask,
@@ -33,7 +35,8 @@ def in_seconds(log: Log) -> Log:
     """Return the log with its clock read in milli-, micro- or nanoseconds, and that said, where it ticks too slowly for
     one in seconds and no joint would be faster than any is: a log of a row every second or more is left as it is.
     """
-    step = float(np.median(np.diff(log.time)))
+    steps = steps_of(log)
+    step = float(np.median(np.diff(log.time))) if steps is None else burst_step(steps) or steps.ordinary
     unit = tick_of(step)
     if not step >= SLOWEST_CLOCK or unit == "seconds":
         return log

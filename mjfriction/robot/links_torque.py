@@ -30,16 +30,12 @@ def held_mass(robot: Robot, motion: Motion) -> Floats | None:
 
 
 def held_torque(robot: Robot, body: Body, motion: Motion) -> Floats:
-    """Return the torques of what the motion's log says was held, (n, joints), N·m or N: none where it says nothing."""
-    mass, held = held_mass(robot, motion), robot.table.held
-    if mass is None or held is None:
-        return np.zeros_like(motion.position)
-    return mass[:, None] * _of_one_kilogram(robot, body, held, motion, slice(None), "held")
-
-
-def taken_up_torque(robot: Robot, body: Body, motion: Motion) -> Floats:
-    """Return the torques of what the robot holds for a while, (n, joints), N·m or N."""
-    out = np.zeros_like(motion.position)
+    """Return the torques of what is held beside the payload, (n, joints), N·m or N: by the word of the motion's log,
+    and what the robot takes up for a while.
+    """
+    out, mass, held = np.zeros_like(motion.position), held_mass(robot, motion), robot.table.held
+    if mass is not None and held is not None:
+        out += mass[:, None] * _of_one_kilogram(robot, body, held, motion, slice(None), "held")
     for load in robot.table.taken_up:
         own = is_held(load.begin, load.end, motion.time)
         out[own] += load.mass * _of_one_kilogram(robot, body, load, motion, own, "taken_up")
@@ -63,10 +59,7 @@ def _of_one_kilogram(
 
 
 def links_torque(robot: Robot, body: Body, motion: Motion) -> Floats:
-    """Return the torques of links, payload, rotors and of what is held besides, by the log's word or the robot's, (n,
-    joints), N·m or N.
-    """
+    """Return the torques of links, payload, rotors and of what is held besides, (n, joints), N·m or N."""
     torque = inverse_dynamics(body, motion.position, motion.velocity, motion.acceleration)
-    if held_mass(robot, motion) is not None:
-        torque += held_torque(robot, body, motion)
-    return torque + taken_up_torque(robot, body, motion) if robot.table.taken_up else torque
+    besides = robot.table.taken_up or held_mass(robot, motion) is not None
+    return torque + held_torque(robot, body, motion) if besides else torque

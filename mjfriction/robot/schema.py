@@ -280,10 +280,9 @@ class RobotTable(Table):
     """A whole robot file.
 
     ``held`` is where the arm holds what logs speak of in their column ``held_mass``; ``taken_up`` is what it holds
-    besides for a while.  For links, each named by the
-    joint that moves it: ``link_inertia`` takes the place of what the model says; ``link_shift`` is by how much the
-    centre of mass lies elsewhere, m along the axes of the link's frame; ``link_scale`` is what multiplies the mass and
-    inertia, a payload on the link included.
+    besides for a while.  For links, each named by the joint that moves it: ``link_inertia`` takes the place of what the
+    model says; ``link_shift`` is by how much the centre of mass lies elsewhere, m along the axes of the link's frame;
+    ``link_scale`` is what multiplies the mass and inertia, a payload on the link included.
     """
 
     name: str
@@ -296,6 +295,13 @@ class RobotTable(Table):
     link_scale: dict[str, Positive] = Field(default_factory=dict)
     link_shift: dict[str, Vector] = Field(default_factory=dict)
     joint: tuple[Joint, ...] = Field(min_length=1)
+
+    @field_validator("taken_up")
+    @classmethod
+    def _of_a_payload(cls, value: tuple[TakenUp, ...], told: ValidationInfo) -> tuple[TakenUp, ...]:
+        if told.data.get("payload") is None and any(load.mass < 0.0 for load in value):
+            raise ValueError("a mass below 0 puts a payload down, and none is stated")
+        return value
 
     @field_validator("joint")
     @classmethod

@@ -39,7 +39,10 @@ def holding(mass: float) -> Robot:
 
 @functools.cache
 def run(mass: float, seed: int) -> Log:
-    robot = holding(mass)
+    return recorded(holding(mass), seed)
+
+
+def recorded(robot: Robot, seed: int) -> Log:
     count = len(robot.joints)
     course = excitation(robot.joints, HOME, np.full(count, 0.7), np.full(count, 1.0), 25.0, seed=seed)
     return log_from_table(pa.table(simulate(robot, course, recorder=Recorder(125.0), seed=seed)), f"run{seed}.csv")
@@ -83,10 +86,34 @@ def test_the_extended_robot_predicts_both() -> None:
             assert np.sqrt(np.mean(np.square(extended[name] - truth[name])[own])) < 0.1
 
 
-def test_a_payload_that_is_set_down_is_told_too() -> None:
-    ((mass, evidence),) = told(diagnosed((1.5, 0.0), 1.5))
+def test_a_payload_that_is_put_down_is_told_too() -> None:
+    diagnosis = diagnosed((0.0, 1.5), 1.5)
+    ((mass, evidence),) = told(diagnosis)
+    assert mass == pytest.approx(-1.5, rel=0.05)
+    assert "in run0.csv alone" in evidence
+    (put_down,) = diagnosis.robot.table.taken_up
+    assert put_down.mass == pytest.approx(-1.5, rel=0.05)
+    assert put_down.com == pytest.approx(CENTRE, abs=0.01)
+
+
+@pytest.mark.bench
+def test_another_tool_of_the_same_mass_is_another_payload() -> None:
+    robot = holding(1.5)
+    longer = Payload(mass=1.5, com=(0.02, 0.01, 0.3), parent=FLANGE)
+    second = recorded(Robot(robot.table.model_copy(update={"payload": longer}), robot.folder), 1)
+    diagnosis = diagnose_log(merge_logs([run(1.5, 0), second]), robot)
+    ((mass, _),) = told(diagnosis)
     assert mass == pytest.approx(0.0, abs=0.05)
-    assert "in run1.csv alone" in evidence
+    put_down, taken_up = diagnosis.robot.table.taken_up
+    assert put_down.mass == -1.5
+    assert taken_up.mass == pytest.approx(1.5, rel=0.05)
+    assert taken_up.com[2] == pytest.approx(0.3, abs=0.02)
+
+
+@pytest.mark.bench
+def test_one_that_all_hold_and_more_in_one_are_two() -> None:
+    payloads = told(diagnosed((1.0, 3.0, 1.0), 0.0))
+    assert sorted(mass for mass, _ in payloads) == [pytest.approx(1.0, rel=0.05), pytest.approx(2.0, rel=0.05)]
 
 
 @pytest.mark.bench

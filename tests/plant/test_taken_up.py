@@ -44,12 +44,15 @@ def still(robot: Robot) -> Trajectory:
 
 TAKES = arm(taken_up=(TakenUp(mass=MASS, begin=BEGIN, end=END, **PLACE),))
 HOLDS = arm(payload=Payload(mass=MASS, **PLACE))
+PUTS_DOWN = arm(payload=Payload(mass=MASS, **PLACE), taken_up=(TakenUp(mass=-MASS, begin=BEGIN, end=END, **PLACE),))
 
 
-def test_the_machine_carries_it_from_its_beginning_to_its_end() -> None:
-    run = run_machine(TAKES, still(TAKES), 1000.0)
+@pytest.mark.parametrize("puts_down", [False, True])
+def test_the_machine_carries_it_from_its_beginning_to_its_end(*, puts_down: bool) -> None:
+    machine, before, between = (PUTS_DOWN, HOLDS, arm()) if puts_down else (TAKES, arm(), HOLDS)
+    run = run_machine(machine, still(machine), 1000.0)
     rest = np.zeros((1, HOME.size))
-    for moment, robot in ((1.9, arm()), (4.9, HOLDS), (7.9, arm())):
+    for moment, robot in ((1.9, before), (4.9, between), (7.9, before)):
         k = round(1000 * moment)
         needed, otherwise = (
             inverse_dynamics(one.body(), run.played.position[k : k + 1], rest, rest)[0]
@@ -93,6 +96,7 @@ def test_it_is_written_and_read_back(tmp_path) -> None:
         ("{ mass = 1.0, parent = 'wrist_3_joint', begin = 3.0, end = 2.0 }", "begins at 3 s"),
         ("{ mass = 1.0, parent = 'wrist_3_joint' }", "begin"),
         ("{ mass = 1.0, parent = 'wrist_3_joint', from = 1.0 }", "unknown key 'from'"),
+        ("{ mass = -1.0, parent = 'wrist_3_joint', begin = 1.0 }", "a mass below 0 puts a payload down"),
     ],
 )
 def test_what_makes_no_sense_is_one_line(entry: str, said: str, tmp_path) -> None:
@@ -116,7 +120,7 @@ def test_what_plain_models_cannot_hold_is_said(tmp_path) -> None:
     path = write_robot(TAKES, tmp_path)
     done = mjfriction_here("export", "--robot", str(path), "--out", str(tmp_path / "plain.xml"))
     assert done.returncode == 0, done.stderr
-    assert "not in the model: taken_up of ur5" in done.stdout
+    assert "not in the model: taken_up of the robot" in done.stdout
     assert "taken_up_0" not in (tmp_path / "plain.xml").read_text()
     log = log_from_table(pa.table(simulate(TAKES, motion(TAKES), recorder=Recorder(250.0))), "log")
     gap = measure_gap(log, TAKES)

@@ -72,3 +72,29 @@ def test_a_doubled_time_is_refused_where_no_burst_explains_it() -> None:
 def test_a_clock_that_jitters_comes_in_no_bursts() -> None:
     clock = TRUE + 0.4 * STEP * np.random.default_rng(1).uniform(-1.0, 1.0, size=COUNT)
     assert log_of(clock, clock).faults == ()
+
+
+@pytest.mark.parametrize("rows", [slice(600, 1800), slice(0, COUNT - 4)])
+def test_a_burst_that_was_lost_is_a_gap(rows: slice) -> None:
+    clock, kept = in_bursts(rows, 2e-5), np.ones(COUNT, dtype=bool)
+    lost = slice(rows.start + 50 * ROWS, rows.start + 51 * ROWS)
+    kept[lost] = False
+    log = log_of(clock, kept=kept)
+    step = np.diff(log.time)
+    assert np.max(step) == pytest.approx(ROWS * STEP, rel=0.1)
+    assert np.sort(step)[-2] == pytest.approx(STEP, rel=0.1)
+
+
+@pytest.mark.parametrize("pause", [20.0, 60.0, 3600.0])
+def test_a_pause_of_the_recording_is_no_burst(pause: float) -> None:
+    clock = TRUE + pause * (np.arange(COUNT) >= COUNT // 2)
+    log = log_of(clock, still=True)
+    np.testing.assert_allclose(log.time, clock)
+    assert log.faults == ()
+
+
+@pytest.mark.parametrize("unit", [1e3, 1e9])
+def test_the_unit_of_a_clock_is_told_by_the_rows_that_came_in_bursts(unit: float) -> None:
+    log = log_of(unit * in_bursts(slice(0, COUNT - 4), 2e-5))
+    np.testing.assert_allclose(np.diff(log.time), STEP, rtol=0.02)
+    assert [fault.kind for fault in log.faults] == ["data.unit", "data.clock"]

@@ -21,10 +21,15 @@ from mjfriction.robot.schema import Payload as PayloadTable
 from mjfriction.robot.schema import TakenUp
 
 FARTHEST = 1.0  # m; a payload's centre lies nearer to the flange
+MOSTLY = 0.5  # of what is stated, from which on it is held elsewhere, or with more, rather than put down
 NOTHING = 0.05  # of what is set down, by which what is left may seem to weigh less than nothing
 HELD = (
     Parameter("mass", "kg", "mass held at the flange", lower=0.0),
     *(Parameter(f"moment_{axis}", "kg·m", f"its first moment along {axis} of the flange") for axis in "xyz"),
+)
+BESIDES = (
+    Parameter("mass", "kg", "mass held at the flange beyond that in the other logs"),
+    *(Parameter(f"moment_{axis}", "kg·m", f"first moment along {axis} of the flange beyond it") for axis in "xyz"),
 )
 
 
@@ -81,6 +86,7 @@ class PayloadForAWhile(WholeArm):
 
     name = "body.payload"
     times = 2  # in one log another than in all
+    first_order = 1
 
     def sites(self, gap: Gap) -> list[Site]:
         """From every log on, up to every log and in every log alone, unless a payload is stated on another link."""
@@ -102,34 +108,44 @@ class PayloadForAWhile(WholeArm):
         return {joint: values * held[:, None] for joint, values in super().columns(gap, site).items()}
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """Mass and first moments in those logs, stated plus change."""
-        return Payload().quantities(gap, site)
+        """What mass and first moments are more than in the other logs."""
+        return tuple(Quantity(parameter) for parameter in BESIDES)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """A payload has mass, or none is left of it, and its centre near the flange."""
-        left = _stated(gap.robot, gap.body)[0] + strengths[0]
-        near = np.linalg.norm(strengths[1:]) < FARTHEST * abs(strengths[0])
-        return bool(left >= -NOTHING * abs(strengths[0]) and near)
+        """A payload has mass, or none is left of what is stated, and its centre near the flange."""
+        mass, moment = _stated(gap.robot, gap.body)
+        total, nothing = mass + strengths[0], NOTHING * abs(strengths[0])
+        near = np.linalg.norm(moment + strengths[1:]) < FARTHEST * max(total, nothing)
+        return bool(total >= -nothing and near)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Let the robot take it up, or put so much down, for that while."""
-        body, (x, y, z) = robot.body(), (strengths[1:] / strengths[0]).tolist()
-        load = TakenUp(
-            mass=float(strengths[0]),
-            com=(x, y, z),
-            parent=tip_link(body),
-            begin=site.begin,
-            end=None if math.isinf(site.end) else site.end,
-        )
-        return Robot(robot.table.model_copy(update={"taken_up": (*robot.table.taken_up, load)}), robot.folder)
+        """Let the robot put down what is stated, for that while, and take up what is held instead."""
+        body = robot.body()
+        mass, moment = _stated(robot, body)
+        change, total = float(strengths[0]), mass + float(strengths[0])
+        if mass > 0.0 and total > MOSTLY * mass:
+            held = [(-mass, moment / mass), (total, (moment + strengths[1:]) / total)]
+        else:  # what little is left of it has its centre anywhere
+            held = [(change, strengths[1:] / change)]
+        loads = [
+            TakenUp(
+                mass=own,
+                com=(float(centre[0]), float(centre[1]), float(centre[2])),
+                parent=tip_link(body),
+                begin=site.begin,
+                end=None if math.isinf(site.end) else site.end,
+            )
+            for own, centre in held
+        ]
+        return Robot(robot.table.model_copy(update={"taken_up": (*robot.table.taken_up, *loads)}), robot.folder)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
-        """Give the logs, mass and centre."""
+        """Give the logs and what differs in them."""
         logs = " and ".join(name for name, begin in gap.log.joined if site.begin <= begin < site.end)
-        centre = ", ".join(f"{value:.3g}" for value in strengths[1:] / strengths[0])
+        moment = ", ".join(f"{value:+.3g}" for value in strengths[1:])
         return (
-            f"in {logs} alone all joints need what {strengths[0]:+.3g} kg at the flange need besides, centred at "
-            f"({centre}) m of {tip_link(gap.body)}: what it held there is another payload"
+            f"in {logs} alone all joints need what {strengths[0]:+.3g} kg at the flange need besides, with a first "
+            f"moment of ({moment}) kg·m about {tip_link(gap.body)}: what it held there is another payload"
         )
 
 
