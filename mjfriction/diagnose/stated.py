@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from mjfriction.diagnose.causes.asymmetry import Asymmetry
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.causes.varying import Step, Warming, WarmUpDrift
@@ -30,6 +31,10 @@ from mjfriction.diagnose.short_list import contenders, passing
 from mjfriction.diagnose.trial import FALSE_ALARM, Trial, try_out
 from mjfriction.robot.friction import stated_levels
 
+# Causes beside which level and damping are a matter of how the curve is written: that directions differ is none of these,
+# being even in velocity where these are odd.
+CURVES = BENDING - {Asymmetry.name}
+WITH_LEVELS = CURVES | {PositionFriction.name}
 MOST_LINK_CHANGE = 0.8  # past which a scaled link is no link any more, and the fit a sign of something else
 LEAST_CHANGE = 0.04  # that counts on a robot stated exactly
 LEAST_CHANGE_ROUGH = 0.10  # that counts on a robot whose joints are all a little off, or that has too few to compare
@@ -103,7 +108,7 @@ def _bent(model: Model, joint: int) -> bool:
     # what is left to level and damping is a matter of its basis.
     return any(
         choice.site.joint == joint
-        and choice.cause.name in BENDING | {PositionFriction.name}
+        and choice.cause.name in WITH_LEVELS
         and choice.cause.noteworthy(model.gap, choice.site, model.strengths[place])
         for choice, place in zip(model.chosen, model.places, strict=True)
     )
@@ -112,7 +117,7 @@ def _bent(model: Model, joint: int) -> bool:
 def _unbent(model: Model, joint: int, asked: Field) -> Model | None:
     # Levels and damping that are off, and a bend besides, may together be one curve that motion does not see the end
     # of.  Where that leaves as little, it is the simpler.
-    bends = [choice for choice in model.chosen if choice.site.joint == joint and choice.cause.name in BENDING]
+    bends = [choice for choice in model.chosen if choice.site.joint == joint and choice.cause.name in CURVES]
     rest = tuple(choice for choice in model.chosen if choice not in bends)
     held = build_model(model.gap, model.nuisance.without_level(joint), rest)
     trials = contenders(held, in_place_of_levels(model.gap, joint)) if bends else []
@@ -137,7 +142,7 @@ def _off_beyond_a_bend(model: Model, level: Level, bar: float) -> bool:
     bends = [
         (choice, place)
         for choice, place in zip(model.chosen, model.places, strict=True)
-        if choice.site.joint == joint and choice.cause.name in BENDING | {PositionFriction.name}
+        if choice.site.joint == joint and choice.cause.name in WITH_LEVELS
     ]
     if any(choice.cause.name != Stribeck.name for choice, _ in bends):
         return False

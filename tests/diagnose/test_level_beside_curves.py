@@ -1,4 +1,6 @@
-"""Levels that are off at speeds where a Stribeck curve has faded away are off by themselves, and told beside it."""
+"""Levels that are off are told beside what bends friction near rest, or makes the directions differ, where neither can
+stand for them.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,7 @@ from mjfriction.diagnose import stated
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
-from tests.hidden.machine import UR5_COULOMB, Instant, Machine, write_case
+from tests.hidden.machine import UR5_COULOMB, UR5_VISCOUS, Instant, Machine, write_case
 
 ELBOW = 2
 EXCESS, HIGHER, STRIBECK_VELOCITY = 0.8 * UR5_COULOMB[ELBOW], 0.6 * UR5_COULOMB[ELBOW], 0.06
@@ -25,6 +27,10 @@ def sticky_and_higher(at: Instant) -> np.ndarray:
     return sticky(at) + HIGHER * np.sign(at.v)
 
 
+def one_way_and_higher(at: Instant) -> np.ndarray:
+    return 0.4 * UR5_VISCOUS[ELBOW] * np.abs(at.v) + HIGHER * np.sign(at.v)
+
+
 def test_they_are_told_beside_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def found(hidden) -> set[str]:
         log, robot = write_case(tmp_path, Machine(hidden={ELBOW: hidden}, noise=0.1), seed=4)
@@ -35,3 +41,14 @@ def test_they_are_told_beside_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert found(sticky) == {"friction.stribeck"}
     monkeypatch.setattr(stated, "_off_beyond_a_bend", lambda *_: False)
     assert found(sticky_and_higher) == {"friction.stribeck"}
+
+
+def test_they_are_told_beside_directions_that_differ(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: one_way_and_higher}, noise=0.1), seed=4)
+
+    def found() -> set[str]:
+        return {finding.cause for finding in diagnose_log(read_log(log), read_robot(robot)).findings}
+
+    assert found() == {"friction.asymmetry", "friction.coulomb_viscous"}
+    monkeypatch.setattr(stated, "WITH_LEVELS", stated.WITH_LEVELS | {"friction.asymmetry"})
+    assert found() == {"friction.asymmetry"}
