@@ -31,8 +31,8 @@ from mjfriction.diagnose.short_list import contenders, passing
 from mjfriction.diagnose.trial import FALSE_ALARM, Trial, try_out
 from mjfriction.robot.friction import stated_levels
 
-# Causes beside which level and damping are a matter of how the curve is written: that directions differ is none of these,
-# being even in velocity where these are odd.
+# Causes beside which level and damping are a matter of how the curve is written. That directions differ is none: it is
+# even in velocity, and levels are odd.
 CURVES = BENDING - {Asymmetry.name}
 WITH_LEVELS = CURVES | {PositionFriction.name}
 MOST_LINK_CHANGE = 0.8  # past which a scaled link is no link any more, and the fit a sign of something else
