@@ -12,7 +12,7 @@ from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LinkScale, LoneLink
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.field import Field, chances_in
-from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.model import Chosen, Model, build_model, without_contained
 from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
 from mjfriction.diagnose.short_list import contenders, fairly, passing
 from mjfriction.diagnose.tangent import straightened
@@ -78,7 +78,8 @@ def held_links(model: Model, field: Field, changes: Mapping[int, float]) -> Mode
     if not able:
         return model
     best = max(fairly(held, able), key=lambda trial: trial.merit)
-    alone = straightened(build_model(held.gap, held.nuisance, (*held.chosen, best.chosen)))
+    rest = without_contained(held.chosen, best.chosen)
+    alone = straightened(build_model(held.gap, held.nuisance, (*rest, best.chosen)))
     return alone if _as_good(alone, model, held) else model
 
 

@@ -242,6 +242,15 @@ def partners(choice: Chosen, others: Iterable[Chosen]) -> list[Chosen]:
     return [one for one in others if choice.cause.name in one.cause.kin and one.site.joint == choice.site.joint]
 
 
+def without_contained(chosen: Iterable[Chosen], newcomer: Chosen) -> tuple[Chosen, ...]:
+    """Return those of a model's causes that a newcomer does not contain: a spring has the offset told before it."""
+    return tuple(
+        choice
+        for choice in chosen
+        if choice.site.joint != newcomer.site.joint or choice.cause.name not in newcomer.cause.contains
+    )
+
+
 def cause_block(gap: Gap, choice: Chosen) -> tuple[Columns, Floats]:
     """Return a cause's columns and the precision that keeps them from blowing up where the data say nothing."""
     straight = _drawn(gap, choice)

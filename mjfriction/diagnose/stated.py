@@ -22,7 +22,7 @@ from mjfriction.diagnose.exact import (
     usually_off,
 )
 from mjfriction.diagnose.field import Field, chances_in, in_place_of_levels
-from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
+from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, without_contained
 from mjfriction.diagnose.nuisance import Level
 from mjfriction.diagnose.one_factor import beside_factors, scaled_levels
 from mjfriction.diagnose.refusal import BENDING
@@ -90,7 +90,7 @@ def settle(model: Model, asked: Field) -> Settled:
             rival = _simpler(held, trial, asked)
             scaled = scaled_levels(model, held, trial, change) if rival is None else None
             if rival is not None:
-                model = build_model(held.gap, held.nuisance, (*held.chosen, rival))
+                model = build_model(held.gap, held.nuisance, (*without_contained(held.chosen, rival), rival))
             elif scaled is not None and scaled.one_factor:
                 model = scaled.model
             elif _own(model, level, change):
