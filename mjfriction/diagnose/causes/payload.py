@@ -85,6 +85,7 @@ class PayloadForAWhile(WholeArm):
     """A mass at the flange in some of several logs only, more or less than is stated: m and its first moment m·c."""
 
     name = "body.payload"
+    covariate = "time"
     times = 2  # in one log another than in all
     first_order = 1
 
