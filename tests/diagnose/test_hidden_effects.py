@@ -274,7 +274,7 @@ def tilted(model: mujoco.MjModel) -> None:
     model.opt.gravity[:] = 9.81 * np.array([0.6 * np.sin(angle), 0.8 * np.sin(angle), -np.cos(angle)])
 
 
-@pytest.mark.parametrize("off", [0.0, 0.03])
+@pytest.mark.parametrize("off", [pytest.param(0.0, marks=pytest.mark.bench), 0.03])
 def test_a_payload_is_weighed_and_placed(off: float, tmp_path: Path) -> None:
     diagnosis = run(tmp_path, Machine(change=heavier), seed=5, off=off)
     (finding,) = diagnosis.findings
@@ -394,7 +394,7 @@ def test_links_that_lie_millimetres_off_are_no_finding(tmp_path: Path, monkeypat
     assert {"body.link_inertia"} == {name for name, _ in names(found("with centres held"))}
 
 
-@pytest.mark.parametrize("off", [0.0, 0.03])
+@pytest.mark.parametrize("off", [pytest.param(0.0, marks=pytest.mark.bench), 0.03])
 def test_a_tilted_base_is_levelled(off: float, tmp_path: Path) -> None:
     diagnosis = run(tmp_path, Machine(change=tilted), seed=5, off=off)
     (finding,) = diagnosis.findings
@@ -417,7 +417,8 @@ def late(seconds: float) -> Callable[[Instant], np.ndarray]:
     return lambda i: np.interp(i.time - seconds, i.time, i.rigid + i.friction) - (i.rigid + i.friction)
 
 
-@pytest.mark.parametrize(("early", "told"), [pytest.param(0.02, True, marks=pytest.mark.bench), (0.06, False)])
+@pytest.mark.bench
+@pytest.mark.parametrize(("early", "told"), [(0.02, True), (0.06, False)])
 def test_one_effort_comes_early_by_no_more_than_a_filter_of_positions(early: float, told: bool, tmp_path: Path) -> None:
     log, robot = write_case(tmp_path, Machine(hidden={2: late(-early)}), 5, seconds=40.0)
     found = {(one.cause, one.joint) for one in diagnose_log(read_log(log), read_robot(robot)).findings}
@@ -456,6 +457,7 @@ def test_a_torque_constant_a_few_percent_off_is_a_finding_on_an_exact_robot_only
     assert finding in names(run(tmp_path / "told", machine, seed=21, off=0.05))
 
 
+@pytest.mark.bench
 def test_a_rotor_a_few_percent_off_is_a_finding_on_an_exact_robot_only(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -94,6 +94,7 @@ def gap_time(gap: Gap) -> tuple[float, float]:
     return float(gap.motion.time[0]) + 1.0, float(gap.motion.time[-1]) - 1.0
 
 
+@pytest.mark.bench
 def test_play_is_found_by_its_landings(loose: tuple[Gap, Run], monkeypatch: pytest.MonkeyPatch) -> None:
     log, robot = loose[0].log, read_robot("ur5")
     diagnosis = diagnose_log(log, robot)

@@ -43,6 +43,7 @@ def test_they_are_told_beside_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert found(sticky_and_higher) == {"friction.stribeck"}
 
 
+@pytest.mark.bench
 def test_they_are_told_beside_directions_that_differ(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     log, robot = write_case(tmp_path, Machine(hidden={ELBOW: one_way_and_higher}, noise=0.1), seed=4)
 

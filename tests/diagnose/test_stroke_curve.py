@@ -77,6 +77,7 @@ def test_waves_of_a_gear_beside_a_spring_stay_what_they_are(tmp_path: Path) -> N
     assert {finding.cause for finding in found.findings} == {"drive.cogging", "body.spring"}
 
 
+@pytest.mark.bench
 def test_waves_of_which_the_period_is_not_known_are_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # A stop so steep that no smooth curve follows it; what the curve says is left aside here.
     def stop(i):  # type: ignore[no-untyped-def]

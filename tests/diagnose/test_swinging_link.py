@@ -43,6 +43,7 @@ def swinging(damping: float = DAMPING) -> Log:
     return log_from_table(pa.table(simulate(machine, motion, recorder=Recorder(250.0), seed=1)), "swinging")
 
 
+@pytest.mark.bench
 def test_a_link_that_swings_on_its_transmission_is_one_that_gives() -> None:
     found = diagnose_log(swinging(), read_robot("ur5"))
     assert [(finding.cause, finding.joint) for finding in found.findings] == [("drive.elasticity", PAN)]
