@@ -24,10 +24,10 @@ from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.laws.law import Floats
 from mjfriction.record.motion import back_to_log
 from mjfriction.record.readers import read_log
+from mjfriction.robot.body_tables import Payload
 from mjfriction.robot.effort import predict_effort
 from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Payload
 from scripts.verbs import run_verbs
 
 LEVEL = 1e-3  # two-sided, of the t-test

@@ -30,8 +30,8 @@ from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.record.log import Floats
+from mjfriction.robot.body_tables import LinkInertia
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import LinkInertia
 
 KEPT = "inertias of all links"
 FELT = 1e-6  # of the effort, below which a link is not felt

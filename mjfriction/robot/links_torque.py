@@ -11,8 +11,8 @@ from mjfriction.errors import LogError, RobotError
 from mjfriction.laws.law import Floats
 from mjfriction.record.log import HELD_MASS
 from mjfriction.record.motion import Motion
+from mjfriction.robot.body_tables import Place
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Place
 
 
 def held_mass(robot: Robot, motion: Motion) -> Floats | None:

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-import numpy as np
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator
 
+from mjfriction.robot.body_tables import LinkInertia, Payload, Place, TakenUp
 from mjfriction.robot.friction_tables import Event, FrictionTerm, PressureFriction, Thermal, WarmUp
-from mjfriction.robot.table import Finite, NonNegative, Positive, Table, Wave
-
-Vector = tuple[Finite, Finite, Finite]
-ROUNDING = 1e-9  # of a link's moments, by which numbers written to a file may miss what is physical
+from mjfriction.robot.table import Finite, NonNegative, Positive, Table, Vector, Wave
 
 
 def _as_list(value: Any) -> Any:
@@ -221,59 +218,6 @@ class Joint(Table):
         """Check the friction laws against their declarations."""
         for term in self.friction or ():
             term.friction(self.actuator.gear_ratio, where=f"joint '{self.name}'")
-
-
-class Payload(Table):
-    """A mass held by the arm: kg, and its centre (m) in the frame of ``parent``, a link or the joint that moves it."""
-
-    mass: NonNegative
-    com: Vector = (0.0, 0.0, 0.0)
-    parent: str
-
-
-class Place(Table):
-    """Where a mass is held: ``com`` (m) in the frame of ``parent``, a link or the joint that moves it."""
-
-    com: Vector = (0.0, 0.0, 0.0)
-    parent: str
-
-
-class TakenUp(Place):
-    """A mass held for a while: kg beyond the payload, below none where that much of it is put down, from ``begin`` to
-    ``end`` on the log's clock (s), or to the log's end.
-    """
-
-    mass: Finite
-    begin: Finite
-    end: Finite | None = None
-
-    @field_validator("end")
-    @classmethod
-    def _later(cls, value: float | None, told: ValidationInfo) -> float | None:
-        begin = told.data.get("begin")
-        if value is not None and begin is not None and value <= begin:
-            raise ValueError(f"it begins at {begin:g} s; what is held ends after that, or has no end")
-        return value
-
-
-class LinkInertia(Table):
-    """The inertia of the link that a joint moves: ``mass`` (kg), its centre ``com`` (m, along the axes of the link's
-    frame from the joint on) and ``inertia`` about that, xx, yy, zz, xy, xz, yz (kg·m²).
-    """
-
-    mass: Positive
-    com: Vector
-    inertia: tuple[Finite, Finite, Finite, Finite, Finite, Finite]
-
-    @field_validator("inertia")
-    @classmethod
-    def _of_a_body(cls, value: tuple[float, ...]) -> tuple[float, ...]:
-        xx, yy, zz, xy, xz, yz = value
-        moments = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        least = float(np.linalg.eigvalsh(0.5 * np.trace(moments) * np.eye(3) - moments)[0])
-        if least < -ROUNDING * abs(float(np.trace(moments))):
-            raise ValueError("no body has these moments: no principal moment may be more than the sum of the others")
-        return value
 
 
 class RobotTable(Table):

@@ -6,8 +6,9 @@ from mjfriction.errors import RobotError
 from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
 from mjfriction.laws.friction import Friction, Level, friction
 from mjfriction.laws.position_dependent import POSITION_DEPENDENT
+from mjfriction.robot.body_tables import Payload, TakenUp
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Joint, Payload, TakenUp
+from mjfriction.robot.schema import Joint
 from mjfriction.robot.spring import coefficients
 from mjfriction.sim.spec import LinkMass, PointLoad, Spec, add_springs, read_spec
 
@@ -31,7 +32,7 @@ def robot_spec(robot: Robot, *, with_taken_up: bool = False) -> Spec:
     """Read the model file as a MuJoCo spec with the robot's gravity, payload, links, rotors and springs built in.
 
     Friction is not in it: :func:`mjfriction.attach` puts :func:`robot_laws` on.  ``with_taken_up`` adds a body without
-    mass, by the names of :func:`taken_up_bodies`, for all that the robot takes up.  Raises
+    mass, ``taken_up_0`` and so on, for each thing that the robot takes up.  Raises
     :class:`~mjfriction.errors.SimulationError` where MuJoCo cannot read the file.
     """
     table = robot.table

@@ -22,9 +22,10 @@ from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.refusal import _of_landings
 from mjfriction.identify.gap import Gap, gap_of, measure_gap
 from mjfriction.record.readers import read_log
+from mjfriction.robot.body_tables import LinkInertia, Payload
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import LinkInertia, Payload, Spring
+from mjfriction.robot.schema import Spring
 from mjfriction.robot.table import Wave
 from tests.hidden.machine import Machine, write_case
 

@@ -30,9 +30,9 @@ from mjfriction.diagnose.trial import try_out
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log
+from mjfriction.robot.body_tables import LinkInertia
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.predict import predict_log
-from mjfriction.robot.schema import LinkInertia
 from tests.hidden.machine import UR5, UR5_COULOMB, UR5_JOINTS, UR5_VISCOUS, Machine, mujoco_model, write_case
 
 ELBOW, WRIST = 2, 4

@@ -18,12 +18,13 @@ from mjfriction.plant.sensors import Recorder
 from mjfriction.record.log import Log
 from mjfriction.record.merge import merge_logs
 from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.body_tables import Payload
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.friction_tables import Event
 from mjfriction.robot.links_torque import is_held
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import EffortSensor, Payload
+from mjfriction.robot.schema import EffortSensor
 
 HOME = np.array([0.0, -1.2, 1.4, -0.4, 1.2, 0.0])
 CENTRE, FLANGE = (0.02, 0.01, 0.08), "wrist_3_joint"

@@ -13,9 +13,9 @@ from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder
 from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.body_tables import Payload
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Payload
 
 LINK = """<link name="{name}"><inertial><mass value="{mass}"/><origin xyz="0 0 {centre}"/>
 <inertia ixx="{inertia}" iyy="{inertia}" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial></link>"""

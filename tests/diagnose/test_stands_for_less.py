@@ -61,3 +61,16 @@ def test_what_holds_beside_it_is(beside: dict[str, Any]) -> None:
 def test_no_other_counts(other: Any, beside: dict[str, Any]) -> None:
     bristle = trial(Presliding(), 44.0)
     assert not compete._stands_for_less(MODEL, bristle, [other, bristle], CHANCES)
+
+
+def test_the_search_asks_it_of_all_that_pass_and_of_earlier_short_lists_too(
+    beside: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bristle, curve = trial(Presliding(), 44.0), trial(ViscousNonlinear(), 158.0, large=False)
+    lists = [[curve], [bristle]]  # one short list after the other
+    monkeypatch.setattr(compete, "SHORT_LIST", 1)
+    monkeypatch.setattr(compete, "ranked", lambda *_: [0, 1])
+    monkeypatch.setattr(compete, "all_tried", lambda _, which: lists[which[0]])
+    assert compete._passing(MODEL, (), CHANCES) == []
+    beside["again"] = trial(Presliding(), 40.0)
+    assert compete._passing(MODEL, (), CHANCES) == [bristle]

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from mjfriction.diagnose import untold
+from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.untold import shows
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import UR5_COULOMB, Instant, Machine, bristle, write_case
 
-ROWS = 4000
+ROWS, ELBOW = 4000, 2
 
 
 def gap() -> Any:
@@ -50,3 +56,20 @@ def test_beside_a_bristle_more_is_asked_for_on_its_own_joint() -> None:
     assert not shows(gap(), before, after, {}, bristle, {0: bristle})
     assert shows(gap(), before, after, {}, bristle, {1: bristle})
     assert shows(gap(), left(2.2, 1.0), after, {}, bristle, {0: bristle})
+
+
+def test_only_what_is_beside_a_bristle_is_held_against_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def bristle_and_offset(at: Instant) -> np.ndarray:
+        return UR5_COULOMB[ELBOW] * (bristle(at.q, 0.05) - np.sign(at.v)) + 2.0
+
+    asked: list[set[int]] = []
+
+    def noted(gap: Any, before: Any, after: Any, left: Any, bare: Any, built_up: Any) -> bool:
+        asked.append(set(built_up))
+        return shows(gap, before, after, left, bare, built_up)
+
+    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: bristle_and_offset}, noise=0.1), seed=4)
+    monkeypatch.setattr(untold, "shows", noted)
+    findings = diagnose_log(read_log(log), read_robot(robot)).findings
+    assert {finding.cause for finding in findings} == {"friction.presliding", "drive.offset"}
+    assert sorted(map(sorted, asked)) == [[], [ELBOW]]

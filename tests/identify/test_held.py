@@ -26,12 +26,12 @@ from mjfriction.plant.sensors import Recorder
 from mjfriction.record.log import Log
 from mjfriction.record.merge import merge_logs
 from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.body_tables import Payload, Place
 from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.links_torque import held_torque
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Payload, Place
 from tests.cli.here import mjfriction_here
 
 ELBOW, MASSES = "elbow_joint", (0.0, 4.0)

@@ -20,9 +20,9 @@ from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.identification import identify_log
 from mjfriction.identify.link_inertias import nearest_physical
 from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.body_tables import Payload
 from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Payload
 from tests.hidden.machine import UR5, UR5_COULOMB, UR5_JOINTS, Machine, record, robot_toml
 
 NOISE = 0.03  # of the Coulomb levels

@@ -11,10 +11,11 @@ import pytest
 from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.errors import RobotError, SimulationError
 from mjfriction.laws.ambient import ambient
+from mjfriction.robot.body_tables import LinkInertia, Payload
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.robot import Robot, bundled_robots
-from mjfriction.robot.schema import LinkInertia, Payload, Spring
+from mjfriction.robot.schema import Spring
 from mjfriction.robot.simulation import robot_laws, robot_spec
 from mjfriction.robot.table import Wave
 from mjfriction.sim.spec import add_springs

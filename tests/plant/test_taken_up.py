@@ -15,10 +15,10 @@ from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.body_tables import Payload, TakenUp
 from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Payload, TakenUp
 from tests.cli.here import mjfriction_here
 from tests.plant.bare import frictionless
 

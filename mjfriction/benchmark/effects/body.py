@@ -6,9 +6,10 @@ import numpy as np
 
 from mjfriction.benchmark.effects.effect import Effect, Place, on_joint, updated
 from mjfriction.body.regressor import tip_link
+from mjfriction.robot.body_tables import Payload
 from mjfriction.robot.links import scaled_link
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Payload, Spring
+from mjfriction.robot.schema import Spring
 
 
 def payload(rng: np.random.Generator, place: Place) -> Effect:

@@ -15,10 +15,10 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
+from mjfriction.robot.body_tables import Payload as PayloadTable
+from mjfriction.robot.body_tables import TakenUp
 from mjfriction.robot.links_torque import is_held
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Payload as PayloadTable
-from mjfriction.robot.schema import TakenUp
 
 FARTHEST = 1.0  # m; a payload's centre lies nearer to the flange
 MOSTLY = 0.5  # of what is stated, from which on it is held elsewhere, or with more, rather than put down

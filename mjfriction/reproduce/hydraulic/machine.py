@@ -15,10 +15,10 @@ from mjfriction.laws.law import Floats
 from mjfriction.plant.machine import Run, run_machine
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.record.log import SUPPLY_PRESSURE
+from mjfriction.robot.body_tables import Payload
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.friction import with_term
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Payload
 
 JOINT = "piston"
 HOSE = 8e-13  # m³/Pa of each hose: five metres of 10 mm, whose walls give as much as oil of 0.5 GPa

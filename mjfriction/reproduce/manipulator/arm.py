@@ -29,11 +29,11 @@ from mjfriction.record.log import CURRENT, Log
 from mjfriction.record.motion import Motion, estimate_motion
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.bandwidth import choose_cutoff
+from mjfriction.robot.body_tables import Payload
 from mjfriction.robot.effort import effort_per_reported
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.friction_tables import FrictionTerm, LevelTable
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Payload
 from mjfriction.robot.table import Wave
 
 ARMS = ("comau_ns12", "comau_nj60")
