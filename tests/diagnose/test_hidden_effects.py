@@ -286,7 +286,8 @@ def test_a_payload_is_weighed_and_placed(off: float, tmp_path: Path) -> None:
     assert payload.com == pytest.approx((0.0, 0.05, 0.03), abs=0.003)
 
 
-@pytest.mark.parametrize("by_temperature", [pytest.param(False, marks=pytest.mark.bench), True])
+@pytest.mark.bench
+@pytest.mark.parametrize("by_temperature", [False, True])
 def test_stated_levels_may_be_those_of_a_warm_joint(by_temperature: bool, tmp_path: Path) -> None:
     def cold(i: Instant) -> np.ndarray:
         return 0.4 * np.exp(-i.time / 25.0) * (UR5_COULOMB[2] * np.sign(i.v) + UR5_VISCOUS[2] * i.v)

@@ -64,6 +64,7 @@ def test_a_spring_over_a_short_stroke_may_be_an_offset(robots: tuple[Robot, Robo
     assert {finding.cause, *finding.alternatives} == {"drive.offset", "body.spring"}
 
 
+@pytest.mark.bench
 def test_an_offset_over_a_long_stroke_is_no_spring(robots: tuple[Robot, Robot]) -> None:
     stated, _ = robots
     sensor = stated.table.joint[WRIST].effort_sensor.model_copy(update={"offset": 1.78})
