@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 from mjfriction.control.observe import OBSERVERS
+from mjfriction.diagnose import free_run
 from mjfriction.diagnose.alike import AT_THE_BAR, MOST_CONFIDENT, ROOM
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.landed_play import FLOWN
@@ -111,6 +112,7 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert (KEPT, MOST_EXCHANGED, MOST_CAUSES, ENOUGH_PER_PERIOD) == (10, 8, 12, 4.0), "in words"
     assert f"for a while, by {100 * OFF:g} % at least" in told
     assert LOUDER == 4.0, "the page says four times"
+    assert free_run.SECONDS == 0.25, "the page says a quarter of a second"
     assert f"an uneven machine leaves at least {100 * UNEVEN / math.sqrt(2.0):.1f} % of its friction beyond its" in told
     assert f"either has to be {100 * LEAST_FRICTION:g} % of the joint's friction besides" in told
     drives = [f"({100 * off:g} % as a rule, {100 * FARTHEST * off:g} % at most)" for off in (ROTOR, CONSTANT)]

@@ -11,6 +11,8 @@ from mjfriction.diagnose.extend import adjustments, extend_robot
 from mjfriction.diagnose.field import make_field
 from mjfriction.diagnose.findings import make_findings
 from mjfriction.diagnose.free_links import compete_for_links
+from mjfriction.diagnose.free_run import FreeRun, run_freely
+from mjfriction.diagnose.model import Model
 from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.diagnose.seen_play import play_findings, see_play, unseen
@@ -19,6 +21,7 @@ from mjfriction.diagnose.stroke_curve import stroke_curves
 from mjfriction.diagnose.unevenness import as_uneven, with_unevenness
 from mjfriction.diagnose.untold import find_untold
 from mjfriction.diagnose.verdict import faults_in_words, reach_verdict, summarize, unexplained
+from mjfriction.errors import RobotError, SimulationError
 from mjfriction.identify.effort_bandwidth import find_bandwidths, with_bandwidths
 from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.joint_error import joint_error
@@ -28,7 +31,7 @@ from mjfriction.record.log import Log
 from mjfriction.robot.robot import Robot
 
 HIGHEST = 60.0  # Hz, of the position filter; what arms do above it is mostly their own bending, and no cause's
-PROVING = 0.85  # of the work, that is done before the proof
+PROVING, DRIVING = 0.85, 0.95  # of the work, that is done before the proof, and before that in motion
 
 
 def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently) -> Diagnosis:
@@ -59,6 +62,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     joints = tuple(joint_error(gap, joint, left, heldout, seed, stated=seen.stated) for joint in gap.examined)
     extended = extend_robot(model)
     bandwidths = {} if faults else find_bandwidths(seen.whole, extended)
+    driven, not_run = _driven(model, robot, seed, tell) if not faults else (None, None)
     verdict = Verdict.BAD_DATA if faults else reach_verdict(findings, remaining)
     return Diagnosis(
         gap=gap,
@@ -77,4 +81,14 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
         next_experiment=told.experiment,
         residual_after=left,
         heldout=heldout,
+        free_run=driven,
+        not_run=not_run,
     )
+
+
+def _driven(model: Model, stated: Robot, seed: int, tell: Tell) -> tuple[FreeRun | None, str | None]:
+    tell("driving both robots freely", DRIVING)
+    try:
+        return run_freely(model, stated, seed), None
+    except (RobotError, SimulationError) as error:
+        return None, str(error)  # what MuJoCo cannot hold is diagnosed all the same

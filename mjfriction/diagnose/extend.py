@@ -33,13 +33,16 @@ class Adjustment:
     half_width: float
 
 
-def extend_robot(model: Model) -> Robot:
+def extend_robot(model: Model, strengths: Floats | None = None) -> Robot:
     """Build a fitted model into the robot: levels, drives, links, then the causes in the order they were found.
+
+    ``strengths`` are those fitted on everything if not given.
 
     The fit adds everything at the sensor's output.  Where a joint's sensor gets a new scale 1 + ε, what lies before it
     is divided by that, so that the robot file says the same as the fit.
     """
-    robot, nuisance, strengths = model.gap.robot, model.nuisance, model.built
+    robot, nuisance = model.gap.robot, model.nuisance
+    strengths = model.built if strengths is None else strengths
     sensor = np.ones(len(robot.joints))
     for choice, place in zip(model.chosen, model.places, strict=True):
         if choice.cause.name == TorqueConstant.name:
@@ -55,7 +58,7 @@ def extend_robot(model: Model) -> Robot:
     for drive, change in drives:
         before = sensor[drive.site.joint] if drive.cause.before_sensor else 1.0
         robot = drive.cause.extend(robot, drive.site, np.array([drive.stated * change / before]))
-    for link, (scale, *shift) in zip(nuisance.links, model.link_changes.tolist(), strict=True):
+    for link, (scale, *shift) in zip(nuisance.links, nuisance.link_changes(strengths).tolist(), strict=True):
         robot = shifted_link(scaled_link(robot, link.name, 1.0 + scale), link.name, shift)
     if nuisance.inertias is not None:
         robot = nuisance.inertias.applied(robot, strengths[nuisance.of_inertias])

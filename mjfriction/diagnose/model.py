@@ -8,9 +8,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mjfriction.diagnose.causes.cause import Cause, Site
-from mjfriction.diagnose.nuisance import PER_LINK, Nuisance
+from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.link_inertias import nearest_physical
 from mjfriction.identify.regression import UNSEEN, Columns, Normal, Rows, System
@@ -77,23 +78,23 @@ class Model:
     @property
     def link_changes(self) -> Floats:
         """How far each refitted link is from what is stated: its scale, relative, and its centre, m, (links, 4)."""
-        return self.strengths[self.nuisance.of_links].reshape(-1, PER_LINK)
+        return self.nuisance.link_changes(self.strengths)
 
     @functools.cached_property
     def built(self) -> Floats:
         """The strengths as they can be built into the robot: where links were let go, the nearest of those that bodies
         can have, and what is fitted beside these.
         """
-        inertias, place, normal, fitted = (
-            self.nuisance.inertias,
-            self.nuisance.of_inertias,
-            self.system.normal,
-            self.strengths,
-        )
+        return self.built_from(np.ones(self.gap.blocks.count, dtype=bool))
+
+    def built_from(self, training: NDArray[np.bool_]) -> Floats:
+        """Return the strengths fitted on the blocks marked in ``training`` (blocks,), as :attr:`built` are on all."""
+        inertias, place, normal = self.nuisance.inertias, self.nuisance.of_inertias, self.system.normal
+        fitted = normal.strengths(training)
         if inertias is None or inertias.physical(fitted[place]):
             return fitted
-        gram = normal.gram.sum(axis=(0, 1)) + np.diag(normal.precision)
-        return nearest_physical(gram, normal.moment.sum(axis=(0, 1)), place, inertias.stated)
+        gram = normal.gram[:, training].sum(axis=(0, 1)) + np.diag(normal.precision)
+        return nearest_physical(gram, normal.moment[:, training].sum(axis=(0, 1)), place, inertias.stated)
 
     @property
     def places(self) -> list[slice]:

@@ -160,6 +160,10 @@ class Nuisance:
         first = self.of_drives.stop
         return slice(first, first + PER_LINK * len(self.links))
 
+    def link_changes(self, strengths: Floats) -> Floats:
+        """Return how far each refitted link is from what is stated: its scale, relative, and centre, m, (links, 4)."""
+        return strengths[self.of_links].reshape(-1, PER_LINK)
+
     @property
     def of_inertias(self) -> slice:
         """Where the strengths of links that were let go stand, ten for each."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from mjfriction.diagnose.causes.cause import Picture
 from mjfriction.diagnose.extend import Adjustment
+from mjfriction.diagnose.free_run import FreeRun
 from mjfriction.diagnose.separate import Experiment
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.gap import Gap
@@ -53,7 +54,8 @@ class Diagnosis:
     leaves, fitted to everything and fitted elsewhere; ``remaining`` names structure no cause explains;
     ``next_experiment`` would tell an ambiguous finding from its likeliest alternative; ``faults`` are
     those of the log itself, found before any physics is blamed: with any, nothing is fitted.  ``bandwidths`` (Hz, by
-    joint) are those of drives that were found to low-pass their efforts; ``robot`` states them too.
+    joint) are those of drives that were found to low-pass their efforts; ``robot`` states them too.  ``free_run`` is
+    the proof in motion, None where there is none: ``not_run`` says why.
     """
 
     gap: Gap
@@ -72,6 +74,8 @@ class Diagnosis:
     next_experiment: Experiment | None
     residual_after: Floats
     heldout: Floats
+    free_run: FreeRun | None
+    not_run: str | None
 
     def __repr__(self) -> str:
         """The verdict and the sentence."""

@@ -6,16 +6,17 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from mjfriction.errors import RobotError
 from mjfriction.identify.gap import Gap
-from mjfriction.record.log import HELD_MASS, Floats, Integers
-from mjfriction.robot.links_torque import held_mass
+from mjfriction.record.log import Floats, Integers
+from mjfriction.record.motion import Motion
+from mjfriction.robot.model_drive import drive_model
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.simulation import not_in_model, robot_laws, robot_spec
+from mjfriction.robot.simulation import robot_laws, robot_spec
 from mjfriction.sim.attach import attach
 from mjfriction.sim.replay import replay
 
@@ -25,15 +26,31 @@ SHORTEST = 0.05  # s
 ENOUGH = 60  # stretches; short logs give as many by overlapping, for where a swing is cut says much of where it ends
 MOST_OVERLAP = 0.75
 LOST = 1e3  # rad or m
-IN_MODEL_TOO = frozenset(
-    {"effort_sensor", "position_sensor"}
-)  # keys whose scale, offset and delay the log is cleared of
+BEFORE = 0.4  # s of motion on both sides of a stretch, that what is known along it is worked out on
+UNMOVED = 1e6  # kg·m² or kg: so heavy, a joint that is held goes on as it began
+
+
+@dataclass(frozen=True)
+class Cuts:
+    """Where stretches of a motion lie: the samples they begin at (k,), each of ``length`` samples and one more, within
+    one piece.
+    """
+
+    begins: Integers
+    length: int
+
+    def some(self, own: Integers) -> Cuts:
+        """Return those of given numbers."""
+        return Cuts(self.begins[own], self.length)
 
 
 @dataclass(frozen=True)
 class Stretches:
     """Stretches of a log on the models' clock: where they begin (k, joints), the efforts reported (k, steps, joints),
     and the positions ``measured`` (k, m, joints) at the steps ``compared`` (m,).
+
+    The efforts are those that drives which neither filter nor are late would report, less what a robot states beside
+    its MuJoCo model; joints that are ``held`` go on as they began.
     """
 
     position: Floats
@@ -42,6 +59,7 @@ class Stretches:
     measured: Floats
     compared: Integers
     step: float
+    held: tuple[str, ...]
 
     @property
     def seconds(self) -> float:
@@ -62,72 +80,76 @@ def simulated_error(gap: Gap, robot: Robot, seconds: float) -> tuple[Floats, flo
 def cut_stretches(gap: Gap, robot: Robot, seconds: float) -> Stretches:
     """Cut a gap's log into stretches of so many seconds, or of its longest piece where ``seconds`` is infinite.
 
-    Stretches of a short log overlap; pieces shorter than one are left out.  ``robot`` says what its sensors add.
+    Stretches of a short log overlap; pieces shorter than one are left out.  ``robot`` says what its sensors add, and
+    what acts beside its MuJoCo model.
 
-    Raises :class:`RobotError` where a joint has no effort, the robot holds parts that its MuJoCo model does not, or
-    ``seconds`` is no time to compare.
+    Raises :class:`RobotError` where a joint that moves has no effort, or ``seconds`` is no time to compare.
     """
     if not seconds >= SHORTEST:
         raise RobotError(f"{seconds} s are no stretch to simulate; give {SHORTEST} s or more, or inf for the whole log")
     motion = gap.motion
-    if held_mass(robot, motion) is not None:
-        raise RobotError(
-            f"{gap.log.source}: its '{HELD_MASS}' is not in the MuJoCo model, so that simulated motion cannot be "
-            "compared; take logs of one mass by themselves, and state it as the robot's payload"
-        )
-    if robot.table.taken_up:
-        raise RobotError(
-            f"robot '{robot.name}': what it takes up is not in the MuJoCo model, so that simulated motion cannot be "
-            "compared; take a log of one mass, and state it as the robot's payload"
-        )
-    lacking = [joint for i, joint in enumerate(robot.joints) if i not in gap.examined]
-    if lacking:
-        raise RobotError(f"simulated motion needs the efforts of all joints, and {', '.join(lacking)} has none")
-    for joint in robot.table.joint:
-        beyond = [key for key in not_in_model(joint) if key not in IN_MODEL_TOO]
-        if beyond:
-            raise RobotError(
-                f"joint '{joint.name}': its {', '.join(beyond)} is not in the MuJoCo model, so that simulated motion "
-                "cannot be compared; do without it"
-            )
-    fine = max(1, int(np.ceil(1.0 / (motion.rate * LONGEST_STEP) - 1e-9)))
-    step = 1.0 / (motion.rate * fine)
-    zero = np.array([joint.position_sensor.offset for joint in robot.table.joint])
     bounds = np.flatnonzero(np.diff(motion.piece)) + 1
     pieces = list(itertools.pairwise([0, *bounds.tolist(), motion.time.size]))
     longest = max(past - first for first, past in pieces)
     length = round(min(seconds * motion.rate, longest - 1))
     whole = sum((past - first) // length for first, past in pieces)
     apart = max(1, round(length * float(np.clip(whole / ENOUGH, 1.0 - MOST_OVERLAP, 1.0))))
-    cuts = [(first, s, past) for first, past in pieces for s in range(first, past - length + 1, apart)]
-    starts = [s for _, s, _ in cuts]
-    compared = np.arange(0, length * fine, max(1, round(COMPARED_EVERY / step)))[1:]
-    clock = np.arange(length * fine) / fine
-    # An effort is held over its step, so that the middle's is taken; a drive that reports late is read ahead.
-    delay = np.array([joint.effort_sensor.delay for joint in robot.table.joint])
-    middle, late = clock + 0.5 / fine, delay * motion.rate
+    begins = [begin for first, past in pieces for begin in range(first, past - length, apart)]
+    return stretches_at(gap, robot, Cuts(np.array(begins), length))
 
-    def on_steps(values: Floats, at: Floats, ahead: Floats) -> Floats:
-        shifted = list(zip(range(ahead.size), ahead, strict=True))
-        # What a late drive reports of a stretch's end comes after it, as far as the piece goes.
-        return np.stack(
-            [
-                np.column_stack(
-                    [np.interp(s + at + shift, np.arange(first, past), values[first:past, k]) for k, shift in shifted]
-                )
-                for first, s, past in cuts
-            ]
-        )
 
-    position = motion.position - zero
+def stretches_at(gap: Gap, robot: Robot, cuts: Cuts) -> Stretches:
+    """Return the stretches of a gap's log that lie at ``cuts``, as a robot says that its MuJoCo model is driven there.
+
+    Raises :class:`RobotError` where a joint that moves has no effort.
+    """
+    lacking = [
+        joint
+        for i, joint in enumerate(robot.joints)
+        if i not in gap.examined and gap.motion.moving[i] and gap.motion.quantity[i] is None
+    ]
+    if lacking:
+        raise RobotError(f"simulated motion needs the efforts of all joints, and {', '.join(lacking)} has none")
+    held = [i for i in range(len(robot.joints)) if i not in gap.examined]
+    motion, begins = _around(gap.motion, cuts)
+    fine = max(1, int(np.ceil(1.0 / (motion.rate * LONGEST_STEP) - 1e-9)))
+    step = 1.0 / (motion.rate * fine)
+    compared = np.arange(0, cuts.length * fine, max(1, round(COMPARED_EVERY / step)))[1:]
+    clock = np.arange(cuts.length * fine) / fine
+    driven = drive_model(robot, motion)
+    torque = driven.torque.copy()
+    torque[:, held] = 0.0
     return Stretches(
-        position=position[starts],
-        velocity=motion.velocity[starts],
-        reported=on_steps(motion.torque * gap.per_reported, middle, late),
-        measured=on_steps(position, clock, np.zeros(delay.size))[:, compared],
+        position=driven.position[begins],
+        velocity=driven.velocity[begins],
+        # An effort is held over its step, so that the middle's is taken.
+        reported=_on_steps(torque, begins, clock + 0.5 / fine) * _scale(robot) + _offset(robot),
+        measured=_on_steps(driven.position, begins, clock[compared]),
         compared=compared,
         step=step,
+        held=tuple(robot.joints[i] for i in held),
     )
+
+
+def _around(motion: Motion, cuts: Cuts) -> tuple[Motion, Integers]:
+    # The motion of the stretches and a little around them, and where in it they begin.
+    margin = int(np.ceil(BEFORE * motion.rate))
+    wanted = np.zeros(motion.time.size, dtype=bool)
+    for begin in cuts.begins.tolist():
+        wanted[max(begin - margin, 0) : begin + cuts.length + 1 + margin] = True
+    kept = np.flatnonzero(wanted)
+    apart = (np.diff(kept) > 1) | (np.diff(motion.piece[kept]) != 0)
+    part = replace(motion.part(kept), piece=np.append(0, np.cumsum(apart)))
+    return part, np.searchsorted(kept, cuts.begins)
+
+
+def _on_steps(values: Floats, begins: Integers, at: Floats) -> Floats:
+    # Values (n, joints) at moments (m,), in samples since stretches begin, (k, m, joints).
+    whole = np.minimum(at.astype(np.int64), int(np.max(at)))
+    share = (at - whole)[:, None]
+    first = begins[:, None] + whole
+    after = np.minimum(first + 1, values.shape[0] - 1)
+    return np.asarray((1.0 - share) * values[first] + share * values[after])
 
 
 def missed(gap: Gap, robots: Sequence[Robot], stretches: Stretches) -> Floats:
@@ -139,6 +161,8 @@ def missed(gap: Gap, robots: Sequence[Robot], stretches: Stretches) -> Floats:
     for robot in robots:
         spec = robot_spec(robot)
         spec.option.timestep = stretches.step
+        for name in stretches.held:
+            spec.joint(name).armature = UNMOVED
         models.append(attach(spec, robot_laws(robot)))
         efforts.append((stretches.reported - _offset(robot)) / _scale(robot))
     went = replay(models, gap.robot.joints, stretches.position, stretches.velocity, np.array(efforts))

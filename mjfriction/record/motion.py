@@ -126,8 +126,8 @@ class Motion:
         # How far and how fast each joint goes.
         return np.ptp(self.position, axis=0), np.quantile(np.abs(self.velocity), USUALLY, axis=0)
 
-    def part(self, samples: slice) -> Motion:
-        """Return the motion of a stretch of samples; its clock and grids stay those of the whole."""
+    def part(self, samples: slice | Integers) -> Motion:
+        """Return the motion of some samples; its clock and grids stay those of the whole."""
         sampled = ("time", "piece", "position", "velocity", "acceleration", "torque", "settled")
         columns = {name: values[samples] for name, values in self.columns.items()}
         return replace(self, columns=columns, **{name: getattr(self, name)[samples] for name in sampled})

@@ -14,6 +14,7 @@ from mjfriction.identify.structure import COVARIATES
 from mjfriction.report.compared import Compared
 from mjfriction.report.figures import error_bars, figure_html, time_course
 from mjfriction.report.finding_figure import finding_figure
+from mjfriction.report.free_run_figure import free_run_figure
 from mjfriction.report.law_figure import friction_against_speed
 from mjfriction.report.result import Report
 
@@ -29,7 +30,20 @@ def report_html(diagnosis: Diagnosis, report: Report) -> str:
     found = list(dict.fromkeys(finding.shown_at for finding in diagnosis.findings))
     words = {"badge": report.verdict, "after": "extended", "verb": "diagnose"}
     more: dict[str, object] = {**words, "findings": findings, "followed": _followed(report), "covariates": COVARIATES}
+    more["driven"] = _driven(diagnosis, _joints_to_show(diagnosis, found))
     return _page("report.html.j2", diagnosis, report, found, more)
+
+
+def _driven(diagnosis: Diagnosis, joints: Sequence[str]) -> list[tuple[str, Markup]]:
+    run, gap = diagnosis.free_run, diagnosis.gap
+    if run is None:
+        return []
+    places = [gap.robot.joints.index(joint) for joint in joints]
+    figures = [free_run_figure(run, place, sliding=gap.body.sliding[place]) for place in places if place in run.gains]
+    return [
+        (joint, Markup(figure_html(figure, f"driven-{k}")))
+        for k, (joint, figure) in enumerate(zip(joints, figures, strict=True))
+    ]
 
 
 def _followed(report: Report) -> list[tuple[str, list[tuple[float, float]]]]:

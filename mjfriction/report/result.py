@@ -84,6 +84,27 @@ class DataProblem(Entry):
     action: str
 
 
+class DriftEntry(Entry):
+    """How far a joint ends up from where the machine was, RMS over all free runs, and what the extended robot gains."""
+
+    joint: str
+    unit: str
+    rms_before: Number
+    rms_after: Number
+    reduction: Number
+    ci95: Interval
+
+
+class SimulationEntry(Entry):
+    """The stated and the extended robot in MuJoCo, driven freely by the log's efforts, so many ``runs`` of so many
+    ``seconds`` on motion that the extended robot was not fitted to.
+    """
+
+    seconds: Number
+    runs: int
+    joints: list[DriftEntry]
+
+
 class AdjustmentEntry(Entry):
     """A stated value that the extended robot holds moved, without that being a finding."""
 
@@ -156,7 +177,9 @@ class LawEntry(Entry):
 
 
 class Report(Entry):
-    """The whole report; ``effort_bandwidth`` (Hz, by joint) are those of drives found to low-pass their efforts."""
+    """The whole report; ``effort_bandwidth`` (Hz, by joint) are those of drives found to low-pass their efforts;
+    ``not_simulated`` says why there is no ``simulation``.
+    """
 
     schema_: Literal["mjfriction.report/1"] = Field(default=SCHEMA, alias="schema")
     verdict: Literal["explained", "consistent", "ambiguous", "unexplained", "bad_data"]
@@ -172,9 +195,26 @@ class Report(Entry):
     identified: list[LawEntry] = []
     background: list[ParameterEntry] = []
     effort_bandwidth: dict[str, Number] = {}
+    simulation: SimulationEntry | None = None
+    not_simulated: str | None = None
     made_by: dict[str, str] = {}
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+    @property
+    def driven(self) -> str:
+        """What came of driving both robots freely, in words: at the joint where most was found."""
+        run = self.simulation
+        if run is None or not run.joints:
+            return f"Not driven in MuJoCo: {self.not_simulated}." if self.not_simulated else ""
+        found = [entry.joint for entry in self.findings if entry.joint]
+        most = max(run.joints, key=lambda drift: (drift.joint in found[:1], drift.rms_before - drift.rms_after))
+        unit = f"m{most.unit}"
+        return (
+            f"Driven freely in MuJoCo by the log's efforts, {run.seconds:.2g} s at a time on motion not fitted, "
+            f"{most.joint} ends up {1e3 * most.rms_before:.3g} {unit} off as stated and {1e3 * most.rms_after:.3g} "
+            f"{unit} extended (RMS of {run.runs} runs)."
+        )
 
     @property
     def low_passed(self) -> str:
@@ -212,6 +252,8 @@ def make_report(diagnosis: Diagnosis) -> Report:
         structure=_structure(diagnosis.structure_before, diagnosis.structure_after),
         not_examined=list(diagnosis.not_examined),
         effort_bandwidth=dict(diagnosis.bandwidths),
+        simulation=_simulation(diagnosis),
+        not_simulated=diagnosis.not_run,
         made_by=made_by(),
     )
 
@@ -251,6 +293,24 @@ def parameter_entry(fitted: Fitted) -> ParameterEntry:
         meaning=fitted.meaning,
         note=fitted.note,
     )
+
+
+def _simulation(diagnosis: Diagnosis) -> SimulationEntry | None:
+    run, gap = diagnosis.free_run, diagnosis.gap
+    if run is None:
+        return None
+    drifts = [
+        DriftEntry(
+            joint=gap.robot.joints[joint],
+            unit="m" if gap.body.sliding[joint] else "rad",
+            rms_before=gain.before,
+            rms_after=gain.after,
+            reduction=gain.reduction,
+            ci95=(gain.low, gain.high),
+        )
+        for joint, gain in run.gains.items()
+    ]
+    return SimulationEntry(seconds=run.seconds, runs=run.stated.shape[0], joints=drifts)
 
 
 def _structure(before: tuple[Structure, ...], after: tuple[Structure, ...]) -> list[StructureEntry]:

@@ -32,6 +32,8 @@ def print_report(report: Report, console: Console) -> None:
         band = f", below {report.band_hz:.3g} Hz" if report.band_hz else ""
         console.print(Text(f"RMS error on motion not fitted{band}", style="italic"))
         console.print(_joint_table(report))
+        if report.driven:
+            console.print(f"\n{report.driven}")
     for finding in report.findings:
         console.print()
         _print_finding(finding, console)

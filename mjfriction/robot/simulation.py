@@ -69,6 +69,19 @@ def not_in_model(joint: Joint) -> list[str]:
     return ripple + [key for key in BESIDE if getattr(joint, key) != getattr(plain, key)]
 
 
+def in_model(robot: Robot) -> Robot:
+    """Return the robot without what neither its spec nor its laws hold."""
+    joints = tuple(_in_model(joint) for joint in robot.table.joint)
+    return Robot(robot.table.model_copy(update={"joint": joints, "held": None, "taken_up": ()}), robot.folder)
+
+
+def _in_model(joint: Joint) -> Joint:
+    plain = Joint(name=joint.name)
+    beside = {key: getattr(plain, key) for key in BESIDE}
+    actuator = joint.actuator.model_copy(update={"ripple": plain.actuator.ripple})
+    return joint.model_copy(update={**beside, "actuator": actuator})
+
+
 def robot_laws(robot: Robot) -> dict[str, list[Friction]]:
     """Return the friction laws that each joint states, as :func:`mjfriction.attach` takes them.
 

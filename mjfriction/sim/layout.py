@@ -144,21 +144,18 @@ def _memory(address: int, limit: int) -> bytes:
 
 def _place(structs: list[bytes], values: list[bytes], name: str) -> int:
     """Return the one aligned offset at which every struct holds its value."""
-    size = len(values[0])
-    places: set[int] | None = None
-    for struct, value in zip(structs, values, strict=True):
-        found, at = set(), struct.find(value)
-        while at >= 0:
-            if at % size == 0:
-                found.add(at)
-            at = struct.find(value, at + 1)
-        places = found if places is None else places & found
-    if not places:
+    kind = np.dtype(f"u{len(values[0])}")
+    held = [
+        np.frombuffer(struct, kind) == np.frombuffer(value, kind) for struct, value in zip(structs, values, strict=True)
+    ]
+    shortest = min(own.size for own in held)
+    places = np.flatnonzero(np.all([own[:shortest] for own in held], axis=0))
+    if not places.size:
         raise SimulationError(
             f"MuJoCo {mujoco.__version__}: field {name} is not where the bindings say; this layout is not understood. "
             "Use a MuJoCo 4 release that mjfriction was tested with"
         )
-    return min(places)
+    return int(places[0]) * kind.itemsize
 
 
 @functools.cache

@@ -19,7 +19,6 @@ from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.identification import identify_log
 from mjfriction.identify.outcome import Identification
 from mjfriction.identify.protocol import plan_passes
-from mjfriction.identify.stretches import cut_stretches
 from mjfriction.identify.structure import Structure
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.sensors import Recorder
@@ -113,12 +112,6 @@ def test_what_was_held_is_no_less_than_nothing() -> None:
 def test_a_place_that_there_is_not_is_named() -> None:
     with pytest.raises(RobotError, match="held: parent 'hand' is no link"):
         measure_gap(logs()[1], stated(Place(parent="hand")))
-
-
-def test_simulated_motion_of_a_mass_that_is_not_in_the_model_is_refused() -> None:
-    gap = measure_gap(logs()[1], stated())
-    with pytest.raises(RobotError, match="'held_mass' is not in the MuJoCo model"):
-        cut_stretches(gap, gap.robot, 0.5)
 
 
 @pytest.mark.parametrize(

@@ -89,11 +89,19 @@ def test_stretches_of_no_length_are_refused(seconds: float, tmp_path: Path) -> N
         identify_log(recorded(tmp_path), robot_with(tmp_path, 1.0, 1.0), law="coulomb", simulated=seconds)
 
 
-def test_what_the_model_does_not_hold_is_refused(tmp_path: Path) -> None:
-    log = recorded(tmp_path)
-    stated = robot_with(tmp_path, 1.0, 1.0, "cogging = [ { wavenumber = 8.0, cosine = 0.1, sine = 0.0 } ]\n")
-    with pytest.raises(RobotError, match="cogging is not in the MuJoCo model"):
-        identify_log(log, stated, law="coulomb_viscous", simulated=1.0)
+def test_what_the_model_does_not_hold_is_played_along(tmp_path: Path) -> None:
+    cogged = "cogging = [ { wavenumber = 8.0, cosine = 0.6, sine = 0.0 } ]\n"
+    real = robot_with(tmp_path, COULOMB, VISCOUS, cogged)
+    motion = excitation(("hinge",), np.zeros(1), np.ones(1), np.full(1, 3.0), 12.0, seed=4)
+    log = log_from_table(pa.table(simulate(real, motion, recorder=Recorder(250.0), seed=1)), "cogged")
+    found = identify_log(log, robot_with(tmp_path, 1.0, 1.0, cogged), law="coulomb_viscous", simulated=1.0)
+    for fitted, truth in zip(found.laws[0].parameters, (COULOMB, VISCOUS), strict=True):
+        assert fitted.value == pytest.approx(truth, rel=5e-3)
+    assert found.simulated is not None
+    assert found.simulated.after[0] < 3e-4
+    without = identify_log(log, robot_with(tmp_path, 1.0, 1.0), law="coulomb_viscous", simulated=1.0)
+    assert without.simulated is not None
+    assert without.simulated.after[0] > 10.0 * found.simulated.after[0]
 
 
 def test_a_late_effort_is_played_when_it_acted(tmp_path: Path) -> None:

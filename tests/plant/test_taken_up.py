@@ -8,8 +8,6 @@ import pytest
 
 from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.errors import RobotError, SimulationError
-from mjfriction.identify.gap import measure_gap
-from mjfriction.identify.stretches import cut_stretches
 from mjfriction.plant.machine import run_machine, simulate
 from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder
@@ -122,7 +120,3 @@ def test_what_plain_models_cannot_hold_is_said(tmp_path) -> None:
     assert done.returncode == 0, done.stderr
     assert "not in the model: taken_up of the robot" in done.stdout
     assert "taken_up_0" not in (tmp_path / "plain.xml").read_text()
-    log = log_from_table(pa.table(simulate(TAKES, motion(TAKES), recorder=Recorder(250.0))), "log")
-    gap = measure_gap(log, TAKES)
-    with pytest.raises(RobotError, match="what it takes up is not in the MuJoCo model"):
-        cut_stretches(gap, TAKES, 0.5)

@@ -107,7 +107,7 @@ def seen(page: Path, *, dark: bool, width: int) -> dict:
 
 JOINTS = range(6)
 FIGURES = {
-    "diagnosed": ["errors", "finding-0", "course-0"],
+    "diagnosed": ["errors", "finding-0", "course-0", "driven-0"],
     "identified": ["errors", *(f"law-{k}" for k in JOINTS), "course-0"],
     "compared": ["errors", *(f"course-{k}" for k in JOINTS)],
     "reproduced": ["table-0"],

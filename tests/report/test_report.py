@@ -65,7 +65,7 @@ def test_the_page_holds_all_it_shows(diagnosis: Diagnosis) -> None:
     assert not re.search(r"(src|href)=\"(?!data:)", without_script)
     assert "friction.asymmetry" in without_script
     figures = list(re.findall(r'<div id="([a-z0-9-]+)" class="plotly-graph-div"', page))
-    assert figures == ["errors", "finding-0", "course-0"]
+    assert figures == ["errors", "finding-0", "course-0", "driven-0"]
     for joint in diagnosis.joints:
         assert joint.joint in without_script
 
@@ -80,6 +80,20 @@ def test_every_joints_reduction_has_an_interval_that_tells_gain_from_none(diagno
         shown = f"({100 * low:.0f} … {100 * high:.0f})"
         (row,) = re.findall(rf"<tr><td>{error.joint}</td>[^\n]*\n<td>[^\n]* \({error.signal}\)</td></tr>", page)
         assert (shown in row) is (error.rms_heldout_after != error.rms_heldout_before)
+
+
+def test_the_page_tells_where_both_robots_go_when_driven_freely(diagnosis: Diagnosis) -> None:
+    report = make_report(diagnosis)
+    assert report.simulation is not None
+    page = report_html(diagnosis, report).split('id="driven"')[1]
+    for drift in report.simulation.joints:
+        assert drift.ci95[0] <= drift.reduction <= drift.ci95[1]
+        figures = "".join(f"<td>{1e3 * value:.4g}</td>" for value in (drift.rms_before, drift.rms_after))
+        assert f"<tr><td>{drift.joint}</td>{figures}" in page
+    most = max(report.simulation.joints, key=lambda drift: drift.reduction)
+    assert most.joint == "elbow_joint", "what is hidden is hidden there"
+    assert "elbow_joint ends up" in report.driven
+    assert report.driven.replace("'", "&#39;") in page
 
 
 def test_the_page_tells_what_the_error_follows_before_any_cause_is_assumed(diagnosis: Diagnosis) -> None:

@@ -1,0 +1,77 @@
+"""The proof in motion: the log's efforts drive the stated and the extended robot freely in MuJoCo, for a moment at a
+time, from where the machine was.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mjfriction.diagnose.extend import extend_robot
+from mjfriction.diagnose.model import Model
+from mjfriction.errors import RobotError
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.proof import Gain, measure_gain
+from mjfriction.identify.stretches import Cuts, missed, stretches_at
+from mjfriction.record.log import Floats, Integers
+from mjfriction.robot.robot import Robot
+
+SECONDS = 0.25  # of each run: nothing holds the joints on their course, and in a second any arm falls off it
+
+
+@dataclass(frozen=True)
+class FreeRun:
+    """How far the joints end up from where the machine was, in runs of so many ``seconds``, one in a block of motion.
+
+    ``time`` (m,) since each begins; ``stated`` and ``extended`` (runs, m, joints), rad or m, the extended robot fitted
+    to other blocks each time; ``gains``, by the index of each examined joint, the RMS of both.
+    """
+
+    seconds: float
+    time: Floats
+    stated: Floats
+    extended: Floats
+    gains: dict[int, Gain]
+
+
+def run_freely(model: Model, stated: Robot, seed: int) -> FreeRun:
+    """Drive the ``stated`` robot and the one extended by a model freely along the model's log.
+
+    ``seed`` sets the resampling behind the intervals.  Raises :class:`RobotError` where a joint
+    that moves has no effort, no block is long enough, or the robot states what MuJoCo cannot hold.
+    """
+    gap = model.gap
+    cuts, block = _one_in_each_block(gap)
+    fixed = stretches_at(gap, stated, cuts)
+    off = missed(gap, [stated], fixed)[0]
+    better = np.empty_like(off)
+    for fold in gap.blocks.folds:
+        own = np.flatnonzero(fold[block])
+        if own.size:
+            robot = extend_robot(model, model.built_from(~fold))
+            better[own] = missed(gap, [robot], stretches_at(gap, robot, cuts.some(own)))[0]
+    each = np.repeat(block, off.shape[1])
+    gains = {i: measure_gain(off[..., i].ravel(), better[..., i].ravel(), each, seed) for i in gap.examined}
+    return FreeRun(fixed.seconds, np.asarray(fixed.compared * fixed.step), off, better, gains)
+
+
+def _one_in_each_block(gap: Gap) -> tuple[Cuts, Integers]:
+    # In the middle of its longest stretch that no gap cuts and no filter's end touches.
+    motion, blocks = gap.motion, gap.blocks
+    length = round(SECONDS * motion.rate)
+    begins, kept = [], []
+    for block in range(blocks.count):
+        rows = gap.chain.time[blocks.row == block]
+        if not rows.size:
+            continue
+        first, last = np.searchsorted(motion.time, rows[[0, -1]]).tolist()
+        samples = first + np.flatnonzero(motion.settled[first:last])
+        apart = np.flatnonzero((np.diff(samples) > 1) | (np.diff(motion.piece[samples]) != 0)) + 1
+        longest = max(np.split(samples, apart), key=len)
+        if longest.size > length:
+            begins.append(int(longest[(longest.size - length) // 2]))
+            kept.append(block)
+    if not begins:
+        raise RobotError(f"{gap.log.source}: nowhere is there {SECONDS} s of motion between its gaps")
+    return Cuts(np.array(begins), length), np.array(kept)

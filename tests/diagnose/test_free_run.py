@@ -1,0 +1,85 @@
+"""The proof in motion: driven by the log's efforts, the extended robot goes where the machine went."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from numpy.typing import NDArray
+
+from mjfriction.benchmark.cases import Case, Setting, draw_of, make_case
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.free_run import SECONDS
+from mjfriction.diagnose.model import Model
+from mjfriction.diagnose.outcome import Verdict
+from mjfriction.identify.gap import gap_of
+from mjfriction.identify.stretches import simulated_error
+from mjfriction.record.log import Floats, Log
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.report.result import make_report
+
+SETTING = Setting(seconds=30.0, rate=250.0)
+
+
+def log_of(case: Case) -> Log:
+    return log_from_table(pa.table(case.log), "case")
+
+
+@pytest.mark.parametrize("cause", ["friction.load", "drive.cogging", "body.spring", "body.payload"])
+def test_the_extended_robot_goes_where_the_hidden_machine_does(cause: str) -> None:
+    # Of a cause in MuJoCo's model, or beside it: in a friction law, along the stroke, a spring, a load.
+    case = make_case(7, SETTING, (draw_of(cause),), 6.0)
+    diagnosis = diagnose_log(log_of(case), case.stated)
+    assert [(one.cause, one.joint) for one in diagnosis.findings] == [(cause, case.hidden[0].joint)]
+    run, gap = diagnosis.free_run, diagnosis.gap
+    assert run is not None
+    joint = gap.robot.joints.index(diagnosis.findings[0].shown_at)
+    own, _ = simulated_error(gap_of(case.machine, gap), case.machine, SECONDS)
+    gain = run.gains[joint]
+    assert gain.low > 0.0
+    assert gain.after < 1.3 * own[joint]
+    assert gain.before > 1.5 * own[joint]
+    # Nothing moves joints that have nothing hidden, beyond what this one does to them.
+    for other, quiet in run.gains.items():
+        assert quiet.after < 1.3 * own[other], other
+
+
+def test_where_nothing_is_hidden_nothing_is_gained() -> None:
+    case = make_case(7, SETTING, (), 1.0)
+    diagnosis = diagnose_log(log_of(case), case.stated)
+    assert diagnosis.verdict is Verdict.CONSISTENT
+    assert diagnosis.free_run is not None
+    for gain in diagnosis.free_run.gains.values():
+        assert abs(gain.reduction) < 0.05
+
+
+def test_no_run_is_on_motion_that_its_robot_was_fitted_to(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = make_case(7, SETTING, (draw_of("friction.load"),), 6.0)
+    seen: list[NDArray[np.bool_]] = []
+    whole = Model.built_from
+
+    def spied(model: Model, training: NDArray[np.bool_]) -> Floats:
+        seen.append(training)
+        return whole(model, training)
+
+    monkeypatch.setattr(Model, "built_from", spied)
+    diagnosis = diagnose_log(log_of(case), case.stated)
+    left_out = [training for training in seen if not np.all(training)]
+    # Every block is left out once, and what is left out is a part of its own.
+    np.testing.assert_array_equal(np.sum(~np.array(left_out), axis=0), 1)
+    assert diagnosis.free_run is not None
+    assert diagnosis.free_run.stated.shape[0] <= diagnosis.gap.blocks.count
+
+
+def test_an_arm_that_cannot_be_driven_is_diagnosed_all_the_same() -> None:
+    case = make_case(7, SETTING, (draw_of("friction.load"),), 6.0)
+    log, lost = log_of(case), next(name for name in case.stated.joints if name != case.hidden[0].joint)
+    unheard = replace(log, columns={name: own for name, own in log.columns.items() if name != f"effort.{lost}"})
+    diagnosis = diagnose_log(unheard, case.stated)
+    assert [one.cause for one in diagnosis.findings] == ["friction.load"]
+    report = make_report(diagnosis)
+    assert report.simulation is None
+    assert report.driven == f"Not driven in MuJoCo: {report.not_simulated}."
+    assert f"the efforts of all joints, and {lost} has none" in report.driven
