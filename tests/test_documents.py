@@ -111,8 +111,7 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert f"at a level of {100 * FALSE_ALARM:g} % that is shared out" in told
     assert (KEPT, MOST_EXCHANGED, MOST_CAUSES, ENOUGH_PER_PERIOD) == (10, 8, 12, 4.0), "in words"
     assert f"for a while, by {100 * OFF:g} % at least" in told
-    assert LOUDER == 4.0, "the page says four times"
-    assert free_run.SECONDS == 0.25, "the page says a quarter of a second"
+    assert (LOUDER, free_run.SECONDS) == (4.0, 0.25), "the page says four times, a quarter of a second"
     assert f"an uneven machine leaves at least {100 * UNEVEN / math.sqrt(2.0):.1f} % of its friction beyond its" in told
     assert f"either has to be {100 * LEAST_FRICTION:g} % of the joint's friction besides" in told
     drives = [f"({100 * off:g} % as a rule, {100 * FARTHEST * off:g} % at most)" for off in (ROTOR, CONSTANT)]
