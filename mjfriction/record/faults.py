@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 FEWEST_REPEATED = 8  # rows, different ones, alike in every column, that no chance repeats in a row
@@ -24,7 +25,7 @@ LEAST_WILD = 1e-9  # in any unit: less is the rounding of a simulation
 SHORTEST_STUCK = 20  # samples
 STUCK_SPEED = 0.4  # of the usual speed, just before or after a standstill, that no joint stops from at once
 NEAR = 6  # samples beside a standstill, that tell how fast a joint was
-FLICKER = 1.5  # counts of an encoder, that it must have gone there
+KNOWN_BY = 3.5  # counts of an encoder, that a joint must have gone there for its speed to be known
 NO_RUN_UP = 0.7  # of the speed further away, that a joint has right beside a standstill if it did not slow down for it
 ALL_BUT_JUMPS, JUMP = 0.999, 5.0  # quantile of a channel's steps, and how many of it no joint makes at once
 LONGER = 4.0  # times the longest ordinary run of equal samples, for a run to be no rest of the encoder
@@ -50,7 +51,7 @@ class Fault:
     span: tuple[float, float] | None = None
 
 
-def written_again(time: Floats, segment: NDArray[np.int64], columns: Mapping[str, Floats]) -> Mask:
+def written_again(time: Floats, segment: Integers, columns: Mapping[str, Floats]) -> Mask:
     """Return which rows are an earlier row once more, its time and all, (n,)."""
     if np.all(np.diff(time) > 0.0):
         return np.zeros(time.size, dtype=bool)
@@ -85,11 +86,14 @@ def repeated_rows(columns: Mapping[str, Floats]) -> Mask:
     return out
 
 
-def held_rows(columns: Mapping[str, Floats]) -> Mask:
+def held_rows(columns: Mapping[str, Floats], piece: Integers | None = None) -> Mask:
     """Return which rows are the row before once more, in every column and many in a row, while the machine moves on:
     what a recorder writes that has stalled, time left aside, (n,).
+
+    ``piece`` (n,) numbers what was recorded without a break.
     """
-    again = np.append(False, np.logical_and.reduce([values[1:] == values[:-1] for values in columns.values()]))
+    joined = np.diff(_pieces(piece, len(next(iter(columns.values()))))) == 0
+    again = np.append(False, np.logical_and.reduce([joined, *(own[1:] == own[:-1] for own in columns.values())]))
     out = np.zeros(again.size, dtype=bool)
     held = [(a, b) for a, b in _runs(again.astype(np.int64)) if again[a] and b - a >= FEWEST_REPEATED - 1]
     if not held:
@@ -97,7 +101,7 @@ def held_rows(columns: Mapping[str, Floats]) -> Mask:
     elsewhere = np.zeros(again.size + 1, dtype=bool)
     for values in columns.values():
         if np.ptp(values) > 0.0:
-            elsewhere[1:-1] |= np.abs(np.diff(values)) > _jump(values)
+            elsewhere[1:-1] |= joined & (np.abs(np.diff(values)) > _jump(values, piece))
     for start, stop in held:
         # A machine that rests stays where it was; one that moved on is elsewhere at once.
         out[start:stop] = elsewhere[stop]
@@ -129,30 +133,45 @@ def _there_and_back(values: Floats, start: int, stop: int) -> bool:
     return bool(abs(after - before) < COMES_BACK * height)
 
 
-def stuck(values: Floats, speed: Floats) -> Mask:
+def stuck(values: Floats, speed: Floats, piece: Integers | None = None) -> Mask:
     """Return where a channel stands still at once in the middle of motion, (n,).
 
     ``speed`` (n,) is how fast the joint moves by another account (its own neighbours' samples, or its velocity column).
-    A rest has a run-down before and a run-up after; a stuck channel has not, and jumps to where the joint has gone.
+    A rest has a run-down before or a run-up after; a stuck channel has not, and jumps to where the joint has gone.
+    ``piece`` (n,) numbers what was recorded without a break: the next one begins where the joint is by then.
     """
     out = np.zeros(values.size, dtype=bool)
-    runs = [(a, b) for a, b in _runs(values) if b - a > 1]
+    piece = _pieces(piece, values.size)
+    begin, end = np.searchsorted(piece, piece), np.searchsorted(piece, piece, side="right")
+    runs = [(a, b) for a, b in _runs(values, piece) if b - a > 1]
     if not runs or np.ptp(values) == 0.0:
         return out
     usual = float(np.sqrt(np.mean(np.square(speed))))
-    jump, count = _jump(values), _count(values)
+    jump, count = _jump(values, piece), _count(values)
     lengths = np.sort([b - a for a, b in runs])
     ordinary = float(lengths[int(0.9 * (lengths.size - 1))]) if lengths.size > 10 else 2.0
+    open_ended, sticks = [], False
     for a, b in runs:
         if b - a < max(SHORTEST_STUCK, LONGER * ordinary):
             continue
-        jumps = b < values.size and abs(values[b] - values[b - 1]) > jump
-        # A coarse encoder flickers between two of its counts while its joint rests.
-        came = abs(values[max(a - NEAR, 0)] - values[a]) > FLICKER * count
-        went = abs(values[min(b - 1 + NEAR, values.size - 1)] - values[b - 1]) > FLICKER * count
-        before, after = np.abs(speed[max(a - NEAR, 0) : a]), np.abs(speed[b - 1 : b - 1 + NEAR])
-        if jumps or (came and _at_once(before[::-1], usual)) or (went and _at_once(after, usual)):
+        first, past = max(a - NEAR, int(begin[a])), min(b - 1 + NEAR, int(end[a]))
+        jumps = b < end[a] and abs(values[b] - values[b - 1]) > jump
+        # A coarse encoder flickers while its joint rests, and of one that creeps it tells the pace by single counts.
+        came = abs(values[first] - values[a]) > KNOWN_BY * count
+        went = abs(values[min(past, int(end[a]) - 1)] - values[b - 1]) > KNOWN_BY * count
+        before, after = np.abs(speed[first:a]), np.abs(speed[b - 1 : past])
+        from_motion = came and _at_once(before[::-1], usual)
+        into_motion = went and _at_once(after, usual)
+        if jumps or (from_motion and into_motion):
             out[a:b] = True
+        elif from_motion or into_motion:
+            # A joint that sticks stops at once too, and begins where it was; beyond a piece's end nothing is known.
+            if a == begin[a] or b == end[a]:
+                open_ended.append((a, b))
+            else:
+                sticks = True
+    for a, b in [] if sticks else open_ended:
+        out[a:b] = True
     return out
 
 
@@ -162,9 +181,14 @@ def _count(values: Floats) -> float:
     return float(np.min(steps[steps > 0.0]))
 
 
-def _jump(values: Floats) -> float:
+def _jump(values: Floats, piece: Integers | None = None) -> float:
     # A step that nothing makes that is recorded without a break.
-    return max(JUMP * float(np.quantile(np.abs(np.diff(values)), ALL_BUT_JUMPS)), QUANTA * _count(values))
+    steps = np.abs(np.diff(values))[np.diff(_pieces(piece, values.size)) == 0]
+    return max(JUMP * float(np.quantile(steps, ALL_BUT_JUMPS)), QUANTA * _count(values))
+
+
+def _pieces(piece: Integers | None, count: int) -> Integers:
+    return np.zeros(count, dtype=np.int64) if piece is None else piece
 
 
 def _at_once(speed: Floats, usual: float) -> bool:
@@ -218,8 +242,8 @@ def _breaks_off(values: Floats, start: int, stop: int, by: float) -> bool:
     return stop - start >= SHORTEST_STUCK and stop < values.size and bool(abs(values[stop] - values[start]) > by)
 
 
-def _runs(values: NDArray[np.generic]) -> list[tuple[int, int]]:
-    cuts = np.flatnonzero(values[1:] != values[:-1]) + 1
+def _runs(values: NDArray[np.generic], piece: Integers | None = None) -> list[tuple[int, int]]:
+    cuts = np.flatnonzero((values[1:] != values[:-1]) | (np.diff(_pieces(piece, values.size)) != 0)) + 1
     return list(itertools.pairwise([0, *cuts.tolist(), values.size]))
 
 

@@ -21,8 +21,9 @@ from mjfriction.record.faults import (
     stuck,
     written_again,
 )
-from mjfriction.record.log import CURRENT, EFFORT, POSITION, VELOCITY, Floats, Log
+from mjfriction.record.log import CURRENT, EFFORT, POSITION, VELOCITY, Floats, Integers, Log
 from mjfriction.record.motion import HELD
+from mjfriction.record.resample import GAP_STEPS
 from mjfriction.record.ticks import TICKS, tick_of
 
 SLOWEST_CLOCK = 1.0  # s, steps from which on no clock counts seconds: one in milliseconds makes them 1 kHz at most
@@ -52,7 +53,7 @@ def without_repeats(log: Log) -> Log:
     machine moves on, and with that said.
     """
     once = _without_repeated(log, written_again(log.time, log.segment, log.columns))
-    return _without_repeated(once, repeated_rows(once.columns) | held_rows(once.columns))
+    return _without_repeated(once, repeated_rows(once.columns) | held_rows(once.columns, _pieces(once)))
 
 
 def _without_repeated(log: Log, repeated: Mask) -> Log:
@@ -70,6 +71,7 @@ def repaired(log: Log) -> Log:
     faults = list(log.faults)
     unusable = dict(log.unusable)
     dropped = np.zeros(log.time.size, dtype=bool)
+    piece = _pieces(log)
     travel = {joint: _travel(columns[f"{POSITION}.{joint}"]) for joint in log.joints}
     for joint in log.joints:
         for quantity in (POSITION, VELOCITY, EFFORT, CURRENT):
@@ -78,7 +80,7 @@ def repaired(log: Log) -> Log:
                 columns[name], found = _bridged(log, name, columns[name])
                 faults += found
         speed = _speed(log, columns, joint)
-        still = stuck(columns[f"{POSITION}.{joint}"], speed)
+        still = stuck(columns[f"{POSITION}.{joint}"], speed, piece)
         # What gives of a joint that is held goes by single counts.
         if np.any(still) and travel[joint] > HELD * max(travel.values()):
             faults.append(_left_out(log, "data.stuck", f"{POSITION}.{joint}", still, "those rows were left out"))
@@ -103,6 +105,13 @@ def repaired(log: Log) -> Log:
                     faults.append(_left_out(log, kind, name, mask, action))
     changed = replace(log, columns=columns, faults=tuple(faults), unusable=unusable)
     return _without(changed, dropped) if np.any(dropped) else changed
+
+
+def _pieces(log: Log) -> Integers:
+    # What was recorded without a break: its segments, and between their gaps.
+    step = np.diff(log.time)
+    apart = (np.diff(log.segment) != 0) | (np.abs(step) > GAP_STEPS * float(np.median(step)))
+    return np.append(0, np.cumsum(apart))
 
 
 def _travel(position: Floats) -> float:

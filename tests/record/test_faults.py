@@ -273,3 +273,40 @@ def test_a_held_joint_that_gives_by_a_few_counts_is_no_stuck_sensor() -> None:
     log = log_from_table(pa.table(columns), "log")
     assert log.faults == ()
     assert log.time.size == time.size
+
+
+def rests_and_begins_elsewhere() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    # Two motions recorded one after the other: the first comes to rest, the second begins where the joint is by then.
+    time = np.arange(4000) / RATE
+    course = np.where(time < 2.0, np.sin(np.pi * np.minimum(time, 1.5) / 3.0), 0.4 + 0.3 * np.sin(2.0 * (time - 2.0)))
+    return time, course, (time >= 2.0).astype(np.int64)
+
+
+def test_where_one_motion_ends_and_another_begins_nothing_is_stuck() -> None:
+    time, course, segment = rests_and_begins_elsewhere()
+    speed = np.where(np.diff(segment, append=1) == 0, np.gradient(course, time), 0.0)
+    assert not np.any(stuck(course, speed, segment))
+    # The same in one motion is a reading that stuck, and then is elsewhere at once.
+    assert np.any(stuck(course, speed))
+    rows = {"position.a": course, "effort.a": np.where(course == 1.0, 2.0, 3.0 * course)}
+    assert not np.any(held_rows(rows, segment))
+    assert np.any(held_rows(rows))
+
+
+@pytest.mark.parametrize("pause", [0.0, 3.0])
+def test_motions_a_segment_or_a_gap_apart_are_told_of_no_stuck_reading(pause: float) -> None:
+    time, course, segment = rests_and_begins_elsewhere()
+    noise = 1e-2 * np.random.default_rng(2).standard_normal((2, time.size))
+    columns = {"time": time + pause * segment, POSITION: course, EFFORT: 3.0 * course + noise[0]}
+    if not pause:
+        columns["segment"] = segment
+    assert read(columns).faults == ()
+
+
+def test_a_joint_that_sticks_stops_at_once_and_is_not_stuck() -> None:
+    # Every pass ends in friction, within a sample, and begins as its drive winds up; the encoder is coarse.
+    count, time = 4e-4, np.arange(20000) / RATE
+    phase = time % 2.0
+    pace = 0.15 * np.clip(2.0 * phase, 0.0, 1.0) * (phase < 1.5) * np.where(time % 4.0 < 2.0, 1.0, -1.0)
+    course = np.round(np.cumsum(pace) / RATE / count) * count
+    assert not np.any(stuck(course, np.diff(course, append=course[-1]) * RATE))
