@@ -89,11 +89,11 @@ def find_misread(gap: Gap) -> list[Fault]:
     for i, joint in enumerate(examined):
         name = gap.robot.joints[joint]
         column = f"{gap.motion.quantity[joint]}.{name}"
-        own = likeness[i, i]
-        factor = float(np.sqrt(np.mean(np.square(measured[:, i])) / max(np.mean(np.square(predicted[:, i])), 1e-300)))
+        # At rest friction may be anything; of pick and place that is most of a log.
+        own, factor = _likeness(*(rows[gap.clear[:, joint], i] for rows in (measured, predicted)))
         for j in range(i):
             crossed = min(likeness[i, j], likeness[j, i])
-            if crossed > ALIKE and max(own, likeness[j, j]) < UNLIKE:
+            if crossed > ALIKE and max(likeness[i, i], likeness[j, j]) < UNLIKE:
                 faults.append(_of_efforts_or_positions(gap, column, joint, examined[j]))
         if own < -ALIKE and 1.0 / MOST_OFF < factor < MOST_OFF:
             faults.append(_of_efforts_or_positions(gap, column, joint, None))
@@ -101,6 +101,13 @@ def find_misread(gap: Gap) -> list[Fault]:
             action = f"it reads {factor:.3g} times what the robot needs; convert it to N·m or N at the joint, or A"
             faults.append(Fault("data.unit", column, action))
     return faults
+
+
+def _likeness(measured: Floats, predicted: Floats) -> tuple[float, float]:
+    # How alike two courses (rows,) are about their means, and how many times the second the first is.
+    a, b = (values - np.mean(values) for values in (measured, predicted))
+    size = float(np.sqrt((a @ a) * (b @ b)))
+    return (float(a @ b) / size if size > 0.0 else 0.0), float(np.sqrt((a @ a) / max(float(b @ b), 1e-300)))
 
 
 _Reading = tuple[Sequence[Floats], Floats, Fault]

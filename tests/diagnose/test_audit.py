@@ -7,8 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 import pytest
 
+from mjfriction.benchmark.cases import Setting, make_case
 from mjfriction.diagnose import audit
 from mjfriction.diagnose.audit import find_degrees, find_faults
 from mjfriction.diagnose.diagnosis import diagnose_log
@@ -18,6 +20,7 @@ from mjfriction.errors import LogError
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log
+from mjfriction.record.readers.table import log_from_table
 from mjfriction.report.result import data_problems
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Machine, write_case
@@ -57,6 +60,18 @@ def test_effort_of_wrong_sign_unit_or_joint(
     assert (kind, where) in {(fault.kind, fault.where) for fault in diagnosis.faults}
     assert diagnosis.findings == ()
     assert diagnosis.robot.table == diagnosis.gap.robot.table
+
+
+@pytest.mark.parametrize(("factor", "kind"), [(1000.0, "data.unit"), (-1.0, "data.sign")])
+def test_arms_that_mostly_rest_are_judged_where_they_move(factor: float, kind: str) -> None:
+    # Between its moves friction holds the wrist, and its efforts look like none that are predicted: half of them do.
+    placing = make_case(2, Setting(robot="comau_ns12", seconds=20.0, rate=250.0, motion="pick_and_place"), (), 1.0)
+    assert find_faults(measure_gap(log_from_table(pa.table(placing.log), "placing"), placing.stated)) == []
+    for joint in placing.stated.joints[-2:]:
+        column = f"effort.{joint}"
+        log = log_from_table(pa.table({**placing.log, column: factor * placing.log[column]}), "placing")
+        (fault,) = find_faults(measure_gap(log, placing.stated))
+        assert (fault.kind, fault.where) == (kind, column)
 
 
 def test_a_log_at_fault_is_not_fitted_however_it_hums(case: tuple[Path, Path]) -> None:
