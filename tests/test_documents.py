@@ -12,6 +12,7 @@ from mjfriction.control.observe import OBSERVERS
 from mjfriction.diagnose import free_run
 from mjfriction.diagnose.alike import AT_THE_BAR, MOST_CONFIDENT, ROOM
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
+from mjfriction.diagnose.causes.coupling import RATIOS
 from mjfriction.diagnose.causes.landed_play import FLOWN
 from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOVED, LEAST_NOTED
 from mjfriction.diagnose.causes.load import LEAST_ROTOR
@@ -150,6 +151,11 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert (MOST_CONFIDENT, AT_THE_BAR, TOLD_BY) == (0.9, 0.5, 2), "the page says 0.9, half, all but one"
     assert MUCH_COLOURED == 0.3, "the page says three tenths"
     assert (Cogging.times, PositionFriction.times) == (3, 2), "the page says three waves of cogging and two of friction"
+
+
+def test_how_it_decides_tells_what_ratios_a_shared_drive_may_have() -> None:
+    told = " ".join(text("docs/how_it_decides.md").split())
+    assert "({:g} to {:g}) beside which both joints' levels are as stated".format(*RATIOS) in told
 
 
 def test_the_pages_tell_which_joints_and_traces_are_left_out() -> None:

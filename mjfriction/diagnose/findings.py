@@ -80,7 +80,7 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
             unsure += [(stands.confidence, choice, *instead)] if instead is not None else []
         finding = Finding(
             cause=choice.cause.name,
-            joint=None if choice.cause.whole_arm else model.gap.robot.joints[joint],
+            joint=None if choice.cause.whole_arm else model.gap.robot.joints[choice.cause.told_at(choice.site)],
             confidence=stands.confidence,
             alternatives=stands.alternatives,
             parameters=tuple(_fitted(model.gap, choice, own, width)),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 
 import numpy as np
 from scipy.optimize import minimize
@@ -12,9 +12,14 @@ from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.trial import try_out
 from mjfriction.record.log import Floats
 
+Bounds = Sequence[tuple[float, float]]
 
-def best_shape(model: Model, choice: Chosen) -> Chosen:
-    """Return a cause that is not in a model with the shape in which it takes most off what the model leaves."""
+
+def best_shape(model: Model, choice: Chosen, bounds: Bounds | None = None) -> Chosen:
+    """Return a cause that is not in a model with the shape in which it takes most off what the model leaves.
+
+    ``bounds`` are those of the cause if not given.
+    """
 
     def lost(site: Site) -> float:
         columns = choice.cause.columns(model.gap, site)
@@ -24,7 +29,7 @@ def best_shape(model: Model, choice: Chosen) -> Chosen:
     around = choice.cause.around_sites(model.gap, choice.site)
     if around:
         return Chosen(choice.cause, min([choice.site, *around], key=lost))
-    bounds = choice.cause.shape_bounds(model.gap, choice.site)
+    bounds = choice.cause.shape_bounds(model.gap, choice.site) if bounds is None else bounds
     if not bounds:
         return choice
 

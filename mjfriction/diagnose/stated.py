@@ -22,6 +22,7 @@ from mjfriction.diagnose.exact import (
     usually_off,
 )
 from mjfriction.diagnose.field import Field, chances_in, in_place_of_levels
+from mjfriction.diagnose.levels_kept import with_levels_as_stated
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, without_contained
 from mjfriction.diagnose.nuisance import Level
 from mjfriction.diagnose.one_factor import beside_factors, scaled_levels
@@ -69,6 +70,7 @@ def settle(model: Model, asked: Field) -> Settled:
     Refitted links are held where one cause does as well and all else is stated exactly.
     """
     field_size = len(model.nuisance.levels)
+    model = with_levels_as_stated(model)
     change = level_changes(model)
     model, alike = beside_factors(model, change)
     findings: list[Chosen] = []
@@ -96,6 +98,7 @@ def settle(model: Model, asked: Field) -> Settled:
             elif _own(model, level, change):
                 findings.append(trial.chosen)
             alike |= {joint: scaled.spread} if scaled is not None else {}
+    model = with_levels_as_stated(model)
     if model.nuisance.drives and not _helps(model, model.nuisance.of_drives):
         model = model.without_drives()
     model = held_links(model, asked, change) if _links_help(model) else model.without_links()

@@ -13,6 +13,7 @@ from mjfriction.laws.ambient import LOAD
 from mjfriction.laws.friction import Friction
 from mjfriction.laws.law import Floats
 from mjfriction.sim import block as at
+from mjfriction.sim.spec import compiled
 
 Laws = Mapping[str, Friction | Sequence[Friction]]
 ONE_DOF = frozenset({int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)})
@@ -35,7 +36,8 @@ def attach(spec: mujoco.MjSpec, laws: Laws, *, keep_native: bool = False) -> muj
     :func:`~mjfriction.sim.callback.friction_active`.
 
     Raises :class:`SimulationError` for a joint that is not there or is a ball or free joint, an empty mapping, a model
-    that already carries friction, or the integrator RK4, whose stages have no bristle states between them.
+    that already carries friction or cannot be compiled, or the integrator RK4, whose stages have no bristle states
+    between them.
     """
     spec = spec.copy()
     if not laws:
@@ -47,7 +49,7 @@ def attach(spec: mujoco.MjSpec, laws: Laws, *, keep_native: bool = False) -> muj
             )
     if any(numeric.name == at.NUMERIC_NAME for numeric in spec.numerics):
         raise SimulationError("the model already carries friction; attach to the model it was made from")
-    plain = spec.compile()
+    plain = compiled(spec)
     refuse_integrator(plain)
     for name in laws:
         dof_of(plain, name)
@@ -61,7 +63,7 @@ def attach(spec: mujoco.MjSpec, laws: Laws, *, keep_native: bool = False) -> muj
     spec.add_numeric(name=at.NUMERIC_NAME, data=block, size=block.size)
     touched, rubbing, states = (int(block[i]) for i in (at.H_TOUCHED, at.H_RUBBING, at.H_STATES))
     spec.nuserdata = max(own, 0) + at.room_needed(touched, rubbing, states)
-    return spec.compile()
+    return compiled(spec)
 
 
 def rewrite(model: mujoco.MjModel, laws: Laws) -> None:

@@ -16,6 +16,7 @@ from mjfriction.sim.attach import Laws, attach, rewrite
 from mjfriction.sim.callback import friction_active
 from mjfriction.sim.messages import messages_dropped
 from mjfriction.sim.reading import BROKEN, read_friction
+from mjfriction.sim.spec import compiled
 from mjfriction.sim.transmission import DeadZone, behind_stops, give_places
 
 SETTLING = 0.5  # s
@@ -85,7 +86,7 @@ def play(
     """
     spec.option.timestep = step
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    model = attach(spec, laws) if laws else spec.compile()
+    model = attach(spec, laws) if laws else compiled(spec)
     data = mujoco.MjData(model)
     places = np.array([model.jnt_qposadr[model.joint(name).id] for name in joints])
     dofs = np.array([model.jnt_dofadr[model.joint(name).id] for name in joints])

@@ -15,6 +15,7 @@ from mjfriction.errors import SimulationError, suggestion
 from mjfriction.laws.law import Floats
 
 Spec = mujoco.MjSpec
+NO_MASS = 1e-12  # kg and kg·m²
 REAL = 1e-9  # of a root's size, that its imaginary part may be
 
 
@@ -87,7 +88,19 @@ def read_spec(
         _scale_link(spec.joint(name), scale, path)
     for name, inertia in (rotor_inertia or {}).items():
         spec.joint(name).armature += inertia
+    if all(joint.armature > 0.0 for joint in spec.joints):
+        # Behind a rotor a link may weigh nothing; MuJoCo wants to see something.
+        spec.compiler.boundmass = max(spec.compiler.boundmass, NO_MASS)
+        spec.compiler.boundinertia = max(spec.compiler.boundinertia, NO_MASS)
     return spec
+
+
+def compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
+    """Return a spec as a model; raises :class:`SimulationError` with what MuJoCo has against it."""
+    try:
+        return spec.compile()
+    except ValueError as error:
+        raise SimulationError(f"MuJoCo cannot compile the model: {' '.join(str(error).split())}") from None
 
 
 def _link(spec: mujoco.MjSpec, name: str, path: Path, load: str) -> mujoco.MjsBody:

@@ -25,7 +25,7 @@ def gap(tmp_path_factory: pytest.TempPathFactory) -> Gap:
 
 
 def test_a_shared_drive_does_not_push_its_joints(gap: Gap) -> None:
-    site = Site(LIFT, other=ELBOW)
+    site = Site(LIFT, (1.0,), other=ELBOW)
     for drive in (SumDrive(), DifferenceDrive()):
         assert drive.admissible(gap, site, np.array([2.0, 0.5]))
         assert not drive.admissible(gap, site, np.array([-2.0, 0.5]))
@@ -35,7 +35,7 @@ def test_a_shared_drive_does_not_push_its_joints(gap: Gap) -> None:
 
 
 def test_of_a_shared_drive_that_is_stated_there_may_be_less(gap: Gap) -> None:
-    site = Site(LIFT, other=ELBOW)
+    site = Site(LIFT, (1.0,), other=ELBOW)
     shared = SumDrive().extend(gap.robot, site, np.array([2.0, 0.5]))
     assert SumDrive().admissible(replace(gap, robot=shared), site, np.array([-1.5, -0.4]))
     assert not SumDrive().admissible(replace(gap, robot=shared), site, np.array([-2.5, -0.6]))

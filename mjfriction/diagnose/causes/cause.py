@@ -99,6 +99,10 @@ class Cause(ABC):
         """Return whether fitted strengths are physical; by default all are."""
         return True
 
+    def told_at(self, site: Site) -> int:
+        """Return the joint that the cause is told of: by default its own."""
+        return site.joint
+
     def taken_level(self, strengths: Floats) -> float:
         """Return how much of the joint's Coulomb level the cause moves into a law of its own: by default none."""
         return 0.0
@@ -123,6 +127,12 @@ class Cause(ABC):
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
         """Return the range each shape parameter is searched in."""
+        return []
+
+    def bounds_beside_stated_levels(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
+        """Return the range of shape parameters that are searched only where friction levels are held as stated: free
+        ones make up for any shape.  By default there are none.
+        """
         return []
 
     def own_shape(self, gap: Gap, site: Site) -> bool:

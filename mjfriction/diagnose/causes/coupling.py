@@ -21,15 +21,17 @@ VISCOUS = Parameter("viscous", "{force}·s/{length}", "damping that the other jo
 CARRIED = Parameter("inertia", "{force}·s²/{length}", "inertia that the other joint's acceleration brings")
 INERTIA = Parameter("inertia", "{force}·s²/{length}", "inertia of the rotor that both joints turn", lower=0.0)
 EFFORT = Parameter("effort", "1", "share of the other joint's effort")
+RATIOS = (0.25, 4.0)  # by which a drive that is shared turns with one joint, once with the other
+RATIO = Parameter("ratio", "1", "how far the drive turns with the joint named first", RATIOS[0], RATIOS[1])
+NEARLY = 0.02  # of a ratio of 1, within which the drive turns with both as far
 MOST_SHARED = 0.9  # of another joint's effort
 SPEEDS = (0.1, 0.9)  # quantiles of a shared drive's speed, at which its friction is held to stand against its motion
 
 
 class _Coupling(JointCause):
-    """Something of another joint; ``ratio`` is nothing here, or how the common drive turns with it."""
+    """Something of another joint."""
 
     name = "drive.coupling"
-    ratio: ClassVar[float] = 0.0
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every examined joint with every other that moves."""
@@ -120,13 +122,32 @@ class SharedEffort(_Coupling):
 
 
 class _SharedDrive(_Coupling):
-    """C·sgn u + V·u of a drive that turns with u = vₖ + ratio·v, felt by both joints."""
+    """C·sgn u + V·u of a drive that turns with u = vₖ + ratio·v, felt by both joints.
+
+    What each feels of its own motion is taken for its own damping as well, so that velocities show the ratio only as
+    far as the stated dampings are right.
+    """
+
+    way: ClassVar[float]  # the ratio's sign
+    shape_parameters = (RATIO,)
+
+    def ratio(self, site: Site) -> float:
+        """Return how far the drive turns with the site's own joint, once with the other."""
+        return self.way * site.shape[0]
+
+    def bounds_beside_stated_levels(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
+        """A drive that hardly turns with one of the two is the other's alone."""
+        return [RATIOS]
+
+    def told_at(self, site: Site) -> int:
+        """The joint that the drive turns with most."""
+        return site.joint if site.other is None or site.shape[0] > 1.0 - NEARLY else site.other
 
     def sites(self, gap: Gap) -> list[Site]:
         """Neighbouring moving joints of one kind whose efforts were both measured: metres and radians make no sum."""
         slides = gap.body.sliding
         return [
-            site
+            site.shaped((1.0,))
             for site in super().sites(gap)
             if site.other == site.joint + 1 and site.other in gap.examined and slides[site.other] == slides[site.joint]
         ]
@@ -134,9 +155,10 @@ class _SharedDrive(_Coupling):
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """What a drive takes, stated and found, stands against its own motion, slow and fast."""
         motion, other = gap.motion, self.source(gap, site)
-        turn = motion.velocity[:, other] + self.ratio * motion.velocity[:, site.joint]
+        ratio = self.ratio(site)
+        turn = motion.velocity[:, other] + ratio * motion.velocity[:, site.joint]
         name, joint = gap.robot.joints[site.joint], gap.robot.table.joint[other]
-        stated = [own for own in joint.common_drive if own.joint == name and own.ratio == self.ratio]
+        stated = [own for own in joint.common_drive if own.joint == name and own.ratio == ratio]
         coulomb = strengths[0] + sum(own.coulomb for own in stated)
         viscous = strengths[1] + sum(own.viscous for own in stated)
         return all(coulomb + viscous * speed >= 0.0 for speed in np.quantile(np.abs(turn), SPEEDS))
@@ -145,14 +167,14 @@ class _SharedDrive(_Coupling):
         """Return the drive's effort for a unit of each strength, as far as it is new to one of the two joints,
         (n, strengths).
         """
-        motion, other = gap.motion, self.source(gap, site)
-        turn = motion.velocity[:, other] + self.ratio * motion.velocity[:, site.joint]
-        sure = np.hypot(motion.sure_speed[:, other], self.ratio * motion.sure_speed[:, site.joint])
+        motion, other, ratio = gap.motion, self.source(gap, site), self.ratio(site)
+        turn = motion.velocity[:, other] + ratio * motion.velocity[:, site.joint]
+        sure = np.hypot(motion.sure_speed[:, other], ratio * motion.sure_speed[:, site.joint])
         return np.column_stack([2.0 * direction(turn, sure)[0] - 1.0, turn])
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """What the drive takes, as the site's joint feels it, (n, strengths)."""
-        return self.ratio * self.at_drive(gap, site, site.joint)
+        return self.ratio(site) * self.at_drive(gap, site, site.joint)
 
     def columns(self, gap: Gap, site: Site) -> Columns:
         """What the drive takes at both joints."""
@@ -175,16 +197,22 @@ class _SharedDrive(_Coupling):
         """Return the robot with the common drive stated."""
         assert site.other is not None, "sites names another joint"
         table = robot.table.joint[site.other]
-        drive = CommonDrive(joint=robot.joints[site.joint], ratio=self.ratio, **strengths)
+        drive = CommonDrive(joint=robot.joints[site.joint], ratio=self.ratio(site), **strengths)
         return robot.with_joint(table.model_copy(update={"common_drive": (*table.common_drive, drive)}))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
-        """Name the other joint."""
-        how = "the sum" if self.ratio > 0.0 else "the difference"
+        """Name the joints."""
+        how = "sum" if self.way > 0.0 else "difference"
         unit = "N" if gap.body.sliding[site.joint] else "N·m"
+        names = gap.robot.joints[site.joint], self.from_name(gap, site)
+        of = " and ".join(f"that of {name}" for name in names)
+        if abs(site.shape[0] - 1.0) > NEARLY:
+            of = f"{site.shape[0]:.3g} times {of}"
+        speed = float(np.sqrt(np.mean(np.square(self.at_drive(gap, site, site.joint)[:, 1]))))
+        rubs = strengths[0] + strengths[1] * speed
         return (
-            f"friction of {strengths[0]:.3g} {unit} turns with {how} of its velocity and that of "
-            f"{self.from_name(gap, site)}, and both joints feel it: they share a drive"
+            f"at its usual speed friction of {rubs:.3g} {unit} turns with a velocity that is the {how} of {of}, and "
+            "both joints feel it: they share a drive"
         )
 
 
@@ -198,9 +226,10 @@ class _SharedRotor(_SharedDrive):
     def at_drive(self, gap: Gap, site: Site, joint: int) -> Floats:
         """What the friction takes, and the inertia, (n, 3)."""
         hard, other = gap.motion.acceleration, self.source(gap, site)
-        takes = hard[:, other] + self.ratio * hard[:, site.joint]
+        ratio = self.ratio(site)
+        takes = hard[:, other] + ratio * hard[:, site.joint]
         if gap.robot.table.joint[joint].actuator.rotor_inertia > 0.0:
-            takes = takes - (1.0 if joint == other else self.ratio) * hard[:, joint]
+            takes = takes - (1.0 if joint == other else ratio) * hard[:, joint]
         return np.column_stack([super().at_drive(gap, site, joint), takes])
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
@@ -215,38 +244,38 @@ class _SharedRotor(_SharedDrive):
         """State the common drive at the joint whose motor it is, its inertia no longer in the rotors of both joints."""
         assert site.other is not None, "sites names another joint"
         coulomb, viscous, inertia = (float(strength) for strength in strengths)
-        for joint in (site.joint, site.other):
-            robot = _without_rotor(robot, joint, inertia)
+        for joint, ratio in ((site.joint, self.ratio(site)), (site.other, 1.0)):
+            robot = _without_rotor(robot, joint, ratio**2 * inertia)
         return self.driven(robot, site, coulomb=coulomb, viscous=viscous, inertia=inertia)
 
 
 @final
 class SumRotor(_SharedRotor):
-    """The drive turns with vₖ + v, and its rotor with it."""
+    """The drive turns with vₖ + ratio·v, and its rotor with it."""
 
-    ratio = 1.0
+    way = 1.0
 
 
 @final
 class DifferenceRotor(_SharedRotor):
-    """The drive turns with vₖ − v, and its rotor with it."""
+    """The drive turns with vₖ − ratio·v, and its rotor with it."""
 
-    ratio = -1.0
+    way = -1.0
 
 
 @final
 class SumDrive(_SharedDrive):
-    """The drive turns with vₖ + v."""
+    """The drive turns with vₖ + ratio·v."""
 
-    ratio = 1.0
+    way = 1.0
     fuller = SumRotor
 
 
 @final
 class DifferenceDrive(_SharedDrive):
-    """The drive turns with vₖ − v."""
+    """The drive turns with vₖ − ratio·v."""
 
-    ratio = -1.0
+    way = -1.0
     fuller = DifferenceRotor
 
 
