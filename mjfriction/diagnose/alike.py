@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,7 +17,9 @@ from mjfriction.diagnose.exchange import for_place_of, in_place_of
 from mjfriction.diagnose.field import Entrant, Field, chances_in, in_place_of_levels
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, partners, same_columns
-from mjfriction.diagnose.trial import Trial, try_out
+from mjfriction.diagnose.short_list import NEAR_BEST
+from mjfriction.diagnose.tangent import straightened
+from mjfriction.diagnose.trial import Trial, strain, try_out
 from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats
 
@@ -71,6 +73,8 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
     repeated = redundancy(model.residual()[:, joint] * model.system.rows.weight[:, joint])
     _, rivals = in_place_of(without, own, here)
     rivals = [rival for rival in rivals if rival.chosen.cause.name != target.cause.name]
+    if any(choice.tangent for choice in rest):
+        rivals = [_beside_others_anew(model, without, own, rival) for rival in rivals]
     settled = [level.site.joint for level in free.levels]
     if target.cause is not STATED_LEVELS and joint in gap.examined and joint not in settled:
         # The joint's own levels are as stated here, so they stand for the place too.
@@ -86,6 +90,20 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
     alternatives = tuple(name for name, likelihood in odds.items() if likelihood / total > UNDECIDED)
     rival = rivals[-1].chosen if alternatives else None
     return Standing(alternatives, min(MOST_CONFIDENT, (1.0 - own.chance) / total) * _clearly(own), rival)
+
+
+def _beside_others_anew(model: Model, without: Model, own: Trial, rival: Trial) -> Trial:
+    # Curved causes were drawn beside the one that was chosen.  A rival that comes near it so is to be compared beside
+    # causes that are drawn beside the rival.
+    if not rival.chosen.cause.curved or not NEAR_BEST * own.merit < rival.merit < own.merit:
+        return rival
+    there = straightened(build_model(without.gap, without.nuisance, (*without.chosen, rival.chosen)))
+    weight = model.system.rows.weight
+    left, theirs = (
+        float(np.sum(np.square(np.nan_to_num(one.heldout_residual()) * weight))) + strain(one, one.strengths)
+        for one in (model, there)
+    )
+    return replace(rival, relief=rival.relief + max(0.0, own.gain + left - theirs - rival.gain))
 
 
 def _ahead(gap: Gap, own: Trial, rival: Trial) -> float:

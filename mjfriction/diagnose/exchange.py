@@ -27,14 +27,17 @@ class Exchange:
 
 def for_place_of(choice: Chosen, field: Field) -> Field:
     """Return what of a field may stand in the place of a cause: what sits on its joint or is felt by the whole arm, and
-    has another name, or counts apart from it.
+    has another name, or counts apart from it; in that of one which the whole arm feels, what changes the links' loads
+    from any joint.
     """
     kind = choice.cause.name, choice.cause.first_order
+
+    def reaches(entrant: Entrant) -> bool:
+        loads = choice.cause.whole_arm and entrant.cause.of_body
+        return entrant.joint == choice.site.joint or entrant.cause.whole_arm or loads
+
     return tuple(
-        entrant
-        for entrant in field
-        if (entrant.joint == choice.site.joint or entrant.cause.whole_arm)
-        and (entrant.cause.name, entrant.cause.first_order) != kind
+        entrant for entrant in field if reaches(entrant) and (entrant.cause.name, entrant.cause.first_order) != kind
     )
 
 
