@@ -97,7 +97,8 @@ def _both_ways(model: Model) -> list[Chosen]:
 def _torn(model: Model) -> list[Chosen]:
     # A drive that reports late reports all of its effort late.  Where friction tells of quite another delay than the
     # rest of the effort does, something else is wrong with one of the two; but friction that comes later still than a
-    # rest that is late is that of a contact which yields.  A shift within a sample is refitted along.
+    # rest that is late is that of a contact which yields, and earlier still than an early one, that of a joint which
+    # its drive winds up before it turns.  A shift within a sample is refitted along.
     gap = model.gap
     out = []
     for choice, place in zip(model.chosen, model.places, strict=True):
@@ -111,7 +112,7 @@ def _torn(model: Model) -> list[Chosen]:
         strengths = normal.strengths(np.ones(gap.blocks.count, dtype=bool))
         deviation = float(np.sqrt(normal.covariance(strengths, np.arange(gap.blocks.count))[-1, -1]))
         rest, beside = float(strengths[place][0]), float(strengths[-1])
-        yields = rest > APART * delay > 0.0 and beside > 0.0
-        if abs(beside) > max(APART * abs(delay), SURELY_APART * deviation) and not yields:
+        farther = rest * delay > APART * delay**2 and beside * delay > 0.0
+        if abs(beside) > max(APART * abs(delay), SURELY_APART * deviation) and not farther:
             out.append(choice)
     return out

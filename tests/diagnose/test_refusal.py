@@ -64,14 +64,15 @@ def test_a_delay_of_which_only_friction_knows_is_none(part: str, tmp_path: Path)
     assert [choice.key for choice in refused(model)] == ([] if part == "all" else [delay.key])
 
 
-def test_friction_that_comes_later_still_does_not_take_a_delay_away(tmp_path: Path) -> None:
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_friction_that_comes_farther_still_does_not_take_a_delay_away(sign: float, tmp_path: Path) -> None:
     def hidden(instant: Instant) -> np.ndarray:
-        return late(instant.friction, instant, 0.025) + late(instant.rigid, instant, 0.01)
+        return late(instant.friction, instant, sign * 0.025) + late(instant.rigid, instant, sign * 0.01)
 
     gap = gap_of_machine(tmp_path, Machine(hidden={SHOULDER: hidden}))
     delay = Chosen(JointDelay(), Site(SHOULDER))
     model = build_model(gap, make_nuisance(gap), (delay,))
-    assert 0.008 < model.strengths[-1] < 0.02
+    assert 0.008 < sign * model.strengths[-1] < 0.02
     assert refused(model) == []
 
 
