@@ -13,6 +13,7 @@ from mjfriction.diagnose import free_run
 from mjfriction.diagnose.alike import AT_THE_BAR, MOST_CONFIDENT, ROOM
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.coupling import RATIOS
+from mjfriction.diagnose.causes.friction_spot import NARROWEST, PASSES, WIDEST
 from mjfriction.diagnose.causes.landed_play import FLOWN
 from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOVED, LEAST_NOTED
 from mjfriction.diagnose.causes.load import LEAST_ROTOR
@@ -156,6 +157,12 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
 def test_how_it_decides_tells_what_ratios_a_shared_drive_may_have() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert "({:g} to {:g}) beside which both joints' levels are as stated".format(*RATIOS) in told
+
+
+def test_how_it_decides_tells_how_wide_a_worn_place_is() -> None:
+    told = " ".join(text("docs/how_it_decides.md").split())
+    assert f"a bump of {100 * NARROWEST:g} to {100 * WIDEST:g} % of the stroke" in told
+    assert PASSES == 4, "the page says four times"
 
 
 def test_the_pages_tell_which_joints_and_traces_are_left_out() -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import f as fisher
 
+from mjfriction.diagnose.causes.friction_spot import FrictionSpot
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.model import Chosen, Model, cause_block
 from mjfriction.identify.regression import Columns, Normal
@@ -164,7 +165,7 @@ def least_of_friction(model: Model, choice: Chosen, left: float = np.inf) -> flo
     themselves are those.
     """
     uneven, few = model.nuisance.uneven, len(model.gap.examined) < FEWEST_JOINTS
-    if few and not isinstance(choice.cause, Cogging | PositionFriction):
+    if few and not isinstance(choice.cause, Cogging | PositionFriction | FrictionSpot):
         uneven = min(uneven, max(EVENEST, left / (UNEVEN / np.sqrt(2.0))))
     return float(uneven * choice.cause.least_of_friction)
 

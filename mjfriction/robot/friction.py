@@ -14,7 +14,7 @@ from mjfriction.laws.stribeck import STRIBECK
 from mjfriction.robot.friction_tables import FrictionTerm, LevelTable
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Joint
-from mjfriction.robot.table import Wave
+from mjfriction.robot.table import Spot, Wave
 
 LEVELS = (
     "coulomb",
@@ -201,6 +201,19 @@ def with_friction_wave(robot: Robot, joint: str, wave: Wave) -> Robot:
 
     Where no plain Coulomb-viscous law at the joint can carry it, one of no level is added.
     """
+    robot = _with_plain_law(robot, joint)
+    table = robot.joint(joint)
+    return robot.with_joint(table.model_copy(update={"friction_waves": (*table.friction_waves, wave)}))
+
+
+def with_friction_spot(robot: Robot, joint: str, spot: Spot) -> Robot:
+    """Return the robot with one more spot on a joint's friction level, as :func:`with_friction_wave` adds a wave."""
+    robot = _with_plain_law(robot, joint)
+    table = robot.joint(joint)
+    return robot.with_joint(table.model_copy(update={"friction_spots": (*table.friction_spots, spot)}))
+
+
+def _with_plain_law(robot: Robot, joint: str) -> Robot:
     carried = any(
         term.law == COULOMB_VISCOUS.name
         and term.side == "joint"
@@ -208,10 +221,7 @@ def with_friction_wave(robot: Robot, joint: str, wave: Wave) -> Robot:
         and term.level == LevelTable()
         for term in terms(robot.joint(joint))
     )
-    if not carried:
-        robot = with_term(robot, joint, COULOMB_VISCOUS.name, {"coulomb": 0.0, "viscous": 0.0})
-    table = robot.joint(joint)
-    return robot.with_joint(table.model_copy(update={"friction_waves": (*table.friction_waves, wave)}))
+    return robot if carried else with_term(robot, joint, COULOMB_VISCOUS.name, {"coulomb": 0.0, "viscous": 0.0})
 
 
 def with_asymmetric_damping(robot: Robot, joint: str, asymmetry: float) -> Robot:
@@ -248,7 +258,7 @@ def with_asymmetric_damping(robot: Robot, joint: str, asymmetry: float) -> Robot
         "viscous_positive": max(viscous + asymmetry, 0.0),
         "viscous_negative": max(viscous - asymmetry, 0.0),
     }
-    if table.friction_waves:
+    if table.friction_waves or table.friction_spots:
         # They need a plain law to vary: it keeps of the Coulomb level what both directions have.
         level = min(coulomb.values())
         coulomb = {way: own - level for way, own in coulomb.items()}

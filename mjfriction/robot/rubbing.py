@@ -13,6 +13,7 @@ from mjfriction.record.motion import SURE, Motion
 from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Joint
+from mjfriction.robot.spots import spots_along
 from mjfriction.robot.table import Wave
 
 RESTING_SAMPLES = 200  # places of a motion that the level at rest is sought at
@@ -94,7 +95,9 @@ def varying_friction(joint: Joint, motion: Motion, index: int, forward: Floats) 
     ``forward`` (n,) is the direction of friction.
     """
     velocity, time = motion.velocity[:, index], motion.time
-    level, rate = waves_along(joint.friction_waves, motion.position[:, index]), np.zeros_like(velocity)
+    position = motion.position[:, index]
+    level = waves_along(joint.friction_waves, position) + spots_along(joint.friction_spots, position)
+    rate = np.zeros_like(velocity)
     thermal = joint.thermal
     if thermal.coulomb_per_kelvin or thermal.viscous_per_kelvin:
         warmer = motion.columns.get(f"temperature.{joint.name}", ROOM_TEMPERATURE) - thermal.reference_temperature

@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo, field_validator
 
 from mjfriction.robot.body_tables import LinkInertia, Payload, Place, TakenUp
 from mjfriction.robot.friction_tables import Event, FrictionTerm, PressureFriction, Thermal, WarmUp
-from mjfriction.robot.table import Finite, NonNegative, Positive, Table, Vector, Wave
+from mjfriction.robot.table import Finite, NonNegative, Positive, Spot, Table, Vector, Wave
 
 
 def _as_list(value: Any) -> Any:
@@ -191,9 +191,9 @@ class Joint(Table):
     """One joint.
 
     Several friction laws add up; without any, the model file's own damping and dry friction hold.  ``friction_waves``,
-    ``thermal``, ``warm_up``, ``events`` and ``pressure_friction`` add to them against the motion; ``cogging`` and
-    ``spring`` do not turn with its direction.  ``top_speed`` (rad/s, m/s) bounds planned motions, in the place of the
-    model file's own.
+    ``friction_spots``, ``thermal``, ``warm_up``, ``events`` and ``pressure_friction`` add to them against the motion;
+    ``cogging`` and ``spring`` do not turn with its direction.  ``top_speed`` (rad/s, m/s) bounds planned motions, in
+    the place of the model file's own.
     """
 
     name: str
@@ -202,6 +202,7 @@ class Joint(Table):
     hydraulics: Hydraulics | None = None
     friction: Annotated[tuple[FrictionTerm, ...], BeforeValidator(_as_list)] | None = None
     friction_waves: tuple[Wave, ...] = ()
+    friction_spots: tuple[Spot, ...] = ()
     cogging: tuple[Wave, ...] = ()
     spring: Spring = Spring()
     thermal: Thermal = Thermal()

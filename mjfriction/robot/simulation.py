@@ -9,6 +9,7 @@ from mjfriction.laws.position_dependent import POSITION_DEPENDENT
 from mjfriction.robot.body_tables import Payload, TakenUp
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Joint
+from mjfriction.robot.spots import as_waves
 from mjfriction.robot.spring import coefficients
 from mjfriction.sim.spec import LinkMass, PointLoad, Spec, add_springs, read_spec
 
@@ -85,27 +86,34 @@ def _in_model(joint: Joint) -> Joint:
 def robot_laws(robot: Robot) -> dict[str, list[Friction]]:
     """Return the friction laws that each joint states, as :func:`mjfriction.attach` takes them.
 
-    Raises :class:`RobotError` for ``friction_waves`` on a joint without a plain ``coulomb_viscous`` law on its side.
+    Raises :class:`RobotError` for ``friction_waves`` or ``friction_spots`` on a joint without a plain
+    ``coulomb_viscous`` law on its side.
     """
-    return {joint.name: joint_laws(joint) for joint in robot.table.joint if joint.friction or joint.friction_waves}
+    laws = {joint.name: joint_laws(joint) for joint in robot.table.joint}
+    return {name: own for name, own in laws.items() if own}
 
 
 def joint_laws(joint: Joint) -> list[Friction]:
-    """Return a joint's laws; its ``friction_waves`` go onto the level of its Coulomb-viscous law."""
+    """Return a joint's laws; its ``friction_waves`` and ``friction_spots``, these as waves too, go onto the level of
+    its Coulomb-viscous law.
+    """
     laws = [term.friction(joint.actuator.gear_ratio) for term in joint.friction or ()]
-    if not joint.friction_waves:
+    if not joint.friction_waves and not joint.friction_spots:
         return laws
+    spots = [as_waves(spot) for spot in joint.friction_spots]
+    every = (*joint.friction_waves, *(wave for _, waves in spots for wave in waves))
     for i, term in enumerate(joint.friction or ()):
         plain = term.side == "joint" and term.negative is None and laws[i].level == Level()
         if term.law == COULOMB_VISCOUS.name and plain:
             waves = {
-                "wavenumber": [wave.wavenumber for wave in joint.friction_waves],
-                "cosine": [wave.cosine for wave in joint.friction_waves],
-                "sine": [wave.sine for wave in joint.friction_waves],
+                "wavenumber": [wave.wavenumber for wave in every],
+                "cosine": [wave.cosine for wave in every],
+                "sine": [wave.sine for wave in every],
             }
-            laws[i] = friction(POSITION_DEPENDENT.name, {**term.parameters, **waves})
+            coulomb = term.value("coulomb") + sum(level for level, _ in spots)
+            laws[i] = friction(POSITION_DEPENDENT.name, {**term.parameters, "coulomb": coulomb, **waves})
             return laws
     raise RobotError(
-        f"joint '{joint.name}': friction_waves vary the level of a plain coulomb_viscous law on the joint's side, and "
-        "it has none; add one (without `negative` and `level`; its coulomb may be 0)"
+        f"joint '{joint.name}': friction_waves and friction_spots vary the level of a plain coulomb_viscous law on the "
+        "joint's side, and it has none; add one (without `negative` and `level`; its coulomb may be 0)"
     )

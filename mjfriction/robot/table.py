@@ -1,4 +1,4 @@
-"""What all tables of a robot.toml share: kinds of numbers, and waves along the stroke."""
+"""What all tables of a robot.toml share: kinds of numbers, and what varies along the stroke."""
 
 from __future__ import annotations
 
@@ -24,3 +24,11 @@ class Wave(Table):
     wavenumber: Positive
     cosine: Finite = 0.0
     sine: Finite = 0.0
+
+
+class Spot(Table):
+    """A torque at one place of the stroke: ``coulomb`` · exp(−½·((q − ``position``)/``width``)²)."""
+
+    position: Finite
+    width: Positive
+    coulomb: Finite

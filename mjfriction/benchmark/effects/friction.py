@@ -5,10 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from mjfriction.benchmark.effects.effect import Effect, Place, on_joint, sign, updated, wave_along
-from mjfriction.robot.friction import raised_levels, with_asymmetric_damping, with_friction_wave, with_term
+from mjfriction.robot.friction import (
+    raised_levels,
+    with_asymmetric_damping,
+    with_friction_spot,
+    with_friction_wave,
+    with_term,
+)
 from mjfriction.robot.friction_tables import Event, PressureFriction, Thermal, WarmUp
 from mjfriction.robot.robot import Robot
+from mjfriction.robot.table import Spot
 
+WAVING = 0.6  # of the cases with friction that varies along the stroke, in which it waves; else it has a worn spot
 CHAMBERS = 0.6  # of the cases with seals, in which either chamber presses its own; else the piston's seal presses
 
 
@@ -94,13 +102,20 @@ def presliding(rng: np.random.Generator, place: Place) -> Effect:
 
 
 def position(rng: np.random.Generator, place: Place) -> Effect:
-    """A level that rises and falls along the stroke."""
+    """A level that rises and falls along the stroke, or is higher at one place of it."""
     wave = wave_along(rng, place, 10.0)
+    where, width = rng.uniform(0.15, 0.85), rng.uniform(0.04, 0.2)
+    low = float(np.min(place.course))
 
-    def change(robot: Robot, a: float) -> Robot:
+    def waving(robot: Robot, a: float) -> Robot:
         return with_friction_wave(robot, place.joint, wave(a))
 
-    return on_joint("friction.position", place, change, 0.3, 0.95)
+    def worn(robot: Robot, a: float) -> Robot:
+        level = 2.0 * a * place.coulomb
+        spot = Spot(position=low + where * place.stroke, width=width * place.stroke, coulomb=level)
+        return with_friction_spot(robot, place.joint, spot)
+
+    return on_joint("friction.position", place, waving if rng.random() < WAVING else worn, 0.3, 0.95)
 
 
 def temperature(rng: np.random.Generator, place: Place) -> Effect:

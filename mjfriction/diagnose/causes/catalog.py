@@ -11,6 +11,7 @@ from mjfriction.diagnose.causes.crossed_play import CrossedPlay
 from mjfriction.diagnose.causes.delay import JointDelay, LogDelay
 from mjfriction.diagnose.causes.elasticity import Elasticity, LinkSideElasticity, SwingingElasticity
 from mjfriction.diagnose.causes.encoder_offset import EncoderOffset
+from mjfriction.diagnose.causes.friction_spot import FrictionSpot
 from mjfriction.diagnose.causes.gravity_direction import GravityDirection
 from mjfriction.diagnose.causes.landed_play import LandedPlay
 from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
@@ -41,6 +42,7 @@ STRUCTURAL: tuple[Cause, ...] = (
     Presliding(),
     DampedPresliding(),
     PositionFriction(),
+    FrictionSpot(),
     Warming(),
     WarmUpDrift(),
     Step(),

@@ -13,6 +13,7 @@ from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import wave_slopes_along
+from mjfriction.robot.spots import spot_slopes_along
 from mjfriction.robot.spring import spring_slope_along
 
 OFFSET = Parameter("offset", "{length}", "what the sensor reads where the joint is at zero")
@@ -38,7 +39,8 @@ class EncoderOffset(MovedLink):
         out = super()._torques(gap, site)
         joint, position = gap.robot.table.joint[site.joint], gap.linked.position[:, site.joint]
         out[:, site.joint] -= spring_slope_along(joint.spring, position) + wave_slopes_along(joint.cogging, position)
-        out[:, site.joint] -= gap.forward(site.joint) * wave_slopes_along(joint.friction_waves, position)
+        level = wave_slopes_along(joint.friction_waves, position) + spot_slopes_along(joint.friction_spots, position)
+        out[:, site.joint] -= gap.forward(site.joint) * level
         return out
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:

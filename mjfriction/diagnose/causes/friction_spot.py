@@ -1,0 +1,118 @@
+"""friction.position at one place of the stroke: a worn tooth, a dent in a rail, a bearing that grinds there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import final
+
+import numpy as np
+
+from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
+from mjfriction.diagnose.causes.waves import PositionFriction
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.regression import Columns
+from mjfriction.parameter import Parameter
+from mjfriction.record.log import Floats
+from mjfriction.robot.friction import with_friction_spot
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.table import Spot
+
+CENTRE = Parameter("position", "{length}", "where on the stroke friction is another")
+WIDTH = Parameter("width", "{length}", "how far from there it has fallen to three fifths", lower=1e-9)
+HEIGHT = Parameter("coulomb", "{force}", "how much higher the friction level is there")
+WIDTHS = (0.03, 0.06, 0.12, 0.24)  # of the stroke
+NARROWEST, WIDEST = 0.015, 0.35  # of it; wider ones are a level
+PASSES = 4  # of a place, at least, one of them the other way: else it may be anything that happened there
+PLACES = 256  # of a stroke, that are looked at
+
+
+@final
+class FrictionSpot(JointCause):
+    """C·exp(−½((q − position)/width)²)·sgn v."""
+
+    name = PositionFriction.name
+    shape_parameters = (CENTRE, WIDTH)
+    relative_shape = False
+    covariate = "position"
+    picture = "turned"
+    least_of_friction = PositionFriction.least_of_friction
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """Every moving joint, spots of a few widths at every width along the stroke that the joint passes often."""
+        out = []
+        for site in super().sites(gap):
+            position = gap.motion.position[:, site.joint]
+            low, stroke = float(np.min(position)), float(np.ptp(position))
+            for share in WIDTHS:
+                width = share * stroke
+                centres = np.arange(low, low + stroke + 0.5 * width, width)
+                shaped = [site.shaped((float(centre), width)) for centre in centres]
+                out += [own for own in shaped if self.own_shape(gap, own)]
+        return out
+
+    def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
+        """Within the stroke."""
+        position = gap.motion.position[:, site.joint]
+        stroke = float(np.ptp(position))
+        return [(float(np.min(position)), float(np.max(position))), (NARROWEST * stroke, WIDEST * stroke)]
+
+    def shape_steps(self, gap: Gap, site: Site) -> tuple[float, ...]:
+        """A third of its width."""
+        return (site.shape[1] / 3.0, site.shape[1] / 3.0)
+
+    def own_shape(self, gap: Gap, site: Site) -> bool:
+        """A place that the joint passes often, or a flank of it."""
+        joint, (centre, width) = site.joint, site.shape
+        often = gap.kept.recall(f"places passed {joint}", lambda: {joint: _often(gap.motion.position[:, joint])})[joint]
+        return bool(often.size and often[0] - width <= centre <= often[-1] + width)
+
+    def apart(self, gap: Gap, site: Site, other: Site) -> bool:
+        """A wave is no spot, and beside a spot another has to be elsewhere."""
+        return len(other.shape) != len(site.shape) or abs(site.shape[0] - other.shape[0]) > site.shape[1]
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """The spot in the direction of motion, (n, 1)."""
+        return column(_bump(gap.motion.position[:, site.joint], site) * gap.forward(site.joint))
+
+    def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
+        """The spots at the rows, with no filtering: what is passed in less than a row is lower and wider there."""
+        joint = sites[0].joint
+        position, forward = (gap.at_rows(name)[::every, joint] for name in ("position", "forward"))
+        return {joint: np.stack([column(_bump(position, site) * forward) for site in sites], axis=1)}
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """How much higher the level is."""
+        return (Quantity(HEIGHT),)
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """Add a spot to the joint's friction level."""
+        spot = Spot(position=site.shape[0], width=site.shape[1], coulomb=float(strengths[0]))
+        return with_friction_spot(robot, robot.joints[site.joint], spot)
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give place and size."""
+        force, length = ("N", "m") if gap.body.sliding[site.joint] else ("N·m", "rad")
+        more = "higher" if strengths[0] > 0.0 else "lower"
+        return (
+            f"within {2.0 * site.shape[1]:.2g} {length} of {site.shape[0]:.4g} {length} the friction level is up to "
+            f"{abs(strengths[0]):.3g} {force} {more}, against the motion in both directions"
+        )
+
+
+def _bump(position: Floats, site: Site) -> Floats:
+    centre, width = site.shape
+    return np.asarray(np.exp(-0.5 * np.square((position - centre) / width)))
+
+
+def _often(position: Floats) -> Floats:
+    # The places along its stroke that a joint passes often, both ways.
+    places = np.linspace(np.min(position), np.max(position), PLACES)
+    before, after = (np.searchsorted(places, own) for own in (position[:-1], position[1:]))
+    ways = []
+    for low, high in ((before, after), (after, before)):
+        ahead = low < high
+        count = np.zeros(PLACES + 1, dtype=np.int64)
+        np.add.at(count, low[ahead], 1)
+        np.add.at(count, high[ahead], -1)
+        ways.append(np.cumsum(count)[:-1])
+    return np.asarray(places[(ways[0] + ways[1] >= PASSES) & (ways[0] > 0) & (ways[1] > 0)])

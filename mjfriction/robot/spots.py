@@ -1,0 +1,43 @@
+"""Places of the stroke where friction is another: exact along a motion, and as the waves that MuJoCo's law can hold."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mjfriction.laws.law import Floats
+from mjfriction.robot.table import Spot, Wave
+
+APART = 60.0  # widths between a spot and its images in a series: farther than a stroke over which it can be seen
+LEAST_WAVE = 1e-4  # of the first wave, that the last one has
+
+
+def spots_along(spots: Sequence[Spot], position: Floats) -> Floats:
+    """Return the sum of spots at positions (n,)."""
+    out = np.zeros_like(position)
+    for spot in spots:
+        out += spot.coulomb * np.exp(-0.5 * np.square((position - spot.position) / spot.width))
+    return out
+
+
+def spot_slopes_along(spots: Sequence[Spot], position: Floats) -> Floats:
+    """Return how the sum of spots changes with position, at positions (n,)."""
+    out = np.zeros_like(position)
+    for spot in spots:
+        out -= spots_along([spot], position) * (position - spot.position) / spot.width**2
+    return out
+
+
+def as_waves(spot: Spot) -> tuple[float, tuple[Wave, ...]]:
+    """Return a spot as a level and waves, the Fourier series of spots that are 60 widths apart."""
+    level = spot.coulomb * np.sqrt(2.0 * np.pi) / APART
+    first = 2.0 * np.pi / (APART * spot.width)
+    count = int(np.ceil(np.sqrt(-2.0 * np.log(LEAST_WAVE)) / (first * spot.width)))
+    waves = []
+    for k in range(1, count + 1):
+        amplitude = 2.0 * level * np.exp(-0.5 * np.square(k * first * spot.width))
+        phase = k * first * spot.position
+        cosine, sine = float(amplitude * np.cos(phase)), float(amplitude * np.sin(phase))
+        waves.append(Wave(wavenumber=k * first, cosine=cosine, sine=sine))
+    return float(level), tuple(waves)
