@@ -9,7 +9,7 @@ import numpy as np
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
-from mjfriction.diagnose.causes.links import LinkScale, LoneLink
+from mjfriction.diagnose.causes.links import LinkScale, LoneLink, LoneWholeLink
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.field import Field, chances_in
 from mjfriction.diagnose.model import Chosen, Model, build_model, without_contained
@@ -73,7 +73,12 @@ def held_links(model: Model, field: Field, changes: Mapping[int, float]) -> Mode
     if typical(list(changes.values())) > EXACT:
         return model
     held = model.without_links()
-    asked = tuple(replace(one, cause=LoneLink()) if isinstance(one.cause, LinkScale) else one for one in field)
+    links = tuple(one for one in field if isinstance(one.cause, LinkScale))
+    asked = tuple(one for one in field if one not in links)
+    # A link's four numbers beside a tilt, or another link's, can be nearly anything.
+    whole = not any(choice.cause.of_body for choice in model.chosen)
+    lone = (LoneLink(), LoneWholeLink()) if whole else (LoneLink(),)
+    asked += tuple(replace(one, cause=cause) for one in links for cause in lone)
     able = passing(contenders(held, asked), chances_in(asked))
     if not able:
         return model

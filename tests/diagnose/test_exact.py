@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 from mjfriction.diagnose import exact, stated
+from mjfriction.diagnose.causes.links import LoneLink
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.identify.regression import Rows, System
@@ -26,8 +28,8 @@ def stouter(model: mujoco.MjModel) -> None:
     model.body_inertia[body] *= SCALE
 
 
-def diagnosed(folder: Path, off: float) -> Diagnosis:
-    log, robot = write_case(folder, Machine(change=stouter, noise=0.1), seed=5, off=off)
+def diagnosed(folder: Path, off: float, change: Callable[[mujoco.MjModel], None] = stouter) -> Diagnosis:
+    log, robot = write_case(folder, Machine(change=change, noise=0.1), seed=5, off=off)
     return diagnose_log(read_log(log), read_robot(robot))
 
 
@@ -43,6 +45,28 @@ def test_a_link_six_percent_heavier_is_named_beside_friction_that_is_right(
     # As one of many that may be off it is refitted along.
     monkeypatch.setattr(stated, "held_links", lambda model, *_: model)
     assert diagnosed(tmp_path / "refitted", 0.0).findings == ()
+
+
+def test_so_is_one_that_is_lighter_and_elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    lighter, shift = 0.95, np.array([0.004, 0.0, 0.008])
+
+    def changed(model: mujoco.MjModel) -> None:
+        body = model.body("forearm_link").id
+        model.body_mass[body] *= lighter
+        model.body_inertia[body] *= lighter
+        model.body_ipos[body] += shift
+
+    (finding,) = diagnosed(tmp_path / "exact", 0.0, changed).findings
+    assert finding.cause == "body.link_inertia"
+    told = {value.name: value for value in finding.parameters}
+    true = {"link_scale": lighter, **{f"link_shift_{x}": s for x, s in zip("xyz", shift, strict=True)}}
+    assert told.keys() == {f"{name}.elbow_joint" for name in true}
+    for name, value in true.items():
+        own = told[f"{name}.elbow_joint"]
+        assert abs(own.value - value) < 2.0 * (own.high - own.value), name
+    # Neither half alone leaves as little, so that all would be refitted along.
+    monkeypatch.setattr(exact, "LoneWholeLink", LoneLink)
+    assert diagnosed(tmp_path / "halves", 0.0, changed).findings == ()
 
 
 def test_beside_friction_that_is_off_it_is_refitted_along(tmp_path: Path) -> None:

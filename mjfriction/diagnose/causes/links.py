@@ -87,8 +87,7 @@ class LoneLink(_ScaledLink):
     least = LEAST_ALONE
 
 
-@final
-class LinkCentre(_Link):
+class _MovedLink(_Link):
     """The centre of mass of one link lies elsewhere."""
 
     curved = True
@@ -117,3 +116,39 @@ class LinkCentre(_Link):
         """Give the shift."""
         where = ", ".join(f"{1e3 * value:+.3g}" for value in strengths)
         return f"the link of {gap.robot.joints[site.joint]} has its centre of mass ({where}) mm from where it is stated"
+
+
+@final
+class LinkCentre(_MovedLink):
+    """The centre alone."""
+
+
+@final
+class LoneWholeLink(_MovedLink):
+    """Mass and inertia are a factor off, and the centre of mass lies elsewhere, of one link where all else is stated
+    exactly.
+    """
+
+    part = slice(0, 4)
+    scaled: ClassVar[_ScaledLink] = LoneLink()
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """The factor, then the shift."""
+        return (*self.scaled.quantities(gap, site), *super().quantities(gap, site))
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """What both may be."""
+        return self.scaled.admissible(gap, site, strengths[:1]) and super().admissible(gap, site, strengths[1:])
+
+    def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """Either is enough."""
+        return self.scaled.noteworthy(gap, site, strengths[:1]) or super().noteworthy(gap, site, strengths[1:])
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """Scale the link, and move its centre."""
+        return super().extend(self.scaled.extend(robot, site, strengths[:1]), site, strengths[1:])
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give both."""
+        scaled = self.scaled.evidence(gap, site, strengths[:1])
+        return f"{scaled}; {super().evidence(gap, site, strengths[1:])}"
