@@ -24,11 +24,13 @@ SECONDS = 0.25  # of each run: nothing holds the joints on their course, and in 
 class FreeRun:
     """How far the joints end up from where the machine was, in runs of so many ``seconds``, one in a block of motion.
 
-    ``time`` (m,) since each begins; ``stated`` and ``extended`` (runs, m, joints), rad or m, the extended robot fitted
-    to other blocks each time; ``gains``, by the index of each examined joint, the RMS of both.
+    ``begin`` (runs,) on the log's clock and ``time`` (m,) since then; ``stated`` and ``extended`` (runs, m, joints),
+    rad or m, the extended robot fitted to other blocks each time; ``gains``, by the index of each examined joint, the
+    RMS of both.
     """
 
     seconds: float
+    begin: Floats
     time: Floats
     stated: Floats
     extended: Floats
@@ -53,7 +55,8 @@ def run_freely(model: Model, stated: Robot, seed: int) -> FreeRun:
             better[own] = missed(gap, [robot], stretches_at(gap, robot, cuts.some(own)))[0]
     each = np.repeat(block, off.shape[1])
     gains = {i: measure_gain(off[..., i].ravel(), better[..., i].ravel(), each, seed) for i in gap.examined}
-    return FreeRun(fixed.seconds, np.asarray(fixed.compared * fixed.step), off, better, gains)
+    time = np.asarray(fixed.compared * fixed.step)
+    return FreeRun(fixed.seconds, gap.motion.time[cuts.begins], time, off, better, gains)
 
 
 def _one_in_each_block(gap: Gap) -> tuple[Cuts, Integers]:

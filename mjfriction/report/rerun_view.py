@@ -13,6 +13,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 from plotly.colors import hex_to_rgb
 
+from mjfriction.diagnose.free_run import FreeRun
 from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.errors import SimulationError
 from mjfriction.identify.comparison import Comparison
@@ -46,7 +47,7 @@ def write_recording(diagnosis: Diagnosis, report: Report, path: Path) -> None:
     """Write the recording of a diagnosis: the stated robot and the extended one."""
     found = [finding.shown_at for finding in diagnosis.findings]
     models = [_stated(diagnosis.gap), _Model("extended", gap_of(diagnosis.robot, diagnosis.gap), diagnosis.heldout)]
-    _write(models, found, _findings_text(report), report.summary, path)
+    _write(models, found, _findings_text(report), report.summary, path, diagnosis.free_run)
 
 
 def write_identified_recording(identification: Identification, report: Report, path: Path) -> None:
@@ -67,7 +68,9 @@ def _stated(gap: Gap) -> _Model:
     return _Model("stated", gap, gap.residual)
 
 
-def _write(models: Sequence[_Model], first: Sequence[str], text: str, summary: str, path: Path) -> None:
+def _write(
+    models: Sequence[_Model], first: Sequence[str], text: str, summary: str, path: Path, run: FreeRun | None = None
+) -> None:
     gap = models[0].gap
     joints = list(dict.fromkeys([*first, *(gap.robot.joints[joint] for joint in gap.examined)]))
     identity = uuid.uuid5(NAMESPACE, f"{gap.robot.name} {gap.log.source} {summary}")
@@ -80,6 +83,7 @@ def _write(models: Sequence[_Model], first: Sequence[str], text: str, summary: s
             name,
             current=gap.robot.joint(name).actuator.effort_per_ampere is not None,
             states=sorted(states.get(name, {})),
+            driven=run is not None,
         )
         for name in joints
     ]
@@ -90,6 +94,8 @@ def _write(models: Sequence[_Model], first: Sequence[str], text: str, summary: s
     thin = thinned_to_see(gap.motion.time)
     for name in joints:
         _send_joint(stream, models, name)
+        if run is not None:
+            _send_run(stream, run, models, name)
         for law, course in states.get(name, {}).items():
             for k, column in enumerate(course[thin].T):
                 send(stream, f"{place_of(name)}/state/{law}/{k + 1}", gap.motion.time[thin], column)
@@ -128,6 +134,16 @@ def _send_joint(stream: rr.RecordingStream, models: Sequence[_Model], name: str)
     )
 
 
+def _send_run(stream: rr.RecordingStream, run: FreeRun, models: Sequence[_Model], name: str) -> None:
+    # Points, for from one run's end to the next one's beginning nothing goes.
+    joint = models[0].gap.robot.joints.index(name)
+    moments = (run.begin[:, None] + run.time).ravel()
+    for model, off, colour in zip(models, (run.stated, run.extended), MODELS, strict=False):
+        entity = f"{place_of(name)}/driven/{place_of(model.name)}"
+        stream.log(entity, rr.SeriesPoints(colors=[_rgb(colour)], marker_sizes=[1.5]), static=True)
+        send(stream, entity, moments, off[..., joint].ravel())
+
+
 def _rgb(colour: str) -> tuple[int, int, int]:
     red, green, blue = hex_to_rgb(colour)
     return red, green, blue
@@ -159,7 +175,7 @@ def _scene(gap: Gap) -> tuple[Floats, Scene] | None:
         return None  # a model that MuJoCo cannot read is diagnosed all the same; only its picture is missing
 
 
-def _tab(name: str, *, current: bool, states: Sequence[str]) -> rrb.Horizontal:
+def _tab(name: str, *, current: bool, states: Sequence[str], driven: bool) -> rrb.Horizontal:
     place = place_of(name)
     courses = [rrb.TimeSeriesView(origin=f"{place}/torque", name="torque")]
     if current:
@@ -168,6 +184,8 @@ def _tab(name: str, *, current: bool, states: Sequence[str]) -> rrb.Horizontal:
         rrb.TimeSeriesView(origin=f"{place}/error", name="error"),
         rrb.TimeSeriesView(origin=f"{place}/velocity", name="velocity"),
     ]
+    if driven:
+        courses.append(rrb.TimeSeriesView(origin=f"{place}/driven", name="driven freely: off the machine's course"))
     beside: list[rrb.View] = [plane_view(f"{place}/friction")]
     beside += [rrb.TimeSeriesView(origin=f"{place}/state/{law}", name=f"states of {law}") for law in states]
     return rrb.Horizontal(rrb.Vertical(*courses), rrb.Vertical(*beside), name=name, column_shares=[3, 2])

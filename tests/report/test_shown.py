@@ -99,7 +99,15 @@ def test_a_recording_shows_arm_efforts_friction_and_bristles(diagnosis: Diagnosi
     write_recording(diagnosis, make_report(diagnosis), path)
     found = entities(path)
     for joint in diagnosis.gap.robot.joints:
-        for name in ("torque/measured", "torque/stated", "torque/extended", "error/stated", "error/extended"):
+        pairs = (
+            "torque/stated",
+            "torque/extended",
+            "error/stated",
+            "error/extended",
+            "driven/stated",
+            "driven/extended",
+        )
+        for name in ("torque/measured", *pairs):
             assert f"/{joint}/{name}" in found
         assert {f"/{joint}/friction/{name}" for name in ("measured", "stated", "extended")} <= found
         assert f"/{joint}/current/measured" not in found  # no torque constant is stated
@@ -108,9 +116,11 @@ def test_a_recording_shows_arm_efforts_friction_and_bristles(diagnosis: Diagnosi
     driven = diagnosis.gap.robot.joint("elbow_joint")
     actuator = driven.actuator.model_copy(update={"torque_constant": 0.1})
     robot = diagnosis.gap.robot.with_joint(driven.model_copy(update={"actuator": actuator}))
-    write_recording(replace(diagnosis, gap=replace(diagnosis.gap, robot=robot)), make_report(diagnosis), path)
+    gap = replace(diagnosis.gap, robot=robot)
+    write_recording(replace(diagnosis, gap=gap, free_run=None), make_report(diagnosis), path)
     names = {f"/elbow_joint/current/{name}" for name in ("measured", "stated", "extended")}
     assert names <= entities(path)
+    assert not any("/driven/" in name for name in entities(path)), "nothing was driven"
 
 
 def test_long_recordings_are_thinned() -> None:
