@@ -99,14 +99,7 @@ def test_a_recording_shows_arm_efforts_friction_and_bristles(diagnosis: Diagnosi
     write_recording(diagnosis, make_report(diagnosis), path)
     found = entities(path)
     for joint in diagnosis.gap.robot.joints:
-        pairs = (
-            "torque/stated",
-            "torque/extended",
-            "error/stated",
-            "error/extended",
-            "driven/stated",
-            "driven/extended",
-        )
+        pairs = [f"{course}/{name}" for course in ("torque", "error", "driven") for name in ("stated", "extended")]
         for name in ("torque/measured", *pairs):
             assert f"/{joint}/{name}" in found
         assert {f"/{joint}/friction/{name}" for name in ("measured", "stated", "extended")} <= found
