@@ -1,15 +1,19 @@
-"""Shapes that free friction levels make up for: the ratio by which two joints turn a drive that they share.
+"""What free friction levels make up for: causes and shapes beside which levels as stated do as well.
 
-What such a drive takes of a joint's own velocity is damping like that joint's own.  With levels free any ratio fits;
-the one beside which levels are as stated needs nothing else to be wrong.
+What a shared drive takes of a joint's own velocity is damping like that joint's own, so that with levels free any ratio
+fits; and a torque constant half of what it is, beside twice the friction, is a link of half its mass.  Where levels are
+as stated nothing else needs to be wrong.
 """
 
 from __future__ import annotations
 
 from mjfriction.diagnose.exact import AS_GOOD
-from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
+from mjfriction.diagnose.exchange import for_place_of
+from mjfriction.diagnose.field import Field, chances_in
+from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, without_contained
 from mjfriction.diagnose.shapes import best_shape, reshaped
-from mjfriction.diagnose.trial import try_out
+from mjfriction.diagnose.short_list import contenders, fairly, passing
+from mjfriction.diagnose.trial import Trial, try_out
 
 ROUNDS = 2
 
@@ -39,3 +43,27 @@ def _reshaped(model: Model, choice: Chosen, bounds: list[tuple[float, float]]) -
     if any(gap.rms(after[:, joint], joint) > AS_GOOD * gap.rms(before[:, joint], joint) for joint in felt):
         return model
     return build_model(gap, model.nuisance, there.chosen)
+
+
+def one_for_both(model: Model, joint: int, field: Field) -> Model | None:
+    """Return the model with one cause in the place of a cause on a joint and of the joint's levels that are off, these
+    held as stated, where it leaves as little there; None where there is none.
+    """
+    gap, kept = model.gap, model.nuisance.without_level(joint)
+    whole = gap.rms(model.heldout_residual()[:, joint], joint)
+    for choice in model.noteworthy:
+        if choice.site.joint != joint:
+            continue
+        held = build_model(gap, kept, model.without(choice).chosen)
+        rivals = fairly(held, contenders(held, for_place_of(choice, field)))
+        able = [one for one in passing(rivals, chances_in(field)) if left_with(held, one, joint) < AS_GOOD * whole]
+        if able:
+            best = max(able, key=lambda trial: trial.merit).chosen
+            return build_model(gap, kept, (*without_contained(held.chosen, best), best))
+    return None
+
+
+def left_with(held: Model, trial: Trial, joint: int) -> float:
+    """Return what is left at a joint of a model with one cause more (RMS, held out)."""
+    model = build_model(held.gap, held.nuisance, (*held.chosen, trial.chosen))
+    return held.gap.rms(model.heldout_residual()[:, joint], joint)

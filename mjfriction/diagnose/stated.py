@@ -22,7 +22,7 @@ from mjfriction.diagnose.exact import (
     usually_off,
 )
 from mjfriction.diagnose.field import Field, chances_in, in_place_of_levels
-from mjfriction.diagnose.levels_kept import with_levels_as_stated
+from mjfriction.diagnose.levels_kept import left_with, one_for_both, with_levels_as_stated
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, without_contained
 from mjfriction.diagnose.nuisance import Level
 from mjfriction.diagnose.one_factor import beside_factors, scaled_levels
@@ -95,6 +95,8 @@ def settle(model: Model, asked: Field) -> Settled:
                 model = build_model(held.gap, held.nuisance, (*without_contained(held.chosen, rival), rival))
             elif scaled is not None and scaled.one_factor:
                 model = scaled.model
+            elif (other := one_for_both(model, joint, asked)) is not None:
+                model = other
             elif _own(model, level, change):
                 findings.append(trial.chosen)
             alike |= {joint: scaled.spread} if scaled is not None else {}
@@ -126,7 +128,7 @@ def _unbent(model: Model, joint: int, asked: Field) -> Model | None:
     trials = contenders(held, in_place_of_levels(model.gap, joint)) if bends else []
     whole = model.gap.rms(model.heldout_residual()[:, joint], joint)
     for trial in passing(trials, chances_in(asked)):
-        if _left_with(held, trial) < AS_GOOD * whole:
+        if left_with(held, trial, joint) < AS_GOOD * whole:
             return build_model(held.gap, held.nuisance, (*rest, trial.chosen))
     return None
 
@@ -180,7 +182,7 @@ def _unmoved(model: Model, held: Model, own: Trial) -> tuple[Model, Trial]:
     # With levels held, others' shapes move to make up for them, as a step to the begin of the log.  Where levels do
     # less beside these than where the shapes were, they are to be compared there.
     joint = own.chosen.site.joint
-    if _left_with(held, own) < AS_GOOD * model.gap.rms(model.heldout_residual()[:, joint], joint):
+    if left_with(held, own, joint) < AS_GOOD * model.gap.rms(model.heldout_residual()[:, joint], joint):
         return held, own
     there = build_model(model.gap, model.nuisance.without_level(joint), model.chosen)
     trial = try_out(there, own.chosen)
@@ -192,13 +194,10 @@ def _simpler(held: Model, own: Trial, asked: Field) -> Chosen | None:
     here = tuple(entrant for entrant in asked if entrant.joint == joint) + in_place_of_levels(held.gap, joint)
     rivals = [one for one in passing(contenders(held, here), chances_in(asked)) if one.merit > own.merit]
     best = max(rivals, key=lambda trial: trial.merit, default=None)
-    return best.chosen if best is not None and _left_with(held, best) < AS_GOOD * _left_with(held, own) else None
-
-
-def _left_with(held: Model, trial: Trial) -> float:
+    if best is None:
+        return None
     # At the joint whose levels are asked for: what takes more off others' errors is no reason to leave its own.
-    model, joint = build_model(held.gap, held.nuisance, (*held.chosen, trial.chosen)), trial.chosen.site.joint
-    return held.gap.rms(model.heldout_residual()[:, joint], joint)
+    return best.chosen if left_with(held, best, joint) < AS_GOOD * left_with(held, own, joint) else None
 
 
 def _links_help(model: Model) -> bool:
