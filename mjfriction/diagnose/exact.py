@@ -29,15 +29,18 @@ NEARLY_ALL = 0.99  # of the mean square that refitted links take off any joint's
 AS_GOOD = 1.02  # of what refitted links leave at any joint, that one cause may leave in their place
 
 
-def typical(changes: Sequence[float]) -> float:
-    """Return the change that most joints stay below."""
-    return float(np.quantile(changes, MOST_JOINTS))
+def typical(changes: Sequence[float], *, at_least: bool = False) -> float:
+    """Return the change that most joints stay below; ``at_least`` the largest that joints have and that most reach."""
+    return float(np.quantile(changes, MOST_JOINTS, method="lower" if at_least else "linear"))
 
 
-def usually_off(changes: Mapping[int, float], joint: int) -> float:
-    """Return by how much the friction of joints beside one is off as a rule; a few percent where too few can say."""
+def usually_off(changes: Mapping[int, float], joint: int, *, at_least: bool = False) -> float:
+    """Return by how much the friction of joints beside one is off as a rule; a few percent where too few can say.
+
+    ``at_least``: of two or three others one that is far off says nothing of the rest.
+    """
     others = [value for other, value in changes.items() if other != joint]
-    return typical(others) if len(others) >= FEWEST_OTHERS else UNKNOWN
+    return typical(others, at_least=at_least) if len(others) >= FEWEST_OTHERS else UNKNOWN
 
 
 def stated_exactly(model: Model) -> bool:

@@ -223,5 +223,6 @@ def _helps(model: Model, place: slice) -> bool:
 def _bar(change: dict[int, float], joint: int) -> float:
     if len(change) - 1 < FEWEST_OTHERS:
         return LEAST_CHANGE_ROUGH
-    usual = usually_off(change, joint)
-    return LEAST_CHANGE if usual < EXACT else min(ALWAYS, max(LEAST_CHANGE_ROUGH, OUTLYING * usual))
+    if usually_off(change, joint) < EXACT:
+        return LEAST_CHANGE
+    return min(ALWAYS, max(LEAST_CHANGE_ROUGH, OUTLYING * usually_off(change, joint, at_least=True)))

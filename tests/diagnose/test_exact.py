@@ -106,3 +106,16 @@ def test_links_help_where_a_drive_alone_would_have_to_go_farther_than_it_may(nee
         heldout_errors=normal.heldout_errors(folds),
     )
     assert stated._helps(model, slice(1, 2)) is help_  # type: ignore[arg-type]
+
+
+def test_of_two_other_joints_one_that_is_far_off_says_nothing_of_the_third() -> None:
+    far, near, own = 0.24, 0.02, 0.17
+    assert own > stated._bar({0: own, 1: near, 2: far}, 0) == stated.LEAST_CHANGE_ROUGH
+    # Where both are off, so may the third be.
+    assert own < stated._bar({0: own, 1: 0.08, 2: far}, 0)
+    # Of five others most have to be off.
+    assert stated._bar({0: own, **dict.fromkeys((1, 2, 3), near), 4: near, 5: far}, 0) == stated.LEAST_CHANGE_ROUGH
+    assert stated._bar({0: own, 1: near, 2: 0.06, 3: 0.06, 4: 0.06, 5: far}, 0) == pytest.approx(0.18)
+    # That a robot is stated exactly takes both.
+    assert stated._bar({0: own, 1: 0.005, 2: far}, 0) == stated.LEAST_CHANGE_ROUGH
+    assert stated._bar({0: own, 1: 0.005, 2: 0.009}, 0) == stated.LEAST_CHANGE
