@@ -25,7 +25,7 @@ from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.compete import KEPT, MOST_CAUSES
 from mjfriction.diagnose.exact import EXACT, MOST_JOINTS, NEARLY_ALL
 from mjfriction.diagnose.exchange import MOST_EXCHANGED
-from mjfriction.diagnose.findings import ONE_OF_MANY
+from mjfriction.diagnose.findings import FAINTEST, ONE_OF_MANY
 from mjfriction.diagnose.free_links import BAR, FEWEST_GAINING, LEAST_GAINED, MANY, STRAINED
 from mjfriction.diagnose.kin import LEAST_KIN_EFFECT
 from mjfriction.diagnose.link_finding import SURELY
@@ -163,6 +163,10 @@ def test_how_it_decides_tells_how_wide_a_worn_place_is() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"a bump of {100 * NARROWEST:g} to {100 * WIDEST:g} % of the stroke" in told
     assert PASSES == 4, "the page says four times"
+
+
+def test_how_it_decides_tells_what_is_too_faint() -> None:
+    assert f"below {100 * FAINTEST:g} % it is told nowhere" in " ".join(text("docs/how_it_decides.md").split())
 
 
 def test_the_pages_tell_which_joints_and_traces_are_left_out() -> None:

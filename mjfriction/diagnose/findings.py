@@ -29,6 +29,7 @@ from mjfriction.record.log import Floats
 
 OF_ONE_FACTOR = {STATED_LEVELS.name: TorqueConstant.name, TorqueConstant.name: STATED_LEVELS.name}
 ONE_OF_MANY = 0.25  # confidence of what is one of so many alternatives that it names nothing
+FAINTEST = 0.05  # that is told at all: the other half of a cause may be none once all is known
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,8 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
     """Return what there is to tell of a settled model.
 
     ``untold`` tells which of its causes are no findings; neither is what is but one of many alternatives at a joint
-    where something is left unexplained.  ``seed`` sets the resampling behind the intervals of the gains.
+    where something is left unexplained, or hardly likely at all.  ``seed`` sets the resampling behind the intervals of
+    the gains.
     """
     model = settled.model
     heldout = model.heldout_residual(oscillations=True)
@@ -70,7 +72,8 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
         stands = standing(model, choice, field)
         if joint in settled.scaled:
             stands = _of_one_factor(choice, stands)
-        if stands.alternatives and stands.confidence < ONE_OF_MANY and joint in untold.left:
+        names_nothing = stands.alternatives and stands.confidence < ONE_OF_MANY and joint in untold.left
+        if names_nothing or stands.confidence < FAINTEST:
             of_many.add(choice.key)
             continue
         before = without.heldout_residual(oscillations=True)

@@ -48,6 +48,17 @@ def test_it_is_told_only_where_it_names_something(
     assert (SPRING.key in said.untold) is not told
 
 
+@pytest.mark.parametrize(("confidence", "told"), [(0.01, False), (0.1, True)])
+def test_what_is_hardly_likely_is_not_told(
+    confidence: float, told: bool, model: Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(findings, "standing", lambda *_: Standing((), confidence))
+    untold = Untold(frozenset(), {}, model.heldout_residual())
+    said = make_findings(Settled(model, ()), untold, make_field(model.gap, STRUCTURAL), seed=0)
+    assert bool(said.findings) is told
+    assert (SPRING.key in said.untold) is not told
+
+
 def test_two_waves_that_the_stroke_does_not_tell_apart_are_one(model: Model) -> None:
     def wave(wavenumber: float, order: int) -> Chosen:
         return Chosen(PositionFriction(), Site(ELBOW, (wavenumber,), order=order))
