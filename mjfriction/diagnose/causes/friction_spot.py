@@ -20,8 +20,8 @@ from mjfriction.robot.table import Spot
 CENTRE = Parameter("position", "{length}", "where on the stroke friction is another")
 WIDTH = Parameter("width", "{length}", "how far from there it has fallen to three fifths", lower=1e-9)
 HEIGHT = Parameter("coulomb", "{force}", "how much higher the friction level is there")
-WIDTHS = (0.03, 0.06, 0.12, 0.24)  # of the stroke
-NARROWEST, WIDEST = 0.015, 0.35  # of it; wider ones are a level
+WIDTHS = (0.03, 0.06, 0.12, 0.18)  # of the stroke
+NARROWEST, WIDEST = 0.015, 0.2  # of it; a wider one is hardly told from a level
 PASSES = 4  # of a place, at least, one of them the other way: else it may be anything that happened there
 PLACES = 256  # of a stroke, that are looked at
 
