@@ -161,7 +161,7 @@ def test_how_it_decides_tells_what_ratios_a_shared_drive_may_have() -> None:
 
 def test_how_it_decides_tells_how_wide_a_worn_place_is() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
-    assert f"a bump of {100 * NARROWEST:g} to {100 * WIDEST:g} % of the stroke" in told
+    assert f"a bump of which a deviation is {100 * NARROWEST:g} to {100 * WIDEST:g} % of the stroke" in told
     assert PASSES == 4, "the page says four times"
 
 

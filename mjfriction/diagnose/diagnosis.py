@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 
 from mjfriction.diagnose.audit import find_faults
@@ -21,7 +23,7 @@ from mjfriction.diagnose.stroke_curve import stroke_curves
 from mjfriction.diagnose.unevenness import as_uneven, with_unevenness
 from mjfriction.diagnose.untold import find_untold
 from mjfriction.diagnose.verdict import faults_in_words, reach_verdict, summarize, unexplained
-from mjfriction.errors import RobotError, SimulationError
+from mjfriction.errors import InputError
 from mjfriction.identify.effort_bandwidth import find_bandwidths, with_bandwidths
 from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.joint_error import joint_error
@@ -62,7 +64,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     joints = tuple(joint_error(gap, joint, left, heldout, seed, stated=seen.stated) for joint in gap.examined)
     extended = extend_robot(model)
     bandwidths = {} if faults else find_bandwidths(seen.whole, extended)
-    driven, not_run = _driven(model, robot, seed, tell) if not faults else (None, None)
+    driven, not_run = (None, None) if faults else _driven(model, robot, seed, seen.jumps.keys(), tell)
     verdict = Verdict.BAD_DATA if faults else reach_verdict(findings, remaining)
     return Diagnosis(
         gap=gap,
@@ -86,9 +88,11 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     )
 
 
-def _driven(model: Model, stated: Robot, seed: int, tell: Tell) -> tuple[FreeRun | None, str | None]:
+def _driven(
+    model: Model, stated: Robot, seed: int, jumping: Collection[int], tell: Tell
+) -> tuple[FreeRun | None, str | None]:
     tell("driving both robots freely", DRIVING)
     try:
-        return run_freely(model, stated, seed), None
-    except (RobotError, SimulationError) as error:
+        return run_freely(model, stated, seed, jumping), None
+    except InputError as error:
         return None, str(error)  # what MuJoCo cannot hold is diagnosed all the same

@@ -147,7 +147,7 @@ def _fitted(gap: Gap, choice: Chosen, strengths: Floats, half: Floats) -> list[F
     entries += [
         (declared, value, width)
         for declared, value, width in zip(
-            choice.cause.shape_parameters, choice.site.shape, half[len(quantities) :], strict=True
+            choice.cause.shape_parameters, choice.site.shape, half[len(quantities) :], strict=False
         )
     ]
     return [

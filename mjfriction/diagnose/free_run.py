@@ -4,6 +4,7 @@ time, from where the machine was.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from mjfriction.diagnose.extend import extend_robot
 from mjfriction.diagnose.model import Model
 from mjfriction.errors import RobotError
+from mjfriction.identify.doubt import unusable_rows
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.proof import Gain, measure_gain
 from mjfriction.identify.stretches import Cuts, missed, stretches_at
@@ -25,8 +27,8 @@ class FreeRun:
     """How far the joints end up from where the machine was, in runs of so many ``seconds``, one in a block of motion.
 
     ``begin`` (runs,) on the log's clock and ``time`` (m,) since then; ``stated`` and ``extended`` (runs, m, joints),
-    rad or m, the extended robot fitted to other blocks each time; ``gains``, by the index of each examined joint, the
-    RMS of both.
+    rad or m, the strengths of the extended robot fitted to other blocks each time; ``gains``, by the index of each
+    joint that is told of, the RMS of both in rad or m.
     """
 
     seconds: float
@@ -37,11 +39,12 @@ class FreeRun:
     gains: dict[int, Gain]
 
 
-def run_freely(model: Model, stated: Robot, seed: int) -> FreeRun:
+def run_freely(model: Model, stated: Robot, seed: int, jumping: Collection[int] = ()) -> FreeRun:
     """Drive the ``stated`` robot and the one extended by a model freely along the model's log.
 
-    ``seed`` sets the resampling behind the intervals.  Raises :class:`RobotError` where a joint
-    that moves has no effort, no block is long enough, or the robot states what MuJoCo cannot hold.
+    ``seed`` sets the resampling behind the intervals.  Of joints whose sensors were seen ``jumping`` nothing is told:
+    the motion is that without the jumps.  Raises :class:`~mjfriction.errors.InputError` where a joint that moves has no
+    effort, no block is long enough, a cause is none without a part of the log, or MuJoCo cannot hold a robot.
     """
     gap = model.gap
     cuts, block = _one_in_each_block(gap)
@@ -51,17 +54,27 @@ def run_freely(model: Model, stated: Robot, seed: int) -> FreeRun:
     for fold in gap.blocks.folds:
         own = np.flatnonzero(fold[block])
         if own.size:
-            robot = extend_robot(model, model.built_from(~fold))
+            robot = extend_robot(model, _possible(model, model.built_from(~fold)))
             better[own] = missed(gap, [robot], stretches_at(gap, robot, cuts.some(own)))[0]
     each = np.repeat(block, off.shape[1])
-    gains = {i: measure_gain(off[..., i].ravel(), better[..., i].ravel(), each, seed) for i in gap.examined}
+    told = [i for i in gap.examined if i not in jumping]
+    gains = {i: measure_gain(off[..., i].ravel(), better[..., i].ravel(), each, seed) for i in told}
     time = np.asarray(fixed.compared * fixed.step)
     return FreeRun(fixed.seconds, gap.motion.time[cuts.begins], time, off, better, gains)
 
 
+def _possible(model: Model, strengths: Floats) -> Floats:
+    for choice, place in zip(model.chosen, model.places, strict=True):
+        if not choice.cause.admissible(model.gap, choice.site, strengths[place]):
+            raise RobotError(f"{choice.cause.name} comes out as nature does not allow without a part of the log")
+    return strengths
+
+
 def _one_in_each_block(gap: Gap) -> tuple[Cuts, Integers]:
-    # In the middle of its longest stretch that no gap cuts and no filter's end touches.
+    # In the middle of its longest stretch that no gap cuts, no filter's end touches and all efforts tell something of.
     motion, blocks = gap.motion, gap.blocks
+    spoilt = unusable_rows(gap.log, motion, gap.chain)[:, list(gap.examined)].any(axis=1)
+    told = motion.settled & (np.interp(motion.time, gap.chain.time, spoilt.astype(np.float64)) == 0.0)
     length = round(SECONDS * motion.rate)
     begins, kept = [], []
     for block in range(blocks.count):
@@ -69,7 +82,7 @@ def _one_in_each_block(gap: Gap) -> tuple[Cuts, Integers]:
         if not rows.size:
             continue
         first, last = np.searchsorted(motion.time, rows[[0, -1]]).tolist()
-        samples = first + np.flatnonzero(motion.settled[first:last])
+        samples = first + np.flatnonzero(told[first:last])
         apart = np.flatnonzero((np.diff(samples) > 1) | (np.diff(motion.piece[samples]) != 0)) + 1
         longest = max(np.split(samples, apart), key=len)
         if longest.size > length:

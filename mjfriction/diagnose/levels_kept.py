@@ -7,6 +7,8 @@ as stated nothing else needs to be wrong.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from mjfriction.diagnose.exact import AS_GOOD
 from mjfriction.diagnose.exchange import for_place_of
 from mjfriction.diagnose.field import Field, chances_in
@@ -19,7 +21,9 @@ ROUNDS = 2
 
 
 def with_levels_as_stated(model: Model) -> Model:
-    """Return the model with those shapes, that free levels make up for, beside which levels as stated do as well."""
+    """Return the model with those shapes, that free levels make up for, beside which levels as stated do as well: these
+    are held then.
+    """
     for choice in model.chosen:
         bounds = choice.cause.bounds_beside_stated_levels(model.gap, choice.site)
         if bounds:
@@ -28,7 +32,8 @@ def with_levels_as_stated(model: Model) -> Model:
 
 
 def _reshaped(model: Model, choice: Chosen, bounds: list[tuple[float, float]]) -> Model:
-    gap, felt, kept, own = model.gap, cause_block(model.gap, choice)[0].keys(), model.nuisance, choice
+    gap, felt, kept = model.gap, cause_block(model.gap, choice)[0].keys(), model.nuisance
+    own = replace(choice, site=choice.site.shaped(choice.site.shape or tuple(1.0 for _ in bounds)))
     for joint in felt:
         kept = kept.without_level(joint)
     held = build_model(gap, kept, model.without(choice).chosen)
@@ -42,7 +47,7 @@ def _reshaped(model: Model, choice: Chosen, bounds: list[tuple[float, float]]) -
     before, after = (one.heldout_residual() for one in (model, there))
     if any(gap.rms(after[:, joint], joint) > AS_GOOD * gap.rms(before[:, joint], joint) for joint in felt):
         return model
-    return build_model(gap, model.nuisance, there.chosen)
+    return there
 
 
 def one_for_both(model: Model, joint: int, field: Field) -> Model | None:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from mjfriction.diagnose.causes.delay import JointDelay, late
+from mjfriction.diagnose.causes.friction_spot import FrictionSpot
 from mjfriction.diagnose.causes.play import Play
 from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.varying import Varying
+from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, cause_block
 from mjfriction.diagnose.trial import strain
@@ -24,10 +26,12 @@ def refused(model: Model) -> list[Chosen]:
 
     Those whose gain on motion not fitted may be none while joints move; those whose size is not told from none
     beside another curve on their joint; efforts that seem early beside play; delays of which only a part of the effort
-    knows; and courses of friction over time that raise it when slow and lower it when fast, or the other way round.
+    knows; courses of friction over time that raise it when slow and lower it when fast, or the other way round; and a
+    spot along a stroke beside waves of friction.
     """
     unproved = [choice for choice in model.chosen if not proved(model, choice)]
-    return [*unproved, *_dissolved(model), *_of_landings(model), *_torn(model), *_both_ways(model)]
+    rules = (_dissolved, _of_landings, _torn, _both_ways, _among_waves)
+    return [*unproved, *(choice for rule in rules for choice in rule(model))]
 
 
 def proved(model: Model, choice: Chosen) -> bool:
@@ -83,6 +87,12 @@ def _of_landings(model: Model) -> list[Chosen]:
         for choice, place in zip(model.chosen, model.places, strict=True)
         if isinstance(choice.cause, JointDelay) and choice.site.joint in loose and model.strengths[place][0] < 0.0
     ]
+
+
+def _among_waves(model: Model) -> list[Chosen]:
+    # A spot and waves spell nearly anything along a stroke: waves by themselves, which fewer do, come before that.
+    waving = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, PositionFriction)}
+    return [choice for choice in model.chosen if isinstance(choice.cause, FrictionSpot) and choice.site.joint in waving]
 
 
 def _both_ways(model: Model) -> list[Chosen]:

@@ -14,7 +14,7 @@ BOOTSTRAPS = 2000
 
 @dataclass(frozen=True)
 class Gain:
-    """RMS effort error at a joint without and with a cause, on motion not fitted.
+    """RMS error at a joint without and with a cause, on motion not fitted: of effort, unless something else is said.
 
     ``reduction`` = 1 − after/before; ``low`` and ``high`` bound it at 95 %.
     """

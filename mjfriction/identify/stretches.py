@@ -8,6 +8,7 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import mujoco
 import numpy as np
 
 from mjfriction.errors import RobotError
@@ -19,6 +20,7 @@ from mjfriction.robot.robot import Robot
 from mjfriction.robot.simulation import robot_laws, robot_spec
 from mjfriction.sim.attach import attach
 from mjfriction.sim.replay import replay
+from mjfriction.sim.spec import compiled
 
 LONGEST_STEP = 1e-3  # s
 COMPARED_EVERY = 0.01  # s between the positions that are compared
@@ -27,7 +29,7 @@ ENOUGH = 60  # stretches; short logs give as many by overlapping, for where a sw
 MOST_OVERLAP = 0.75
 LOST = 1e3  # rad or m
 BEFORE = 0.4  # s of motion on both sides of a stretch, that what is known along it is worked out on
-UNMOVED = 1e6  # kg·m² or kg: so heavy, a joint that is held goes on as it began
+UNMOVED = 1e9  # kg·m² or kg: so heavy, a joint that is held stays where it began
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,7 @@ class Stretches:
     and the positions ``measured`` (k, m, joints) at the steps ``compared`` (m,).
 
     The efforts are those that drives which neither filter nor are late would report, less what a robot states beside
-    its MuJoCo model; joints that are ``held`` go on as they began.
+    its MuJoCo model; joints that are ``held`` stay where they began.
     """
 
     position: Floats
@@ -91,7 +93,7 @@ def cut_stretches(gap: Gap, robot: Robot, seconds: float) -> Stretches:
     bounds = np.flatnonzero(np.diff(motion.piece)) + 1
     pieces = list(itertools.pairwise([0, *bounds.tolist(), motion.time.size]))
     longest = max(past - first for first, past in pieces)
-    length = round(min(seconds * motion.rate, longest - 1))
+    length = max(1, round(min(seconds * motion.rate, longest - 1)))
     whole = sum((past - first) // length for first, past in pieces)
     apart = max(1, round(length * float(np.clip(whole / ENOUGH, 1.0 - MOST_OVERLAP, 1.0))))
     begins = [begin for first, past in pieces for begin in range(first, past - length, apart)]
@@ -103,14 +105,11 @@ def stretches_at(gap: Gap, robot: Robot, cuts: Cuts) -> Stretches:
 
     Raises :class:`RobotError` where a joint that moves has no effort.
     """
-    lacking = [
-        joint
-        for i, joint in enumerate(robot.joints)
-        if i not in gap.examined and gap.motion.moving[i] and gap.motion.quantity[i] is None
-    ]
+    held = [i for i in range(len(robot.joints)) if i not in gap.examined]
+    turning = gap.motion.moving & ~gap.motion.dawdling(gap.body.sliding)
+    lacking = [robot.joints[i] for i in held if turning[i]]
     if lacking:
         raise RobotError(f"simulated motion needs the efforts of all joints, and {', '.join(lacking)} has none")
-    held = [i for i in range(len(robot.joints)) if i not in gap.examined]
     motion, begins = _around(gap.motion, cuts)
     fine = max(1, int(np.ceil(1.0 / (motion.rate * LONGEST_STEP) - 1e-9)))
     step = 1.0 / (motion.rate * fine)
@@ -119,9 +118,11 @@ def stretches_at(gap: Gap, robot: Robot, cuts: Cuts) -> Stretches:
     driven = drive_model(robot, motion)
     torque = driven.torque.copy()
     torque[:, held] = 0.0
+    velocity = driven.velocity[begins]
+    velocity[:, held] = 0.0
     return Stretches(
         position=driven.position[begins],
-        velocity=driven.velocity[begins],
+        velocity=velocity,
         # An effort is held over its step, so that the middle's is taken.
         reported=_on_steps(torque, begins, clock + 0.5 / fine) * _scale(robot) + _offset(robot),
         measured=_on_steps(driven.position, begins, clock[compared]),
@@ -145,11 +146,10 @@ def _around(motion: Motion, cuts: Cuts) -> tuple[Motion, Integers]:
 
 def _on_steps(values: Floats, begins: Integers, at: Floats) -> Floats:
     # Values (n, joints) at moments (m,), in samples since stretches begin, (k, m, joints).
-    whole = np.minimum(at.astype(np.int64), int(np.max(at)))
+    whole = at.astype(np.int64)
     share = (at - whole)[:, None]
     first = begins[:, None] + whole
-    after = np.minimum(first + 1, values.shape[0] - 1)
-    return np.asarray((1.0 - share) * values[first] + share * values[after])
+    return np.asarray((1.0 - share) * values[first] + share * values[first + 1])
 
 
 def missed(gap: Gap, robots: Sequence[Robot], stretches: Stretches) -> Floats:
@@ -163,7 +163,10 @@ def missed(gap: Gap, robots: Sequence[Robot], stretches: Stretches) -> Floats:
         spec.option.timestep = stretches.step
         for name in stretches.held:
             spec.joint(name).armature = UNMOVED
-        models.append(attach(spec, robot_laws(robot)))
+        # One that came to nothing would begin anew in its initial state, as if it had never flown away.
+        spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
+        laws = robot_laws(robot)
+        models.append(attach(spec, laws) if laws else compiled(spec))
         efforts.append((stretches.reported - _offset(robot)) / _scale(robot))
     went = replay(models, gap.robot.joints, stretches.position, stretches.velocity, np.array(efforts))
     return np.nan_to_num(went[:, :, stretches.compared] - stretches.measured, nan=LOST, posinf=LOST, neginf=-LOST)

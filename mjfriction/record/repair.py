@@ -53,7 +53,7 @@ def without_repeats(log: Log) -> Log:
     machine moves on, and with that said.
     """
     once = _without_repeated(log, written_again(log.time, log.segment, log.columns))
-    return _without_repeated(once, repeated_rows(once.columns) | held_rows(once.columns, _pieces(once)))
+    return _without_repeated(once, repeated_rows(once.columns) | held_rows(once.columns, _unbroken(once)))
 
 
 def _without_repeated(log: Log, repeated: Mask) -> Log:
@@ -71,7 +71,7 @@ def repaired(log: Log) -> Log:
     faults = list(log.faults)
     unusable = dict(log.unusable)
     dropped = np.zeros(log.time.size, dtype=bool)
-    piece = _pieces(log)
+    piece = _unbroken(log)
     travel = {joint: _travel(columns[f"{POSITION}.{joint}"]) for joint in log.joints}
     for joint in log.joints:
         for quantity in (POSITION, VELOCITY, EFFORT, CURRENT):
@@ -107,11 +107,15 @@ def repaired(log: Log) -> Log:
     return _without(changed, dropped) if np.any(dropped) else changed
 
 
-def _pieces(log: Log) -> Integers:
-    # What was recorded without a break: its segments, and between their gaps.
-    step = np.diff(log.time)
-    apart = (np.diff(log.segment) != 0) | (np.abs(step) > GAP_STEPS * float(np.median(step)))
-    return np.append(0, np.cumsum(apart))
+def _unbroken(log: Log) -> Integers:
+    # What was recorded without a break, by its number: segments, and what lies between their gaps.
+    steps = steps_of(log)
+    if steps is None:
+        return log.segment
+    ordinary = steps.ordinary
+    if (sampled := burst_step(steps)) is not None:
+        ordinary = max(sampled, float(np.max(steps.length[steps.joined])) / GAP_STEPS)  # rows that come late are no gap
+    return np.append(0, np.cumsum(~steps.joined | (np.abs(steps.length) > GAP_STEPS * ordinary)))
 
 
 def _travel(position: Floats) -> float:

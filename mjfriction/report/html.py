@@ -38,11 +38,10 @@ def _driven(diagnosis: Diagnosis, joints: Sequence[str]) -> list[tuple[str, Mark
     run, gap = diagnosis.free_run, diagnosis.gap
     if run is None:
         return []
-    places = [gap.robot.joints.index(joint) for joint in joints]
-    figures = [free_run_figure(run, place, sliding=gap.body.sliding[place]) for place in places if place in run.gains]
+    shown = [(joint, place) for joint in joints if (place := gap.robot.joints.index(joint)) in run.gains]
     return [
-        (joint, Markup(figure_html(figure, f"driven-{k}")))
-        for k, (joint, figure) in enumerate(zip(joints, figures, strict=True))
+        (joint, Markup(figure_html(free_run_figure(run, place, sliding=gap.body.sliding[place]), f"driven-{k}")))
+        for k, (joint, place) in enumerate(shown)
     ]
 
 

@@ -122,6 +122,21 @@ def stated_load(joint: Joint, *, includes_rotor: bool = False) -> float:
     return sum(term.value("load") for term in own if term.load_includes_rotor == includes_rotor)
 
 
+def with_less_load(robot: Robot, joint: str, less: float, *, includes_rotor: bool = False) -> Robot:
+    """Return the robot with friction of a joint that grows by so much less with the load than is stated, in the laws
+    that :func:`stated_load` sums up, as far as they go.
+    """
+    table, changed = robot.joint(joint), []
+    for term in terms(table):
+        lowered = term
+        if term.law == LOAD_DEPENDENT.name and term.load_includes_rotor == includes_rotor:
+            taken = min(less, term.value("load"))
+            less -= taken
+            lowered = term.model_copy(update={"parameters": {**term.parameters, "load": term.value("load") - taken}})
+        changed.append(lowered)
+    return robot.with_joint(table.model_copy(update={"friction": tuple(changed)}))
+
+
 def raised_levels(robot: Robot, joint: str, coulomb: float, viscous: float) -> Robot:
     """Return the robot with Coulomb and viscous friction of a joint raised (or lowered) by so much, at the joint.
 

@@ -9,7 +9,7 @@ import numpy as np
 from mjfriction.laws.law import Floats
 from mjfriction.robot.table import Spot, Wave
 
-APART = 60.0  # widths between a spot and its images in a series: farther than a stroke over which it can be seen
+APART = 120.0  # widths between a spot and its images in a series: beyond the stroke, but for the finest spots
 LEAST_WAVE = 1e-4  # of the first wave, that the last one has
 
 
@@ -30,7 +30,7 @@ def spot_slopes_along(spots: Sequence[Spot], position: Floats) -> Floats:
 
 
 def as_waves(spot: Spot) -> tuple[float, tuple[Wave, ...]]:
-    """Return a spot as a level and waves, the Fourier series of spots that are 60 widths apart."""
+    """Return a spot as a level and waves, the Fourier series of spots that are 120 widths apart."""
     level = spot.coulomb * np.sqrt(2.0 * np.pi) / APART
     first = 2.0 * np.pi / (APART * spot.width)
     count = int(np.ceil(np.sqrt(-2.0 * np.log(LEAST_WAVE)) / (first * spot.width)))

@@ -10,6 +10,7 @@ import numpy as np
 
 from mjfriction.laws.law import Floats
 from mjfriction.sim.callback import friction_active
+from mjfriction.sim.messages import messages_dropped
 
 
 def replay(
@@ -35,7 +36,7 @@ def replay(
         data.qpos[places], data.qvel[dofs] = position[k], velocity[k]
         mujoco.mj_getState(first, data, initial[k], kind)
     every = [model for model in models for _ in range(stretches)]
-    with friction_active():
+    with friction_active(), messages_dropped():
         states, _ = mujoco.rollout.rollout(
             every,
             [mujoco.MjData(first) for _ in range(2)],

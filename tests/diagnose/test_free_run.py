@@ -10,15 +10,17 @@ import pytest
 from numpy.typing import NDArray
 
 from mjfriction.benchmark.cases import Case, Setting, draw_of, make_case
+from mjfriction.diagnose import free_run
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.free_run import SECONDS
 from mjfriction.diagnose.model import Model
 from mjfriction.diagnose.outcome import Verdict
-from mjfriction.identify.gap import gap_of
-from mjfriction.identify.stretches import simulated_error
+from mjfriction.identify.gap import Gap, gap_of, measure_gap
+from mjfriction.identify.stretches import Cuts, Stretches, simulated_error
 from mjfriction.record.log import Floats, Log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.report.result import make_report
+from mjfriction.robot.robot import Robot
 
 SETTING = Setting(seconds=30.0, rate=250.0)
 
@@ -55,22 +57,59 @@ def test_where_nothing_is_hidden_nothing_is_gained() -> None:
         assert abs(gain.reduction) < 0.05
 
 
-def test_no_run_is_on_motion_that_its_robot_was_fitted_to(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_run_is_on_motion_that_its_robots_strengths_were_fitted_to(monkeypatch: pytest.MonkeyPatch) -> None:
     case = make_case(7, SETTING, (draw_of("friction.load"),), 6.0)
-    seen: list[NDArray[np.bool_]] = []
-    whole = Model.built_from
+    fitted: list[NDArray[np.bool_]] = []
+    driven: list[Floats] = []
+    whole, at = Model.built_from, free_run.stretches_at
 
     def spied(model: Model, training: NDArray[np.bool_]) -> Floats:
-        seen.append(training)
+        fitted.append(training)
         return whole(model, training)
 
-    monkeypatch.setattr(Model, "built_from", spied)
+    def watched(gap: Gap, robot: Robot, cuts: Cuts) -> Stretches:
+        driven.append(gap.motion.time[cuts.begins])
+        return at(gap, robot, cuts)
+
     diagnosis = diagnose_log(log_of(case), case.stated)
-    left_out = [training for training in seen if not np.all(training)]
-    # Every block is left out once, and what is left out is a part of its own.
-    np.testing.assert_array_equal(np.sum(~np.array(left_out), axis=0), 1)
-    assert diagnosis.free_run is not None
-    assert diagnosis.free_run.stated.shape[0] <= diagnosis.gap.blocks.count
+    gap = diagnosis.gap
+    monkeypatch.setattr(Model, "built_from", spied)
+    monkeypatch.setattr(free_run, "stretches_at", watched)
+    diagnose_log(log_of(case), case.stated)
+    folds = [training for training in fitted if not np.all(training)]
+    _, *runs = driven  # the stated robot's first
+    assert len(folds) == len(runs) == len(gap.blocks.folds)
+    for training, begins in zip(folds, runs, strict=True):
+        block = gap.blocks.row[np.searchsorted(gap.chain.time, begins)]
+        assert not np.any(training[block])
+    assert sum(begins.size for begins in runs) == driven[0].size
+
+
+def test_efforts_that_say_nothing_drive_nothing() -> None:
+    case = make_case(7, SETTING, (), 1.0)
+    log = log_of(case)
+    clipped = (log.time > 10.0) & (log.time < 14.0)
+    gap = measure_gap(replace(log, unusable={f"effort.{case.stated.joints[2]}": clipped}), case.stated)
+    begins = gap.motion.time[free_run._one_in_each_block(gap)[0].begins]
+    assert begins.size > 15
+    assert not np.any((begins > 10.0 - SECONDS) & (begins < 14.0))
+
+
+def test_a_cause_that_is_none_without_a_part_of_the_log_is_told_of_and_not_driven(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    case = make_case(7, SETTING, (draw_of("friction.load"),), 6.0)
+    whole = Model.built_from
+
+    def turned(model: Model, training: NDArray[np.bool_]) -> Floats:
+        strengths = whole(model, training)
+        return strengths if np.all(training) else -strengths
+
+    monkeypatch.setattr(Model, "built_from", turned)
+    diagnosis = diagnose_log(log_of(case), case.stated)
+    assert [one.cause for one in diagnosis.findings] == ["friction.load"]
+    assert diagnosis.free_run is None
+    assert diagnosis.not_run == "friction.load comes out as nature does not allow without a part of the log"
 
 
 def test_an_arm_that_cannot_be_driven_is_diagnosed_all_the_same() -> None:

@@ -8,13 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import diagnosis
+from mjfriction.diagnose import diagnosis, refusal
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.friction_spot import FrictionSpot
+from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.model import Chosen, build_model
+from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.outcome import Diagnosis
-from mjfriction.identify.gap import measure_gap
+from mjfriction.diagnose.shapes import apart
+from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.record.readers import read_log
+from mjfriction.robot.effort import predict_effort
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_COULOMB, UR5_JOINTS, Instant, Machine, write_case
 
@@ -77,3 +82,64 @@ def test_a_place_that_is_passed_one_way_only_tells_of_no_friction(tmp_path: Path
     once = replace(gap, motion=replace(gap.motion, position=position))
     assert not spot.own_shape(once, Site(ELBOW, (middle, 0.1)))
     assert not any(site.joint == ELBOW for site in spot.sites(once))
+
+
+def gap_with_offset(folder: Path, offset: float) -> Gap:
+    log, path = write_case(folder, Machine(), seed=5, seconds=10.0)
+    robot = read_robot(path)
+    joint = robot.table.joint[ELBOW]
+    sensor = joint.position_sensor.model_copy(update={"offset": offset})
+    return measure_gap(read_log(log), robot.with_joint(joint.model_copy(update={"position_sensor": sensor})))
+
+
+@pytest.mark.parametrize(
+    "cause", [FrictionSpot(), PositionFriction(), Cogging()], ids=lambda cause: type(cause).__name__
+)
+def test_what_lies_along_the_stroke_is_stated_where_the_joint_is(
+    cause: FrictionSpot | PositionFriction | Cogging, tmp_path: Path
+) -> None:
+    gap = gap_with_offset(tmp_path, 0.4)
+    middle = float(np.median(gap.motion.position[:, ELBOW]))
+    shape = (middle, 0.15) if isinstance(cause, FrictionSpot) else (5.0,)
+    strengths, site = np.array([2.0, -1.0])[: 1 if isinstance(cause, FrictionSpot) else 2], Site(ELBOW, shape)
+    extended = cause.extend(gap.robot, site, strengths)
+    before, after = (predict_effort(one, one.body(), gap.motion).reported for one in (gap.robot, extended))
+    expected = cause.samples(gap, site) @ strengths
+    np.testing.assert_allclose((after - before)[:, ELBOW], expected, atol=1e-9)
+
+
+def test_a_place_is_passed_often_where_it_is_and_within_a_motion(tmp_path: Path) -> None:
+    gap = gap_with_offset(tmp_path, 0.0)
+    count, position = gap.motion.time.size, gap.motion.position.copy()
+    spot, shape = FrictionSpot(), (0.5, 0.02)
+
+    def told(course: np.ndarray, piece: np.ndarray | None = None) -> bool:
+        position[:, ELBOW] = course
+        motion = replace(gap.motion, position=position.copy())
+        if piece is not None:
+            motion = replace(motion, piece=piece)
+        return spot.own_shape(replace(gap, motion=motion), Site(ELBOW, shape))
+
+    share = np.arange(count) / count
+    to_and_fro = 0.5 - 0.5 * np.cos(2.0 * np.pi * 4.0 * share)
+    assert told(to_and_fro)
+    # Often at both ends, and once between.
+    ends = 0.1 * to_and_fro + 0.9 * (share > 0.5)
+    assert not told(ends)
+    # Upward in every motion: where one ends and the next begins the joint went elsewhere unseen.
+    upward, motions = (6.0 * share) % 1.0, (6.0 * share).astype(np.int64)
+    assert not told(upward, motions)
+    # Three passes are none, four are.
+    for passes, often in ((3.0, False), (4.0, True)):
+        assert told(0.5 - 0.5 * np.cos(np.pi * passes * share)) is often
+
+
+def test_a_spot_beside_waves_is_refused(tmp_path: Path) -> None:
+    gap = gap_with_offset(tmp_path, 0.0)
+    middle = float(np.median(gap.motion.position[:, ELBOW]))
+    spot, wave = Chosen(FrictionSpot(), Site(ELBOW, (middle, 0.1))), Chosen(PositionFriction(), Site(ELBOW, (5.0,)))
+    alone, both = (build_model(gap, make_nuisance(gap), chosen) for chosen in ((spot,), (spot, wave)))
+    assert refusal._among_waves(alone) == []
+    assert [choice.key for choice in refusal._among_waves(both)] == [spot.key]
+    assert spot.key != wave.key
+    assert apart(both, Chosen(PositionFriction(), Site(ELBOW, (middle,))))

@@ -8,12 +8,15 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.load import DriveLoad, Load
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder
 from mjfriction.record.readers.table import log_from_table
-from mjfriction.robot.friction import with_term
+from mjfriction.robot.files import read_robot, write_robot
+from mjfriction.robot.friction import stated_load, with_term
 from mjfriction.robot.robot import Robot
 from tests.diagnose.test_planar_arm import planar
 
@@ -45,3 +48,20 @@ def test_the_load_is_told_with_or_without_the_rotor_as_it_is(*, includes_rotor: 
     assert ("rotor included" in finding.evidence) is includes_rotor
     added = [term for term in found.robot.joint("shoulder").friction or () if term.law == "load_dependent"]
     assert [term.load_includes_rotor for term in added] == [includes_rotor]
+
+
+@pytest.mark.parametrize(("cause", "rotor"), [(Load(), False), (DriveLoad(), True)])
+def test_less_load_than_is_stated_lowers_the_law_that_states_it(
+    cause: Load | DriveLoad, rotor: bool, tmp_path: Path
+) -> None:
+    robot = planar(tmp_path)
+    stated = {"coulomb": 0.2, "load": LOAD, "viscous": 0.1}
+    robot = with_term(robot, "elbow", "load_dependent", stated, load_includes_rotor=rotor)
+    site = Site(robot.joints.index("elbow"))
+    lower = cause.extend(robot, site, np.array([-0.6 * LOAD]))
+    assert stated_load(lower.joint("elbow"), includes_rotor=rotor) == pytest.approx(0.4 * LOAD)
+    # A law that pushes could not be written: every command would refuse the file.
+    assert read_robot(write_robot(lower, tmp_path / "lower")).joint("elbow").friction == lower.joint("elbow").friction
+    assert all(
+        term.value("load") >= 0.0 for term in lower.joint("elbow").friction or () if term.law == "load_dependent"
+    )

@@ -104,6 +104,9 @@ def test_waves_of_friction_that_are_vague_are_no_findings(tmp_path: Path, monkey
     def waves(i):  # type: ignore[no-untyped-def]
         return (1.8 * np.cos(4.0 * i.q) + 1.5 * np.cos(11.0 * i.q)) * np.sign(i.v)
 
-    assert [one.cause for one in diagnosed(tmp_path / "known", waves).findings] == 2 * ["friction.position"]
+    known = diagnosed(tmp_path / "known", waves).findings
+    assert [one.cause for one in known] == 2 * ["friction.position"]
+    # As two waves, not as a spot and what waves make of the rest.
+    assert sorted(one.parameters[-1].value for one in known) == pytest.approx([4.0, 11.0], rel=0.1)
     monkeypatch.setattr(stroke_curve, "KNOWN_TO", 0.0)
     assert diagnosed(tmp_path / "vague", waves).findings == ()

@@ -50,8 +50,9 @@ def test_no_curve_of_friction_is_claimed_but_damping_that_thins(tx40: Diagnosis)
 def test_friction_identified_beside_the_coupling_is_as_published(tx40: Diagnosis) -> None:
     # What is found besides, damping that thins, would share the published linear friction out.
     coupling = next(finding for finding in tx40.findings if finding.cause == "drive.coupling")
-    level, shared, inertia, _ = (parameter.value for parameter in coupling.parameters)
-    robot = SumRotor().extend(tx40.gap.robot, Site(4, (1.0,), other=5), np.array([level, shared, inertia]))
+    told = {parameter.name: parameter.value for parameter in coupling.parameters}
+    level, shared, inertia = (told[name] for name in ("coulomb", "viscous", "inertia"))
+    robot = SumRotor().extend(tx40.gap.robot, Site(4, other=5), np.array([level, shared, inertia]))
     found = identify_log(tx40.gap.log, robot, law="coulomb_viscous")
     held = []
     for i, law in enumerate(found.laws):

@@ -310,3 +310,15 @@ def test_a_joint_that_sticks_stops_at_once_and_is_not_stuck() -> None:
     pace = 0.15 * np.clip(2.0 * phase, 0.0, 1.0) * (phase < 1.5) * np.where(time % 4.0 < 2.0, 1.0, -1.0)
     course = np.round(np.cumsum(pace) / RATE / count) * count
     assert not np.any(stuck(course, np.diff(course, append=course[-1]) * RATE))
+
+
+def test_a_recorder_that_stalls_is_known_in_rows_that_come_in_bursts() -> None:
+    sampled = np.arange(4000) / RATE
+    stamped = np.floor(sampled * RATE / 10.0 + 1.0) * 10.0 / RATE + 1e-6 * (np.arange(4000) % 10)
+    noise = 0.1 * np.random.default_rng(4).standard_normal((2, 4000))
+    rows = {"position.a": np.sin(3.0 * sampled) + 1e-4 * noise[0], "effort.a": noise[1]}
+    for values in rows.values():
+        values[2000:2060] = values[2000]
+    log = log_from_table(pa.table({"time": stamped, **rows}), "log")
+    assert "data.duplicate" in {fault.kind for fault in log.faults}
+    assert log.time.size < 3950

@@ -24,7 +24,7 @@ from mjfriction.robot.table import Spot
 ELBOW = "elbow_joint"
 SPOT = Spot(position=1.3, width=0.08, coulomb=4.0)
 WORN = with_friction_spot(read_robot("ur5"), ELBOW, SPOT)
-STROKE = np.linspace(SPOT.position - 25.0 * SPOT.width, SPOT.position + 25.0 * SPOT.width, 4001)
+STROKE = np.linspace(SPOT.position - 55.0 * SPOT.width, SPOT.position + 55.0 * SPOT.width, 8001)
 
 
 def test_waves_that_stand_for_a_spot_are_that_spot_wherever_its_stroke_may_go() -> None:

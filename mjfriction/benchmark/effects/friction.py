@@ -104,7 +104,9 @@ def presliding(rng: np.random.Generator, place: Place) -> Effect:
 def position(rng: np.random.Generator, place: Place) -> Effect:
     """A level that rises and falls along the stroke, or is higher at one place of it."""
     wave = wave_along(rng, place, 10.0)
-    where, width = rng.uniform(0.15, 0.85), rng.uniform(0.04, 0.2)
+    # Drawn from the wave, so that what else a seed draws is what it was before there were spots.
+    own = np.random.default_rng(int(1e6 * wave(1.0).wavenumber))
+    where, width, waves = own.uniform(0.15, 0.85), own.uniform(0.04, 0.2), own.random() < WAVING
     low = float(np.min(place.course))
 
     def waving(robot: Robot, a: float) -> Robot:
@@ -115,7 +117,7 @@ def position(rng: np.random.Generator, place: Place) -> Effect:
         spot = Spot(position=low + where * place.stroke, width=width * place.stroke, coulomb=level)
         return with_friction_spot(robot, place.joint, spot)
 
-    return on_joint("friction.position", place, waving if rng.random() < WAVING else worn, 0.3, 0.95)
+    return on_joint("friction.position", place, waving if waves else worn, 0.3, 0.95)
 
 
 def temperature(rng: np.random.Generator, place: Place) -> Effect:

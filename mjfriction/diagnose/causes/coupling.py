@@ -22,7 +22,7 @@ CARRIED = Parameter("inertia", "{force}·s²/{length}", "inertia that the other 
 INERTIA = Parameter("inertia", "{force}·s²/{length}", "inertia of the rotor that both joints turn", lower=0.0)
 EFFORT = Parameter("effort", "1", "share of the other joint's effort")
 RATIOS = (0.25, 4.0)  # by which a drive that is shared turns with one joint, once with the other
-RATIO = Parameter("ratio", "1", "how far the drive turns with the joint named first", RATIOS[0], RATIOS[1])
+RATIO = Parameter("ratio", "1", "turns with the first joint of the two on the arm, once with the other", *RATIOS)
 NEARLY = 0.02  # of a ratio of 1, within which the drive turns with both as far
 MOST_SHARED = 0.9  # of another joint's effort
 SPEEDS = (0.1, 0.9)  # quantiles of a shared drive's speed, at which its friction is held to stand against its motion
@@ -132,8 +132,8 @@ class _SharedDrive(_Coupling):
     shape_parameters = (RATIO,)
 
     def ratio(self, site: Site) -> float:
-        """Return how far the drive turns with the site's own joint, once with the other."""
-        return self.way * site.shape[0]
+        """Return how far the drive turns with the site's own joint, once with the other: as far, if nothing told."""
+        return self.way * (site.shape[0] if site.shape else 1.0)
 
     def bounds_beside_stated_levels(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
         """A drive that hardly turns with one of the two is the other's alone."""
@@ -141,13 +141,13 @@ class _SharedDrive(_Coupling):
 
     def told_at(self, site: Site) -> int:
         """The joint that the drive turns with most."""
-        return site.joint if site.other is None or site.shape[0] > 1.0 - NEARLY else site.other
+        return site.joint if site.other is None or abs(self.ratio(site)) > 1.0 - NEARLY else site.other
 
     def sites(self, gap: Gap) -> list[Site]:
         """Neighbouring moving joints of one kind whose efforts were both measured: metres and radians make no sum."""
         slides = gap.body.sliding
         return [
-            site.shaped((1.0,))
+            site
             for site in super().sites(gap)
             if site.other == site.joint + 1 and site.other in gap.examined and slides[site.other] == slides[site.joint]
         ]
@@ -158,7 +158,7 @@ class _SharedDrive(_Coupling):
         ratio = self.ratio(site)
         turn = motion.velocity[:, other] + ratio * motion.velocity[:, site.joint]
         name, joint = gap.robot.joints[site.joint], gap.robot.table.joint[other]
-        stated = [own for own in joint.common_drive if own.joint == name and own.ratio == ratio]
+        stated = [own for own in joint.common_drive if own.joint == name and abs(own.ratio - ratio) < NEARLY]
         coulomb = strengths[0] + sum(own.coulomb for own in stated)
         viscous = strengths[1] + sum(own.viscous for own in stated)
         return all(coulomb + viscous * speed >= 0.0 for speed in np.quantile(np.abs(turn), SPEEDS))
@@ -206,8 +206,9 @@ class _SharedDrive(_Coupling):
         unit = "N" if gap.body.sliding[site.joint] else "N·m"
         names = gap.robot.joints[site.joint], self.from_name(gap, site)
         of = " and ".join(f"that of {name}" for name in names)
-        if abs(site.shape[0] - 1.0) > NEARLY:
-            of = f"{site.shape[0]:.3g} times {of}"
+        ratio = abs(self.ratio(site))
+        if abs(ratio - 1.0) > NEARLY:
+            of = f"{ratio:.3g} times {of}"
         speed = float(np.sqrt(np.mean(np.square(self.at_drive(gap, site, site.joint)[:, 1]))))
         rubs = strengths[0] + strengths[1] * speed
         return (

@@ -13,15 +13,17 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
+from mjfriction.record.motion import Motion
 from mjfriction.robot.friction import with_friction_spot
 from mjfriction.robot.robot import Robot
+from mjfriction.robot.spots import spots_along
 from mjfriction.robot.table import Spot
 
-CENTRE = Parameter("position", "{length}", "where on the stroke friction is another")
-WIDTH = Parameter("width", "{length}", "how far from there it has fallen to three fifths", lower=1e-9)
+CENTRE = Parameter("position", "{length}", "what the sensor reads where friction is another")
+WIDTH = Parameter("width", "{length}", "how far from there the change has fallen to three fifths", lower=1e-9)
 HEIGHT = Parameter("coulomb", "{force}", "how much higher the friction level is there")
 WIDTHS = (0.03, 0.06, 0.12, 0.18)  # of the stroke
-NARROWEST, WIDEST = 0.015, 0.2  # of it; a wider one is hardly told from a level
+NARROWEST, WIDEST = 0.02, 0.2  # of it; a wider one is hardly told from a level
 PASSES = 4  # of a place, at least, one of them the other way: else it may be anything that happened there
 PLACES = 256  # of a stroke, that are looked at
 
@@ -36,6 +38,7 @@ class FrictionSpot(JointCause):
     covariate = "position"
     picture = "turned"
     least_of_friction = PositionFriction.least_of_friction
+    first_order = PositionFriction.times  # it counts apart from waves
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every moving joint, spots of a few widths at every width along the stroke that the joint passes often."""
@@ -63,12 +66,12 @@ class FrictionSpot(JointCause):
     def own_shape(self, gap: Gap, site: Site) -> bool:
         """A place that the joint passes often, or a flank of it."""
         joint, (centre, width) = site.joint, site.shape
-        often = gap.kept.recall(f"places passed {joint}", lambda: {joint: _often(gap.motion.position[:, joint])})[joint]
-        return bool(often.size and often[0] - width <= centre <= often[-1] + width)
+        often = gap.kept.recall(f"places passed {joint}", lambda: {joint: _often(gap.motion, joint)})[joint]
+        return bool(often.size and np.min(np.abs(often - centre)) <= width)
 
     def apart(self, gap: Gap, site: Site, other: Site) -> bool:
-        """A wave is no spot, and beside a spot another has to be elsewhere."""
-        return len(other.shape) != len(site.shape) or abs(site.shape[0] - other.shape[0]) > site.shape[1]
+        """A wave is no spot."""
+        return len(other.shape) != len(site.shape)
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The spot in the direction of motion, (n, 1)."""
@@ -85,9 +88,11 @@ class FrictionSpot(JointCause):
         return (Quantity(HEIGHT),)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Add a spot to the joint's friction level."""
-        spot = Spot(position=site.shape[0], width=site.shape[1], coulomb=float(strengths[0]))
-        return with_friction_spot(robot, robot.joints[site.joint], spot)
+        """Add a spot to the joint's friction level: where the joint is, not what its sensor reads."""
+        name = robot.joints[site.joint]
+        offset = robot.joint(name).position_sensor.offset
+        spot = Spot(position=site.shape[0] - offset, width=site.shape[1], coulomb=float(strengths[0]))
+        return with_friction_spot(robot, name, spot)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give place and size."""
@@ -101,13 +106,14 @@ class FrictionSpot(JointCause):
 
 def _bump(position: Floats, site: Site) -> Floats:
     centre, width = site.shape
-    return np.asarray(np.exp(-0.5 * np.square((position - centre) / width)))
+    return spots_along([Spot(position=centre, width=width, coulomb=1.0)], position)
 
 
-def _often(position: Floats) -> Floats:
+def _often(motion: Motion, joint: int) -> Floats:
     # The places along its stroke that a joint passes often, both ways.
+    position, joined = motion.position[:, joint], np.diff(motion.piece) == 0
     places = np.linspace(np.min(position), np.max(position), PLACES)
-    before, after = (np.searchsorted(places, own) for own in (position[:-1], position[1:]))
+    before, after = (np.searchsorted(places, own[joined]) for own in (position[:-1], position[1:]))
     ways = []
     for low, high in ((before, after), (after, before)):
         ahead = low < high

@@ -10,7 +10,7 @@ from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
 from mjfriction.identify.gap import Gap
 from mjfriction.laws.load_dependent import LOAD_DEPENDENT
 from mjfriction.record.log import Floats
-from mjfriction.robot.friction import stated_load, with_term
+from mjfriction.robot.friction import stated_load, with_less_load, with_term
 from mjfriction.robot.robot import Robot
 
 LEAST_ROTOR = 0.05  # of the links' load, that a rotor must take for the two loads to differ
@@ -44,9 +44,11 @@ class _Load(JointCause):
         return stated_load(gap.robot.table.joint[site.joint], includes_rotor=self.includes_rotor)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Add a law that holds only the load's part."""
+        """Add a law that holds only the load's part, or lower the stated ones."""
         parameters = {"coulomb": 0.0, "load": float(strengths[0]), "viscous": 0.0}
         joint = robot.joints[site.joint]
+        if strengths[0] < 0.0:
+            return with_less_load(robot, joint, -float(strengths[0]), includes_rotor=self.includes_rotor)
         return with_term(robot, joint, LOAD_DEPENDENT.name, parameters, load_includes_rotor=self.includes_rotor)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:

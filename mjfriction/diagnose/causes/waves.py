@@ -21,6 +21,7 @@ from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import with_friction_wave
 from mjfriction.robot.robot import Robot
+from mjfriction.robot.schema import Joint
 from mjfriction.robot.table import Wave
 
 WAVENUMBER = Parameter("wavenumber", "rad/{length}", "phase per position; 2π over the period", lower=1e-6)
@@ -54,7 +55,8 @@ class _Waves(JointCause):
 
     def apart(self, gap: Gap, site: Site, other: Site) -> bool:
         """Two that differ by less than the grid are one, drawn twice so that each can be large against the other."""
-        return bool(abs(site.shape[0] - other.shape[0]) > wavenumber_step(gap, site.joint))
+        waves = len(site.shape) == len(other.shape)  # a spot along the stroke is none
+        return not waves or bool(abs(site.shape[0] - other.shape[0]) > wavenumber_step(gap, site.joint))
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The two waves, (n, 2)."""
@@ -73,8 +75,12 @@ class _Waves(JointCause):
         return (Quantity(COSINE), Quantity(SINE))
 
 
-def _wave(strengths: Floats, shape: Shape) -> Wave:
-    return Wave(wavenumber=shape[0], cosine=float(strengths[0]), sine=float(strengths[1]))
+def _wave(table: Joint, strengths: Floats, shape: Shape) -> Wave:
+    # Drawn along what the sensor reads, it is stated along where the joint is.
+    phase = shape[0] * table.position_sensor.offset
+    cosine = strengths[0] * np.cos(phase) + strengths[1] * np.sin(phase)
+    sine = strengths[1] * np.cos(phase) - strengths[0] * np.sin(phase)
+    return Wave(wavenumber=shape[0], cosine=float(cosine), sine=float(sine))
 
 
 def _period(gap: Gap, site: Site) -> str:
@@ -95,7 +101,8 @@ class Cogging(_Waves):
         """Add a wave to the joint's cogging."""
         joint = robot.joints[site.joint]
         table = robot.joint(joint)
-        return robot.with_joint(table.model_copy(update={"cogging": (*table.cogging, _wave(strengths, site.shape))}))
+        wave = _wave(table, strengths, site.shape)
+        return robot.with_joint(table.model_copy(update={"cogging": (*table.cogging, wave)}))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give amplitude and period."""
@@ -118,7 +125,8 @@ class PositionFriction(_Waves):
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Add a wave to the joint's friction level."""
-        return with_friction_wave(robot, robot.joints[site.joint], _wave(strengths, site.shape))
+        name = robot.joints[site.joint]
+        return with_friction_wave(robot, name, _wave(robot.joint(name), strengths, site.shape))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give amplitude and period."""
