@@ -8,7 +8,6 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import mujoco
 import numpy as np
 
 from mjfriction.errors import RobotError
@@ -163,8 +162,6 @@ def missed(gap: Gap, robots: Sequence[Robot], stretches: Stretches) -> Floats:
         spec.option.timestep = stretches.step
         for name in stretches.held:
             spec.joint(name).armature = UNMOVED
-        # One that came to nothing would begin anew in its initial state, as if it had never flown away.
-        spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
         laws = robot_laws(robot)
         models.append(attach(spec, laws) if laws else compiled(spec))
         efforts.append((stretches.reported - _offset(robot)) / _scale(robot))

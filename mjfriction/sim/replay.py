@@ -36,6 +36,8 @@ def replay(
         data.qpos[places], data.qvel[dofs] = position[k], velocity[k]
         mujoco.mj_getState(first, data, initial[k], kind)
     every = [model for model in models for _ in range(stretches)]
+    for model in models:  # one that came to nothing would begin anew in its initial state, as if it had not flown away
+        model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     with friction_active(), messages_dropped():
         states, _ = mujoco.rollout.rollout(
             every,
