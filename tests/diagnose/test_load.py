@@ -61,7 +61,8 @@ def test_less_load_than_is_stated_lowers_the_law_that_states_it(
     lower = cause.extend(robot, site, np.array([-0.6 * LOAD]))
     assert stated_load(lower.joint("elbow"), includes_rotor=rotor) == pytest.approx(0.4 * LOAD)
     # A law that pushes could not be written: every command would refuse the file.
-    assert read_robot(write_robot(lower, tmp_path)).joint("elbow").friction == lower.joint("elbow").friction
+    (tmp_path / "lower").mkdir()
+    assert read_robot(write_robot(lower, tmp_path / "lower")).joint("elbow").friction == lower.joint("elbow").friction
     assert all(
         term.value("load") >= 0.0 for term in lower.joint("elbow").friction or () if term.law == "load_dependent"
     )
