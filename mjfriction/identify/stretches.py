@@ -166,7 +166,8 @@ def missed(gap: Gap, robots: Sequence[Robot], stretches: Stretches) -> Floats:
         models.append(attach(spec, laws) if laws else compiled(spec))
         efforts.append((stretches.reported - _offset(robot)) / _scale(robot))
     went = replay(models, gap.robot.joints, stretches.position, stretches.velocity, np.array(efforts))
-    return np.nan_to_num(went[:, :, stretches.compared] - stretches.measured, nan=LOST, posinf=LOST, neginf=-LOST)
+    off = np.nan_to_num(went[:, :, stretches.compared] - stretches.measured, nan=LOST, posinf=LOST, neginf=-LOST)
+    return np.clip(off, -LOST, LOST)
 
 
 def _scale(robot: Robot) -> Floats:

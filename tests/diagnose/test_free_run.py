@@ -29,7 +29,14 @@ def log_of(case: Case) -> Log:
     return log_from_table(pa.table(case.log), "case")
 
 
-@pytest.mark.parametrize("cause", ["friction.load", "drive.cogging", "body.spring", "body.payload"])
+@pytest.mark.parametrize(
+    "cause",
+    [
+        "drive.cogging",
+        "body.payload",
+        *(pytest.param(cause, marks=pytest.mark.bench) for cause in ("friction.load", "body.spring")),
+    ],
+)
 def test_the_extended_robot_goes_where_the_hidden_machine_does(cause: str) -> None:
     # Of a cause in MuJoCo's model, or beside it: in a friction law, along the stroke, a spring, a load.
     case = make_case(7, SETTING, (draw_of(cause),), 6.0)
@@ -71,11 +78,9 @@ def test_no_run_is_on_motion_that_its_robots_strengths_were_fitted_to(monkeypatc
         driven.append(gap.motion.time[cuts.begins])
         return at(gap, robot, cuts)
 
-    diagnosis = diagnose_log(log_of(case), case.stated)
-    gap = diagnosis.gap
     monkeypatch.setattr(Model, "built_from", spied)
     monkeypatch.setattr(free_run, "stretches_at", watched)
-    diagnose_log(log_of(case), case.stated)
+    gap = diagnose_log(log_of(case), case.stated).gap
     folds = [training for training in fitted if not np.all(training)]
     _, *runs = driven  # the stated robot's first
     assert len(folds) == len(runs) == len(gap.blocks.folds)

@@ -66,7 +66,9 @@ def test_what_the_rotor_takes_is_what_the_extended_robot_predicts(
     assert rotors == pytest.approx([max(0.0, rotor - own**2 * INERTIA) for own in (ratio, 1.0)])
 
 
-@pytest.mark.parametrize(("first", "second", "told"), [(1.0, -0.6, 0), (-0.7, 1.0, 1)])
+@pytest.mark.parametrize(
+    ("first", "second", "told"), [pytest.param(1.0, -0.6, 0, marks=pytest.mark.bench), (-0.7, 1.0, 1)]
+)
 def test_the_ratio_is_the_one_beside_which_damping_is_as_stated(
     first: float, second: float, told: int, tmp_path: Path
 ) -> None:

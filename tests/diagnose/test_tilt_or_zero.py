@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pyarrow as pa
+import pytest
 
 from mjfriction.diagnose.alike import standing
 from mjfriction.diagnose.causes.encoder_offset import EncoderOffset
@@ -50,6 +51,7 @@ def with_zero_off(robot: Robot, offset: float) -> Robot:
     return robot.with_joint(pan.model_copy(update={"position_sensor": sensor}))
 
 
+@pytest.mark.bench
 def test_the_zero_is_named_and_the_tilt_beside_it() -> None:
     diagnosis = diagnose_log(recorded(with_zero_off(on_the_wall(), 0.15)), on_the_wall())
     assert diagnosis.verdict is Verdict.AMBIGUOUS
