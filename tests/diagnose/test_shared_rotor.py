@@ -26,7 +26,7 @@ def shared(instant: Instant, inertia: float) -> np.ndarray:
     return LEVEL * np.sign(turn) + DAMPING * turn + inertia * np.gradient(turn, instant.time)
 
 
-@pytest.mark.parametrize("inertia", [INERTIA, 0.0])
+@pytest.mark.parametrize("inertia", [pytest.param(INERTIA, marks=pytest.mark.bench), 0.0])
 def test_a_drive_that_two_joints_turn_is_found_with_its_rotor_if_that_shows(inertia: float, tmp_path: Path) -> None:
     def hidden(instant: Instant) -> np.ndarray:
         return shared(instant, inertia)
