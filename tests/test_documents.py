@@ -52,6 +52,7 @@ from mjfriction.record.motion import DAWDLING, HELD, RINGING, USUALLY
 from mjfriction.report.result import UNEVEN as UNEVEN_CLOCK
 from mjfriction.reproduce.catalog import DOCUMENTS
 from mjfriction.robot.robot import bundled_robots
+from mjfriction.robot.spots import APART
 
 ROOT = Path(__file__).parents[1]
 NUMBERS = {9: "Nine"}
@@ -163,6 +164,10 @@ def test_how_it_decides_tells_how_wide_a_worn_place_is() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"a bump of which a deviation is {100 * NARROWEST:g} to {100 * WIDEST:g} % of the stroke" in told
     assert PASSES == 4, "the page says four times"
+
+
+def test_the_robot_file_tells_when_a_spot_comes_back() -> None:
+    assert f"a series that comes back every {APART:g} widths" in " ".join(text("docs/robot_file.md").split())
 
 
 def test_how_it_decides_tells_what_is_too_faint() -> None:

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import f as fisher
 
-from mjfriction.diagnose.causes.friction_spot import FrictionSpot
-from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.model import Chosen, Model, cause_block
 from mjfriction.identify.regression import Columns, Normal
 from mjfriction.record.log import Floats
@@ -165,7 +163,7 @@ def least_of_friction(model: Model, choice: Chosen, left: float = np.inf) -> flo
     themselves are those.
     """
     uneven, few = model.nuisance.uneven, len(model.gap.examined) < FEWEST_JOINTS
-    if few and not isinstance(choice.cause, Cogging | PositionFriction | FrictionSpot):
+    if few and not choice.cause.of_unevenness:
         uneven = min(uneven, max(EVENEST, left / (UNEVEN / np.sqrt(2.0))))
     return float(uneven * choice.cause.least_of_friction)
 

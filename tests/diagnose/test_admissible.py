@@ -41,6 +41,18 @@ def test_of_a_shared_drive_that_is_stated_there_may_be_less(gap: Gap) -> None:
     assert not SumDrive().admissible(replace(gap, robot=shared), site, np.array([-2.5, -0.6]))
 
 
+def test_a_drive_that_is_stated_turns_as_it_is_stated_to(gap: Gap) -> None:
+    site = Site(LIFT, (0.6,), other=ELBOW)
+    stated = replace(gap, robot=DifferenceDrive().extend(gap.robot, site, np.array([2.0, 0.5])))
+    (there,) = [own for own in DifferenceDrive().sites(stated) if own.shape]
+    assert there == site
+    # Less than is stated of it, but not of one that turns otherwise.
+    less = np.array([-1.5, -0.4])
+    assert DifferenceDrive().admissible(stated, there, less)
+    assert not DifferenceDrive().admissible(stated, replace(there, shape=()), less)
+    assert not [own for own in SumDrive().sites(stated) if own.shape]
+
+
 def test_a_slide_and_a_turn_share_no_drive(gap: Gap) -> None:
     pairs = {(site.joint, site.other) for site in SumDrive().sites(gap)}
     assert pairs == {(i, i + 1) for i in range(5)}

@@ -144,13 +144,22 @@ class _SharedDrive(_Coupling):
         return site.joint if site.other is None or abs(self.ratio(site)) > 1.0 - NEARLY else site.other
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Neighbouring moving joints of one kind whose efforts were both measured: metres and radians make no sum."""
+        """Neighbouring moving joints of one kind whose efforts were both measured: metres and radians make no sum.  A
+        drive that is stated there turns as it is stated to.
+        """
         slides = gap.body.sliding
-        return [
+        sites = [
             site
             for site in super().sites(gap)
             if site.other == site.joint + 1 and site.other in gap.examined and slides[site.other] == slides[site.joint]
         ]
+        return [one for site in sites for one in (site, *(site.shaped((ratio,)) for ratio in self._stated(gap, site)))]
+
+    def _stated(self, gap: Gap, site: Site) -> list[float]:
+        # The ratios of drives that are stated between the two, of this cause's sign and other than 1.
+        table, name = gap.robot.table.joint[self.source(gap, site)], gap.robot.joints[site.joint]
+        ratios = [self.way * own.ratio for own in table.common_drive if own.joint == name]
+        return [ratio for ratio in ratios if ratio > 0.0 and abs(ratio - 1.0) > NEARLY]
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """What a drive takes, stated and found, stands against its own motion, slow and fast."""

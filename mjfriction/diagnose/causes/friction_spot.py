@@ -37,6 +37,7 @@ class FrictionSpot(JointCause):
     relative_shape = False
     covariate = "position"
     picture = "turned"
+    of_unevenness = True
     least_of_friction = PositionFriction.least_of_friction
     first_order = PositionFriction.times  # it counts apart from waves
 

@@ -34,6 +34,7 @@ class _Waves(JointCause):
 
     shape_parameters = (WAVENUMBER,)
     covariate = "position"
+    of_unevenness = True
     turns: ClassVar[bool] = False  # whether the waves turn with the direction of motion
 
     def sites(self, gap: Gap) -> list[Site]:
