@@ -89,6 +89,7 @@ def test_stretches_of_no_length_are_refused(seconds: float, tmp_path: Path) -> N
         identify_log(recorded(tmp_path), robot_with(tmp_path, 1.0, 1.0), law="coulomb", simulated=seconds)
 
 
+@pytest.mark.bench
 def test_what_the_model_does_not_hold_is_played_along(tmp_path: Path) -> None:
     cogged = "cogging = [ { wavenumber = 8.0, cosine = 0.6, sine = 0.0 } ]\n"
     real = robot_with(tmp_path, COULOMB, VISCOUS, cogged)
