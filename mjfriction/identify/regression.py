@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
 
 from mjfriction.record.log import Floats, Integers
 
@@ -147,7 +147,7 @@ class Normal:
         return out
 
 
-def _solve(gram: Floats, right: Floats) -> Floats:
+def _scaled(gram: Floats) -> tuple[Floats, Floats]:
     # Columns differ in unit; scaling to unit diagonal makes the relative floor on it mean the same for all.
     # A regressor without any data (a joint that never moves) gets no strength.
     diagonal = np.diag(gram)
@@ -155,6 +155,17 @@ def _solve(gram: Floats, right: Floats) -> Floats:
     scale = np.where(alive, 1.0 / np.sqrt(np.where(alive, diagonal, 1.0)), 0.0)
     scaled = gram * scale[:, None] * scale[None, :]
     scaled[np.diag_indices_from(scaled)] += np.where(alive, 1e-10, 1.0)
+    return scaled, scale
+
+
+def _whitening(gram: Floats) -> Floats:
+    # W (p, p) with WᵀW the inverse that _solve applies.
+    scaled, scale = _scaled(gram)
+    return np.asarray(solve_triangular(cholesky(scaled, lower=True), np.diag(scale), lower=True))
+
+
+def _solve(gram: Floats, right: Floats) -> Floats:
+    scaled, scale = _scaled(gram)
     factor = cho_factor(scaled)
     if right.ndim == 1:
         return np.asarray(scale * cho_solve(factor, scale * right))
@@ -239,11 +250,10 @@ class System:
             cross[self.felt[joint]] += np.sqrt(every) * self.base[joint][::every].T @ flat
             own += np.einsum("nki,nkj->kij", weighted, weighted, optimize=True)
             moment += np.sqrt(every) * (self.target[::every, joint] @ flat).reshape(number, count)
-        gram, fitted = self._thinned(every)
-        through = _solve(gram, cross).reshape(-1, number, count)
-        cross = cross.reshape(-1, number, count)
-        reduced = own - np.einsum("pki,pkj->kij", cross, through, optimize=True)
-        score = moment - np.einsum("p,pki->ki", fitted, cross, optimize=True)
+        whitening, fitted = self._thinned(every)
+        held = (whitening @ cross).reshape(-1, number, count).transpose(1, 2, 0)
+        reduced = own - held @ held.transpose(0, 2, 1)
+        score = moment - (fitted @ cross).reshape(number, count)
         # A column that the model holds already, or that the motion does not show, is left without strength rather than
         # divided by nothing.
         diagonal = np.einsum("kii->ki", reduced)
@@ -257,15 +267,15 @@ class System:
         return strengths, np.einsum("ki,ki->k", score, strengths)
 
     def _thinned(self, every: int) -> tuple[Floats, Floats]:
-        # The model's gram and strengths on the rows that candidates are screened on: on others, what it nearly holds
-        # would be lost in a difference, and what it leaves would look like more.
+        # What whitens the model's regressors, and its strengths, on the rows that candidates are screened on: on others,
+        # what it nearly holds would be lost in a difference, and what it leaves would look like more.
         if every not in self._kept:
             gram, moment = np.diag(self.normal.precision), np.zeros(self.normal.count)
             for joint, (base, felt) in enumerate(zip(self.base, self.felt, strict=True)):
                 thin = base[::every]
                 gram[np.ix_(felt, felt)] += every * thin.T @ thin
                 moment[felt] += every * thin.T @ self.target[::every, joint]
-            self._kept[every] = gram, _solve(gram, moment)
+            self._kept[every] = _whitening(gram), _solve(gram, moment)
         return self._kept[every]
 
     @functools.cached_property
