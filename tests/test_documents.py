@@ -132,7 +132,7 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert f"Steps that spread by less than {100 * UNEVEN_CLOCK:g} % are how" in told
     assert FEWEST_AT_ONCE == 3, "the page says three"
     assert (ON_THE_WAY, FADED) == (0.5, 0.1), "the page says half, and a tenth"
-    assert (DROWNED, ROOM, COLOURED) == (1.0, 0.5, 0.5), "the page says as much, half of the effect, half of it"
+    assert (DROWNED, ROOM, COLOURED) == (3.0, 0.5, 0.5), "the page says three times, half of the effect, half of it"
     assert f"more than {100 * LEAST_NOTED:g} %, and by more than {100 * SURELY:g} %" in told
     assert f"lies more than {100 * LEAST_MOVED:g} cm off" in told
     assert f"one cause, a link {100 * LEAST_ALONE:g} % off or a payload" in told

@@ -12,11 +12,11 @@ from mjfriction.diagnose.exact import usual_nuisance
 from mjfriction.diagnose.extend import adjustments, extend_robot
 from mjfriction.diagnose.field import make_field
 from mjfriction.diagnose.findings import make_findings
-from mjfriction.diagnose.free_links import compete_for_links
 from mjfriction.diagnose.free_run import FreeRun, run_freely
 from mjfriction.diagnose.model import Model
 from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.diagnose.second_look import compete_twice
 from mjfriction.diagnose.seen_play import play_findings, see_play, unseen
 from mjfriction.diagnose.stated import settle
 from mjfriction.diagnose.stroke_curve import stroke_curves
@@ -49,7 +49,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     gap = seen.gap
     field = make_field(gap, () if faults else STRUCTURAL)
     nuisance = Nuisance((), (), ()) if faults else with_unevenness(gap, usual_nuisance(gap))
-    found, asked = compete_for_links(gap, nuisance, field, tell)
+    found, asked = compete_twice(gap, nuisance, field, tell)
     settled = settle(as_uneven(found), asked)
     tell("proving what was found", PROVING)
     model, gap = settled.model, settled.model.gap

@@ -44,9 +44,24 @@ def usually_off(changes: Mapping[int, float], joint: int, *, at_least: bool = Fa
 
 
 def stated_exactly(model: Model) -> bool:
-    """Return whether friction is as stated at nearly all joints, so that the rest may be believed to be so too."""
+    """Return whether friction is as stated at nearly all joints, so that the rest may be believed to be so too.
+
+    What a cause leaves of its joint's friction is a matter of its form: where enough others can say, they do.
+    """
+    changes, others = level_changes(model), _untouched(model)
+    asked = others if len(others) >= FEWEST_JOINTS else model.gap.examined
+    return typical([changes.get(joint, 0.0) for joint in asked]) < EXACT
+
+
+def untouched_and_exact(model: Model) -> list[int]:
+    """Return the joints that no cause touches, and whose friction is as stated."""
     changes = level_changes(model)
-    return typical([changes.get(joint, 0.0) for joint in model.gap.examined]) < EXACT
+    return [joint for joint in _untouched(model) if changes.get(joint, 0.0) < EXACT]
+
+
+def _untouched(model: Model) -> list[int]:
+    touched = {choice.site.joint for choice in model.chosen if not choice.cause.whole_arm}
+    return [joint for joint in model.gap.examined if joint not in touched]
 
 
 def usual_nuisance(gap: Gap) -> Nuisance:

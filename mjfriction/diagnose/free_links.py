@@ -31,7 +31,9 @@ BAR = 2.0  # standard errors by which it must gain over the blocks
 CORRECTED = 1e-9  # of a gram's diagonal, that keeps what no motion shows from being a freedom
 
 
-def compete_for_links(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silently) -> tuple[Model, Field]:
+def compete_for_links(
+    gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silently, *, begin: tuple[Chosen, ...] = ()
+) -> tuple[Model, Field]:
     """Let causes compete as :func:`~mjfriction.diagnose.compete.compete` does, with all links let go where that is what
     the log shows.
 
@@ -45,7 +47,7 @@ def compete_for_links(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = s
         nuisance,
         field,
         tell,
-        begin=yielding(gap, nuisance, field),
+        begin=begin or yielding(gap, nuisance, field),
         enough=lambda so_far: _named(so_far) >= MANY and _pays(so_far, field),
     )
     if not _strained(model) or not _pays(model, field):

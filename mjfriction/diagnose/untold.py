@@ -26,7 +26,9 @@ LEAST_SEEN = 0.1  # of the mean square that is left at a joint, that a cause mus
 MISFIT = 0.05  # of what other causes take off it, that may be left for it since their form is not quite theirs
 SURELY_SEEN = 0.2  # of what is left, that is enough whatever others take: half as large as the noise
 BRISTLE_MISFIT = 0.005  # of what a bristle takes off its joint, that no machine's builds up quite like
-DROWNED = 1.0  # of the mean square that is left unexplained at a joint, if any, that it must take away
+DROWNED = (
+    3.0  # times the mean square that is left unexplained at a joint, if any, that it must take away: half of the RMS
+)
 COURSES = frozenset({WarmUpDrift.name, Step.name})  # of friction over time
 LEAST_OF_COURSES = 0.2  # of the largest on a joint, that another must reach: no warm-up is quite the one fitted
 

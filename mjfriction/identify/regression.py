@@ -252,8 +252,8 @@ class System:
             moment += np.sqrt(every) * (self.target[::every, joint] @ flat).reshape(number, count)
         whitening, fitted = self._thinned(every)
         held = (whitening @ cross).reshape(-1, number, count).transpose(1, 2, 0)
-        reduced = own - held @ held.transpose(0, 2, 1)
-        score = moment - (fitted @ cross).reshape(number, count)
+        reduced: Floats = own - held @ held.transpose(0, 2, 1)
+        score: Floats = moment - (fitted @ cross).reshape(number, count)
         # A column that the model holds already, or that the motion does not show, is left without strength rather than
         # divided by nothing.
         diagonal = np.einsum("kii->ki", reduced)
@@ -263,12 +263,12 @@ class System:
         np.swapaxes(reduced, 1, 2)[dead] = 0.0
         score[dead] = 0.0
         np.einsum("kii->ki", reduced)[:] = np.where(dead, 1.0, diagonal * (1.0 + 1e-9))
-        strengths = np.linalg.solve(reduced, score[:, :, None])[:, :, 0]
+        strengths: Floats = np.linalg.solve(reduced, score[:, :, None])[:, :, 0]
         return strengths, np.einsum("ki,ki->k", score, strengths)
 
     def _thinned(self, every: int) -> tuple[Floats, Floats]:
-        # What whitens the model's regressors, and its strengths, on the rows that candidates are screened on: on others,
-        # what it nearly holds would be lost in a difference, and what it leaves would look like more.
+        # What whitens the model's regressors, and its strengths, on the rows that candidates are screened on: on
+        # others, what it nearly holds would be lost in a difference, and what it leaves would look like more.
         if every not in self._kept:
             gram, moment = np.diag(self.normal.precision), np.zeros(self.normal.count)
             for joint, (base, felt) in enumerate(zip(self.base, self.felt, strict=True)):

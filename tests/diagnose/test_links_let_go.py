@@ -11,8 +11,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import diagnosis as whole
-from mjfriction.diagnose import free_links, trial
+from mjfriction.diagnose import free_links, second_look, trial
 from mjfriction.diagnose.base_changes import base_changes
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
@@ -122,7 +121,7 @@ def test_the_extended_robot_predicts_another_motion_to_the_noise(tmp_path: Path)
 @pytest.mark.bench
 def test_within_what_is_usual_many_links_would_be_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     free = everywhere()
-    monkeypatch.setattr(whole, "compete_for_links", compete)
+    monkeypatch.setattr(second_look, "compete_for_links", compete)
     held = diagnosed(tmp_path, EVERYWHERE)
     assert len(held.findings) > len(free.findings)
     assert not held.robot.table.link_inertia
