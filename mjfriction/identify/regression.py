@@ -252,8 +252,8 @@ class System:
             moment += np.sqrt(every) * (self.target[::every, joint] @ flat).reshape(number, count)
         whitening, fitted = self._thinned(every)
         held = (whitening @ cross).reshape(-1, number, count).transpose(1, 2, 0)
-        reduced: Floats = own - held @ held.transpose(0, 2, 1)
-        score: Floats = moment - (fitted @ cross).reshape(number, count)
+        reduced = own - np.einsum("kip,kjp->kij", held, held, optimize=True)
+        score = moment - (fitted @ cross).reshape(number, count)
         # A column that the model holds already, or that the motion does not show, is left without strength rather than
         # divided by nothing.
         diagonal = np.einsum("kii->ki", reduced)
@@ -263,7 +263,7 @@ class System:
         np.swapaxes(reduced, 1, 2)[dead] = 0.0
         score[dead] = 0.0
         np.einsum("kii->ki", reduced)[:] = np.where(dead, 1.0, diagonal * (1.0 + 1e-9))
-        strengths: Floats = np.linalg.solve(reduced, score[:, :, None])[:, :, 0]
+        strengths = np.linalg.solve(reduced, score[:, :, None])[:, :, 0]
         return strengths, np.einsum("ki,ki->k", score, strengths)
 
     def _thinned(self, every: int) -> tuple[Floats, Floats]:
