@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.stats import t as student
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
@@ -130,6 +131,25 @@ def level_changes(model: Model) -> dict[int, float]:
         joint = level.site.joint
         own = strengths[nuisance.of_level(joint)] + scale.get(joint, 0.0) * np.array(stated_levels(table[joint]))
         out[joint] = relative_change(model.gap, level.site, own)
+    return out
+
+
+def surely_off(model: Model) -> dict[int, float]:
+    """Return how far each joint's level or damping is off at least, whichever is more, relative to what is stated: by
+    the nearer end of its 95 % interval, by joint.
+
+    Both may be off by more than friction is where the motion sees them both: one up, the other down.
+    """
+    covariance = model.system.normal.covariance(model.strengths, model.gap.blocks.group)
+    half = float(student.ppf(0.975, model.gap.blocks.groups - 1)) * np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    out, untouched = {}, _untouched(model)
+    for joint in (level.site.joint for level in model.nuisance.levels):
+        if joint not in untouched:
+            continue
+        place = model.nuisance.of_level(joint)
+        least = np.maximum(np.abs(model.strengths[place]) - half[place], 0.0)
+        stated = np.array(stated_levels(model.gap.robot.table.joint[joint]))
+        out[joint] = float(np.max(np.divide(least, stated, out=np.zeros_like(least), where=stated > 0.0)))
     return out
 
 

@@ -19,6 +19,7 @@ from mjfriction.diagnose.exact import (
     held_links,
     level_changes,
     relative_change,
+    surely_off,
     usually_off,
 )
 from mjfriction.diagnose.field import Field, chances_in, in_place_of_levels
@@ -71,14 +72,14 @@ def settle(model: Model, asked: Field) -> Settled:
     """
     field_size = len(model.nuisance.levels)
     model = with_levels_as_stated(model)
-    change = level_changes(model)
+    change, surely = level_changes(model), surely_off(model)
     model, alike = beside_factors(model, change)
     findings: list[Chosen] = []
     for level in model.nuisance.levels:
         joint = level.site.joint
         if level.near:
             continue
-        if _bent(model, joint) and change[joint] > _bar(change, joint):
+        if _bent(model, joint) and change[joint] > _bar(change, joint, surely):
             unbent = _unbent(model, joint, asked)
             if unbent is not None:
                 model = unbent
@@ -87,7 +88,7 @@ def settle(model: Model, asked: Field) -> Settled:
         trial = try_out(held, Chosen(STATED_LEVELS, level.site))
         if trial is None or trial.chance > FALSE_ALARM or trial.gain <= 0.0:
             model = held
-        elif trial.passes(field_size) and change[joint] > _bar(change, joint):
+        elif trial.passes(field_size) and change[joint] > _bar(change, joint, surely):
             held, trial = _unmoved(model, held, trial)
             rival = _simpler(held, trial, asked)
             scaled = scaled_levels(model, held, trial, change) if rival is None else None
@@ -97,7 +98,7 @@ def settle(model: Model, asked: Field) -> Settled:
                 model = scaled.model
             elif (other := one_for_both(model, joint, asked)) is not None:
                 model = other
-            elif _own(model, level, change):
+            elif _own(model, level, change[joint], _bar(change, joint, surely)):
                 findings.append(trial.chosen)
             alike |= {joint: scaled.spread} if scaled is not None else {}
     model = with_levels_as_stated(model)
@@ -133,11 +134,10 @@ def _unbent(model: Model, joint: int, asked: Field) -> Model | None:
     return None
 
 
-def _own(model: Model, level: Level, change: dict[int, float]) -> bool:
+def _own(model: Model, level: Level, change: float, bar: float) -> bool:
     # Whether levels that are off are so by themselves: not as a bend's basis, nor at another time than that of the log.
-    joint = level.site.joint
-    bent = _bent(model, joint) and change[joint] < AS_MUCH and not _off_beyond_a_bend(model, level, _bar(change, joint))
-    return not bent and not _of_another_time(model, level, _bar(change, joint))
+    bent = _bent(model, level.site.joint) and change < AS_MUCH and not _off_beyond_a_bend(model, level, bar)
+    return not bent and not _of_another_time(model, level, bar)
 
 
 def _off_beyond_a_bend(model: Model, level: Level, bar: float) -> bool:
@@ -220,9 +220,10 @@ def _helps(model: Model, place: slice) -> bool:
     return bool(np.mean(gain) > BAR * np.std(gain, ddof=1) / np.sqrt(gain.size))
 
 
-def _bar(change: dict[int, float], joint: int) -> float:
+def _bar(change: Mapping[int, float], joint: int, surely: Mapping[int, float]) -> float:
+    # ``surely`` is by how much levels are off at least, one by one.
     if len(change) - 1 < FEWEST_OTHERS:
         return LEAST_CHANGE_ROUGH
-    if usually_off(change, joint) < EXACT:
+    if usually_off({**change, **surely}, joint) < EXACT > usually_off(change, joint):
         return LEAST_CHANGE
     return min(ALWAYS, max(LEAST_CHANGE_ROUGH, OUTLYING * usually_off(change, joint, at_least=True)))

@@ -17,7 +17,7 @@ from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.identify.regression import Rows, System
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
-from tests.hidden.machine import Machine, write_case
+from tests.hidden.machine import UR5_COULOMB, UR5_JOINTS, UR5_VISCOUS, Machine, write_case
 
 SCALE = 1.06
 
@@ -110,12 +110,32 @@ def test_links_help_where_a_drive_alone_would_have_to_go_farther_than_it_may(nee
 
 def test_of_two_other_joints_one_that_is_far_off_says_nothing_of_the_third() -> None:
     far, near, own = 0.24, 0.02, 0.17
-    assert own > stated._bar({0: own, 1: near, 2: far}, 0) == stated.LEAST_CHANGE_ROUGH
+    assert own > stated._bar({0: own, 1: near, 2: far}, 0, {}) == stated.LEAST_CHANGE_ROUGH
     # Where both are off, so may the third be.
-    assert own < stated._bar({0: own, 1: 0.08, 2: far}, 0)
+    assert own < stated._bar({0: own, 1: 0.08, 2: far}, 0, {})
     # Of five others most have to be off.
-    assert stated._bar({0: own, **dict.fromkeys((1, 2, 3), near), 4: near, 5: far}, 0) == stated.LEAST_CHANGE_ROUGH
-    assert stated._bar({0: own, 1: near, 2: 0.06, 3: 0.06, 4: 0.06, 5: far}, 0) == pytest.approx(0.18)
+    assert stated._bar({0: own, **dict.fromkeys((1, 2, 3), near), 4: near, 5: far}, 0, {}) == stated.LEAST_CHANGE_ROUGH
+    assert stated._bar({0: own, 1: near, 2: 0.06, 3: 0.06, 4: 0.06, 5: far}, 0, {}) == pytest.approx(0.18)
     # That a robot is stated exactly takes both.
-    assert stated._bar({0: own, 1: 0.005, 2: far}, 0) == stated.LEAST_CHANGE_ROUGH
-    assert stated._bar({0: own, 1: 0.005, 2: 0.009}, 0) == stated.LEAST_CHANGE
+    assert stated._bar({0: own, 1: 0.005, 2: far}, 0, {}) == stated.LEAST_CHANGE_ROUGH
+    assert stated._bar({0: own, 1: 0.005, 2: 0.009}, 0, {}) == stated.LEAST_CHANGE
+
+
+def test_levels_that_are_off_to_either_side_are_off(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Coulomb friction a little less than stated, viscous more: at usual speeds that is no change, but no exactness.
+    log, robot = write_case(tmp_path, Machine(noise=0.05), seed=5)
+    text = robot.read_text()
+    for joint, (coulomb, viscous) in {0: (1.02, 0.97), 4: (0.98, 1.03), 5: (1.12, 1.02)}.items():
+        own = f"coulomb = {UR5_COULOMB[joint]}, viscous = {UR5_VISCOUS[joint]}"
+        assert own in text
+        text = text.replace(
+            own, f"coulomb = {coulomb * UR5_COULOMB[joint]:.6g}, viscous = {viscous * UR5_VISCOUS[joint]:.6g}"
+        )
+    robot.write_text(text)
+
+    def named() -> list[tuple[str, str | None]]:
+        return [(one.cause, one.joint) for one in diagnose_log(read_log(log), read_robot(robot)).findings]
+
+    assert named() == []
+    monkeypatch.setattr(stated, "surely_off", lambda _: {})
+    assert named() == [("friction.coulomb_viscous", UR5_JOINTS[5])]
