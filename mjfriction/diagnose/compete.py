@@ -15,7 +15,7 @@ from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, s
 from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.oscillations import new_oscillations
 from mjfriction.diagnose.refusal import proved, refused
-from mjfriction.diagnose.shapes import reshaped
+from mjfriction.diagnose.shapes import best_shape, reshaped
 from mjfriction.diagnose.short_list import SHORT_LIST, all_tried, fairly, passing, ranked
 from mjfriction.diagnose.tangent import straightened
 from mjfriction.diagnose.trial import Trial, try_out
@@ -139,17 +139,24 @@ def _exchanged(model: Model, field: Field, chances: Chances, tell: Tell, enough:
 
 
 def _richer(model: Model, trial: Trial) -> Model | None:
-    # The model with a cause of the same joint in its richer form, where that does as much as another cause beside it.
-    price = float(np.log(model.gap.blocks.count))
+    # The model with a cause of the same joint in its richer form, where that does as much as another cause beside it:
+    # the one that is in the model, or the newcomer in the place of that.
+    gap, new = model.gap, trial.chosen
     for choice in model.chosen:
-        if choice.cause.richer is None or choice.site.joint != trial.chosen.site.joint:
+        if choice.site.joint != new.site.joint:
             continue
-        whole = Chosen(choice.cause.richer(), choice.site)
-        normal = model.with_instead(choice, whole)
-        more = normal.precision.size - model.system.normal.precision.size
-        gain = np.sum(model.heldout_errors) - np.sum(normal.heldout_errors(model.gap.blocks.folds))
-        if gain - more * price > trial.merit - NO_DIFFERENCE:
-            return build_model(model.gap, model.nuisance, (*model.without(choice).chosen, whole))
+        for plain in (choice, new):
+            if plain.cause.richer is None:
+                continue
+            whole = best_shape(model.without(choice), Chosen(plain.cause.richer(), plain.site))
+            normal = model.with_instead(choice, whole)
+            price = (normal.precision.size - model.system.normal.precision.size) * float(np.log(gap.blocks.count))
+            gain = np.sum(model.heldout_errors) - np.sum(normal.heldout_errors(gap.blocks.folds))
+            if gain - price <= trial.merit - NO_DIFFERENCE:
+                continue
+            richer = build_model(gap, model.nuisance, (*model.without(choice).chosen, whole))
+            if whole.cause.admissible(gap, whole.site, richer.strengths[richer.places[-1]]):
+                return richer
     return None
 
 

@@ -202,9 +202,7 @@ def _stretched(term: FrictionTerm, factor: float) -> FrictionTerm:
     return term.model_copy(update={"parameters": {**term.parameters, **own}})
 
 
-def with_term(
-    robot: Robot, joint: str, law: str, parameters: Mapping[str, float], *, load_includes_rotor: bool = False
-) -> Robot:
+def with_term(robot: Robot, joint: str, law: str, parameters: Values, *, load_includes_rotor: bool = False) -> Robot:
     """Return the robot with one more friction law on a joint, on the joint's side."""
     table = robot.joint(joint)
     term = FrictionTerm(law=law, parameters=dict(parameters), load_includes_rotor=load_includes_rotor)

@@ -14,6 +14,8 @@ from mjfriction.laws.ambient import ambient
 from mjfriction.laws.dahl import DAHL
 from mjfriction.laws.law import Law
 from mjfriction.laws.lugre import LUGRE
+from mjfriction.laws.maxwell_slip import MAXWELL_SLIP
+from mjfriction.laws.rules import Values
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import raised_levels, stated_levels, stribeck_excess, with_term
@@ -22,6 +24,14 @@ from mjfriction.robot.robot import Robot
 LEVEL = Parameter("presliding_level", "{force}", "part of the Coulomb level that builds up over a travel", lower=0.0)
 DAMPING = LUGRE.parameter("bristle_damping")
 TRAVEL = Parameter("presliding_travel", "{length}", "travel over which 63 % of the change builds up", lower=1e-9)
+SLIPS = (0.25, 0.75, 2.0)  # times the travel, over which elements slip
+LEVELS = tuple(
+    Parameter(
+        f"presliding_level_{i + 1}", "{force}", f"level of the element that slips after {slip:g} travels", lower=0.0
+    )
+    for i, slip in enumerate(SLIPS)
+)
+LEAST_ELEMENT = 0.05  # of all that builds up, by which noise may turn the sign of an element that is none
 SHORTEST = 2.0  # times the travel that a reversal's doubt covers: what builds up within it cannot be seen
 LONGEST = 0.2  # of the stroke
 SHAPES = 8
@@ -38,6 +48,11 @@ def _usual_effort(gap: Gap, joint: int) -> float:
 
 def _dahl(level: float, travel: float) -> dict[str, float]:
     return {"coulomb": level, "bristle_stiffness": level / travel, "shape_exponent": 1.0, "viscous": 0.0}
+
+
+def _elements(levels: Floats, travel: float) -> dict[str, float | list[float]]:
+    stiffness = levels / (np.array(SLIPS) * travel)
+    return {"viscous": 0.0, "stiffness": stiffness.tolist(), "level": levels.tolist()}
 
 
 class _Bristle(JointCause):
@@ -78,9 +93,9 @@ class _Bristle(JointCause):
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """Friction that builds up stands against the motion, and is no trace of what there is nor more than that."""
-        stated = gap.robot.table.joint[site.joint]
+        stated, builds_up = gap.robot.table.joint[site.joint], self.taken_level(strengths)
         there = max(stated_levels(stated)[0] + stribeck_excess(stated), LEAST_LEVEL * _usual_effort(gap, site.joint))
-        return bool(LEAST_PART * there < strengths[0] < MOST_OF_LEVEL * there)
+        return bool(LEAST_PART * there < builds_up < MOST_OF_LEVEL * there)
 
     def taken_level(self, strengths: Floats) -> float:
         """All that builds up."""
@@ -93,26 +108,66 @@ class _Bristle(JointCause):
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move a part of the Coulomb level into a law that builds up."""
         joint = robot.joints[site.joint]
-        level = min(float(strengths[0]), stated_levels(robot.joint(joint))[0])
+        level = min(self.taken_level(strengths), stated_levels(robot.joint(joint))[0])
         law, values = self.law(level, site.shape[0], strengths)
         return with_term(raised_levels(robot, joint, -level, 0.0), joint, law.name, values)
 
     @abstractmethod
-    def law(self, level: float, travel: float, strengths: Floats) -> tuple[Law, dict[str, float]]:
+    def law(self, level: float, travel: float, strengths: Floats) -> tuple[Law, Values]:
         """Return the law whose ``level`` builds up over a ``travel``, and its values."""
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give the travel."""
-        sliding = gap.body.sliding[site.joint]
+        sliding, level = gap.body.sliding[site.joint], self.taken_level(strengths)
         return (
-            f"after every reversal {strengths[0]:.3g} {'N' if sliding else 'N·m'} of the friction build up over a "
-            f"travel of {site.shape[0]:.3g} {'m' if sliding else 'rad'}, fast or slow"
+            f"after every reversal {level:.3g} {'N' if sliding else 'N·m'} of the friction build up over a travel of "
+            f"{site.shape[0]:.3g} {'m' if sliding else 'rad'}, fast or slow"
         )
+
+
+@final
+class SlippingElements(_Bristle):
+    """Springs that slip one after the other, Maxwell-slip's: ΣEᵢ·(zᵢ − sgn v), where zᵢ follows x up to ±1 over a
+    distance of dᵢ = :data:`SLIPS`·x₀.
+
+    They keep a memory of every reversal, and their inner loops lean as a spring would where the travel is as long as
+    the motion's.
+    """
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """Each element's share less the direction of motion, (n, elements)."""
+        motion, joint = gap.motion, site.joint
+        packed = MAXWELL_SLIP.pack(_elements(np.ones(len(SLIPS)), site.shape[0]))
+        shares = np.empty((motion.time.size, len(SLIPS)))
+        for own in motion.pieces:
+            velocity = motion.velocity[own, joint]
+            shares[own] = MAXWELL_SLIP.follow(velocity, ambient(velocity.size), 1.0 / motion.rate, packed)[1]
+        return shares - column(gap.forward(joint))
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """The level of each element."""
+        return tuple(Quantity(level) for level in LEVELS)
+
+    def taken_level(self, strengths: Floats) -> float:
+        """All that builds up."""
+        return float(np.sum(strengths))
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """Every element slips against the motion."""
+        least = -LEAST_ELEMENT * float(np.sum(strengths))
+        return super().admissible(gap, site, strengths) and bool(np.min(strengths) > least)
+
+    def law(self, level: float, travel: float, strengths: Floats) -> tuple[Law, Values]:
+        """Maxwell-slip's."""
+        levels = np.maximum(strengths, 0.0)
+        return MAXWELL_SLIP, _elements(level * levels / np.sum(levels), travel)
 
 
 @final
 class Presliding(_Bristle):
     """A bristle without damping: Dahl's."""
+
+    richer = SlippingElements
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The bristle's share less the direction of motion, (n, 1)."""
@@ -122,7 +177,7 @@ class Presliding(_Bristle):
         """The level that builds up."""
         return (Quantity(LEVEL),)
 
-    def law(self, level: float, travel: float, strengths: Floats) -> tuple[Law, dict[str, float]]:
+    def law(self, level: float, travel: float, strengths: Floats) -> tuple[Law, Values]:
         """Dahl's."""
         return DAHL, _dahl(level, travel)
 
@@ -132,6 +187,8 @@ class DampedPresliding(_Bristle):
     """A bristle whose deflection is damped, LuGre's: σ₁·(1 − z·sgn v)·v besides, damping that is there after a reversal
     and fades as the bristle slides; without it the travel comes out too short.
     """
+
+    richer = SlippingElements
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The bristle's share less the direction of motion, and the rate of its deflection, (n, 2)."""
@@ -146,7 +203,7 @@ class DampedPresliding(_Bristle):
         """Deflection is damped, never driven."""
         return super().admissible(gap, site, strengths) and bool(strengths[1] > 0.0)
 
-    def law(self, level: float, travel: float, strengths: Floats) -> tuple[Law, dict[str, float]]:
+    def law(self, level: float, travel: float, strengths: Floats) -> tuple[Law, Values]:
         """LuGre's, with no Stribeck curve."""
         curve = {"coulomb": level, "static": level, "stribeck_velocity": 1.0, "stribeck_exponent": 2.0}
         stiff = {"bristle_stiffness": level / travel, "bristle_damping": float(strengths[1]), "viscous": 0.0}
