@@ -22,6 +22,13 @@ def tip_link(body: Body) -> str:
     return str(names[0]) if names else str(body.model.names[last])
 
 
+def tip_mass(body: Body) -> tuple[float, Floats]:
+    """Return the mass of all that the last joint moves, kg, and its centre (3,) in the tip link's frame, m."""
+    frame = body.model.frames[body.model.getFrameId(tip_link(body), pin.FrameType.BODY)]
+    inertia = body.model.inertias[frame.parentJoint]
+    return float(inertia.mass), np.asarray(frame.placement.actInv(inertia.lever))
+
+
 def tip_mass_torques(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> Floats:
     """Return joint torques per kg and per kg·m of first moment (x, y, z) at the tip link's frame.
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import functools
+import itertools
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -14,7 +16,7 @@ from mjfriction.diagnose.units import DEGREE, find_degrees_by_velocity, find_uni
 from mjfriction.identify.gap import Gap
 from mjfriction.record.faults import Fault
 from mjfriction.record.log import Floats
-from mjfriction.robot.links_torque import held_torque
+from mjfriction.robot.links_torque import held_torque, is_held
 
 ALIKE = 0.9  # correlation from which on an effort is taken as the image of a prediction
 UNLIKE = 0.6  # and under which it is not
@@ -28,6 +30,8 @@ ALL_MENDED, SLIGHTLY = 0.6, 0.005  # of what is left at all joints together, and
 TURN, TURN_JOINT = "turn its sign", "turn their signs: this joint is counted the other way round"
 EXCHANGE, EXCHANGE_JOINTS = "exchange the two columns", "exchange the two joints"
 CLEARLY = 0.7  # of what one explanation leaves, that a better one leaves
+Span = tuple[float, float]
+EVER: Span = (-math.inf, math.inf)
 MOST_OFF = 5.0  # times too large or small, past which no constant of a drive is off
 
 
@@ -40,7 +44,24 @@ def find_faults(gap: Gap) -> list[Fault]:
     at a joint that they should not have.
     """
     units = find_unit_faults(gap.log, gap.body) or find_degrees_by_velocity(gap.log, gap.body, gap.motion)
-    return units or find_degrees(gap) or find_stretched(gap) or find_misread(gap) or find_misplaced(gap)
+    return (
+        units
+        or find_degrees(gap)
+        or find_stretched(gap)
+        or find_misread(gap)
+        or find_misplaced(gap)
+        or _in_one_log(gap, find_misread)
+        or _in_one_log(gap, find_misplaced)
+    )
+
+
+def _in_one_log(gap: Gap, find: Callable[[Gap, Span], list[Fault]]) -> list[Fault]:
+    # What is at fault in one of several logs alone is lost in what all of them say together.
+    begins = [begin for _, begin in gap.log.joined]
+    found = []
+    for (name, _), span in zip(gap.log.joined, itertools.pairwise([*begins, math.inf]), strict=True):
+        found += [replace(fault, where=f"{fault.where}, in {name} alone") for fault in find(gap, span)]
+    return found if len(begins) > 1 else []
 
 
 def find_degrees(gap: Gap) -> list[Fault]:
@@ -77,11 +98,15 @@ def find_stretched(gap: Gap) -> list[Fault]:
     return [Fault("data.clock", "whole log", action)]
 
 
-def find_misread(gap: Gap) -> list[Fault]:
-    """Return the effort columns that look like no prediction, but like one turned, scaled, or of another joint."""
+def find_misread(gap: Gap, span: Span = EVER) -> list[Fault]:
+    """Return the effort columns that look like no prediction, but like one turned, scaled, or of another joint, within
+    a ``span`` of time.
+    """
     examined = list(gap.examined)
-    predicted = gap.chain.rows(gap.effort.reported)[:, examined]
-    measured = gap.measured[:, examined]
+    own = is_held(*span, gap.chain.time)
+    clear = gap.clear[own]
+    predicted = gap.chain.rows(gap.effort.reported)[own][:, examined]
+    measured = gap.measured[own][:, examined]
     measured, predicted = (values - np.mean(values, axis=0) for values in (measured, predicted))
     size = np.sqrt(np.outer(np.sum(np.square(measured), axis=0), np.sum(np.square(predicted), axis=0)))
     likeness = np.divide(measured.T @ predicted, size, out=np.zeros_like(size), where=size > 0.0)
@@ -90,14 +115,14 @@ def find_misread(gap: Gap) -> list[Fault]:
         name = gap.robot.joints[joint]
         column = f"{gap.motion.quantity[joint]}.{name}"
         # At rest friction may be anything; of pick and place that is most of a log.
-        own, factor = _likeness(*(rows[gap.clear[:, joint], i] for rows in (measured, predicted)))
+        alike, factor = _likeness(*(rows[clear[:, joint], i] for rows in (measured, predicted)))
         for j in range(i):
             crossed = min(likeness[i, j], likeness[j, i])
             if crossed > ALIKE and max(likeness[i, i], likeness[j, j]) < UNLIKE:
-                faults.append(_of_efforts_or_positions(gap, column, joint, examined[j]))
-        if own < -ALIKE and 1.0 / MOST_OFF < factor < MOST_OFF:
-            faults.append(_of_efforts_or_positions(gap, column, joint, None))
-        elif abs(own) > ALIKE and not 1.0 / MOST_OFF < factor < MOST_OFF:
+                faults.append(_of_efforts_or_positions(gap, span, column, joint, examined[j]))
+        if alike < -ALIKE and 1.0 / MOST_OFF < factor < MOST_OFF:
+            faults.append(_of_efforts_or_positions(gap, span, column, joint, None))
+        elif abs(alike) > ALIKE and not 1.0 / MOST_OFF < factor < MOST_OFF:
             action = f"it reads {factor:.3g} times what the robot needs; convert it to N·m or N at the joint, or A"
             faults.append(Fault("data.unit", column, action))
     return faults
@@ -156,22 +181,23 @@ class _Look:
         return [values * sign for values in self.course]
 
 
-def _look(gap: Gap) -> _Look:
+def _look(gap: Gap, span: Span = EVER) -> _Look:
     motion = gap.motion
-    rows = np.arange(0, motion.time.size, max(1, motion.time.size // SAMPLES))
+    rows = np.flatnonzero(is_held(*span, motion.time))
+    rows = rows[:: max(1, rows.size // SAMPLES)]
     course = tuple(values[rows] for values in (motion.position, motion.velocity, motion.acceleration))
     # What was held besides is no matter of whose column is whose.
     effort = motion.torque * gap.per_reported - held_torque(gap.robot, gap.body, motion)
     return _Look(gap, course, effort[rows][:, list(gap.examined)])
 
 
-def _of_efforts_or_positions(gap: Gap, column: str, i: int, j: int | None) -> Fault:
+def _of_efforts_or_positions(gap: Gap, span: Span, column: str, i: int, j: int | None) -> Fault:
     """Return the fault of an effort that has the wrong sign, or is exchanged with joint ``j``'s, or that of the
     positions, where these explain all joints better.
 
     A joint's effort turned looks like its position turned, until one looks at what the other joints carry.
     """
-    look, names = _look(gap), gap.robot.joints
+    look, names = _look(gap, span), gap.robot.joints
     if j is None:
         action, effort, course = TURN, look.effort_turned(i), look.position_turned(i)
         by_effort, by_position = Fault("data.sign", column, TURN), Fault("data.sign", f"position.{names[i]}", TURN)
@@ -187,14 +213,15 @@ def _of_efforts_or_positions(gap: Gap, column: str, i: int, j: int | None) -> Fa
     return replace(by_effort, action=f"{action} (or of the positions: what the other joints carry hardly tells)")
 
 
-def find_misplaced(gap: Gap) -> list[Fault]:
-    """Return the column or joint whose sign is turned, or the two that are exchanged, if that makes the efforts fit.
+def find_misplaced(gap: Gap, span: Span = EVER) -> list[Fault]:
+    """Return the column or joint whose sign is turned, or the two that are exchanged, if that makes the efforts fit
+    within a ``span`` of time.
 
     Efforts that a model explains badly, but well once one column is turned or two are exchanged, are no physics.  Where
     all columns of a joint are another's, or count it the other way round, its friction fits nevertheless, and what is
     left is less: there all joints together have to tell.
     """
-    look = _look(gap)
+    look = _look(gap, span)
     as_logged = look.left(look.course, look.effort)
     if np.any(as_logged > POOR):
         columns = _least(look, _columns_misplaced(look), functools.partial(_mended, as_logged))

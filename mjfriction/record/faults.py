@@ -27,6 +27,8 @@ STUCK_SPEED = 0.4  # of the usual speed, just before or after a standstill, that
 NEAR = 6  # samples beside a standstill, that tell how fast a joint was
 KNOWN_BY = 3.5  # counts of an encoder, that a joint must have gone there for its speed to be known
 NO_RUN_UP = 0.7  # of the speed further away, that a joint has right beside a standstill if it did not slow down for it
+CAUGHT_UP = 2.5  # times the steps after it, that a reading makes which comes unstuck
+WORKS_ON, SMOOTHED = 0.3, 9  # of an effort's usual spread, that it has while its joint moves; samples of a mean
 ALL_BUT_JUMPS, JUMP = 0.999, 5.0  # quantile of a channel's steps, and how many of it no joint makes at once
 LONGER = 4.0  # times the longest ordinary run of equal samples, for a run to be no rest of the encoder
 MOVED = 0.3  # of a frozen stretch that the joint moves in: more than a rest with its run-down
@@ -133,12 +135,13 @@ def _there_and_back(values: Floats, start: int, stop: int) -> bool:
     return bool(abs(after - before) < COMES_BACK * height)
 
 
-def stuck(values: Floats, speed: Floats, piece: Integers | None = None) -> Mask:
+def stuck(values: Floats, speed: Floats, piece: Integers | None = None, effort: Floats | None = None) -> Mask:
     """Return where a channel stands still at once in the middle of motion, (n,).
 
     ``speed`` (n,) is how fast the joint moves by another account (its own neighbours' samples, or its velocity column).
-    A rest has a run-down before or a run-up after; a stuck channel has not, and jumps to where the joint has gone.
-    ``piece`` (n,) numbers what was recorded without a break: the next one begins where the joint is by then.
+    A rest has a run-down before or a run-up after; a stuck channel has not, and is at once where the joint has gone.
+    ``piece`` (n,) numbers what was recorded without a break: the next one begins where the joint is by then.  A joint
+    that stands still up to the end of one rests where its ``effort`` (n,) rests too; where none is given it is stuck.
     """
     out = np.zeros(values.size, dtype=bool)
     piece = _pieces(piece, values.size)
@@ -152,19 +155,26 @@ def stuck(values: Floats, speed: Floats, piece: Integers | None = None) -> Mask:
     ordinary = float(lengths[int(0.9 * (lengths.size - 1))]) if lengths.size > 10 else 2.0
     open_ended, sticks = [], False
     for a, b in runs:
-        if b - a < max(SHORTEST_STUCK, LONGER * ordinary):
+        if b - a < SHORTEST_STUCK:
             continue
         first, past = max(a - NEAR, int(begin[a])), min(b - 1 + NEAR, int(end[a]))
-        jumps = b < end[a] and abs(values[b] - values[b - 1]) > jump
+        step = abs(values[b] - values[b - 1]) if b < end[a] else 0.0
+        if step > jump:
+            out[a:b] = True
+        if step > jump or b - a < LONGER * ordinary:
+            continue
         # A coarse encoder flickers while its joint rests, and of one that creeps it tells the pace by single counts.
         came = abs(values[first] - values[a]) > KNOWN_BY * count
         went = abs(values[min(past, int(end[a]) - 1)] - values[b - 1]) > KNOWN_BY * count
         before, after = np.abs(speed[first:a]), np.abs(speed[b - 1 : past])
         from_motion = came and _at_once(before[::-1], usual)
+        # What was hidden of a motion is made up for in one step; a joint that begins to move makes no longer one than
+        # those that follow.
         into_motion = went and _at_once(after, usual)
-        if jumps or (from_motion and into_motion):
+        into_motion = into_motion and step > CAUGHT_UP * float(np.max(np.abs(np.diff(values[b:past])), initial=0.0))
+        if from_motion and into_motion:
             out[a:b] = True
-        elif from_motion or into_motion:
+        elif into_motion or (from_motion and (effort is None or b < end[a] or _works_on(effort, a, b))):
             # A joint that sticks stops at once too, and begins where it was; beyond a piece's end nothing is known.
             if a == begin[a] or b == end[a]:
                 open_ended.append((a, b))
@@ -173,6 +183,13 @@ def stuck(values: Floats, speed: Floats, piece: Integers | None = None) -> Mask:
     for a, b in [] if sticks else open_ended:
         out[a:b] = True
     return out
+
+
+def _works_on(effort: Floats, start: int, stop: int) -> bool:
+    # Whether an effort goes up and down in a stretch as it does elsewhere, short of its noise.
+    smooth = np.convolve(effort, np.ones(SMOOTHED) / SMOOTHED, mode="same")
+    rest = np.concatenate([smooth[:start], smooth[stop:]])
+    return bool(np.std(smooth[start:stop]) > WORKS_ON * np.std(rest))
 
 
 def _count(values: Floats) -> float:

@@ -80,7 +80,8 @@ def repaired(log: Log) -> Log:
                 columns[name], found = _bridged(log, name, columns[name])
                 faults += found
         speed = _speed(log, columns, joint)
-        still = stuck(columns[f"{POSITION}.{joint}"], speed, piece)
+        effort = next((columns[f"{own}.{joint}"] for own in (EFFORT, CURRENT) if f"{own}.{joint}" in columns), None)
+        still = stuck(columns[f"{POSITION}.{joint}"], speed, piece, effort)
         # What gives of a joint that is held goes by single counts.
         if np.any(still) and travel[joint] > HELD * max(travel.values()):
             faults.append(_left_out(log, "data.stuck", f"{POSITION}.{joint}", still, "those rows were left out"))

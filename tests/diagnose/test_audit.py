@@ -8,9 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 from mjfriction.benchmark.cases import Setting, make_case
+from mjfriction.cli.logs import read_logs
 from mjfriction.diagnose import audit
 from mjfriction.diagnose.audit import find_degrees, find_faults
 from mjfriction.diagnose.diagnosis import diagnose_log
@@ -27,6 +29,8 @@ from tests.hidden.machine import Machine, write_case
 
 Columns = dict[str, np.ndarray]
 ELBOW, WRIST = "effort.elbow_joint", "effort.wrist_1_joint"
+LIFT = "shoulder_lift_joint"
+LIFTED = f"position.{LIFT}"
 
 
 @pytest.fixture(scope="module")
@@ -248,3 +252,28 @@ def test_a_joint_that_never_moves_is_not_examined(case: tuple[Path, Path]) -> No
     still = run(case, lambda c: {"position.wrist_3_joint": np.full_like(c["position.wrist_3_joint"], 0.3)})
     assert "wrist_3_joint" in still.not_examined
     assert np.isfinite(still.heldout).all()
+
+
+@pytest.mark.parametrize(
+    ("damage", "kind", "where"),
+    [
+        (lambda c, late: {ELBOW: np.where(late, 100.0, 1.0) * c[ELBOW]}, "data.unit", ELBOW),
+        (lambda c, late: {WRIST: np.where(late, -1.0, 1.0) * c[WRIST]}, "data.sign", WRIST),
+        (lambda c, late: {LIFTED: np.where(late, -1.0, 1.0) * c[LIFTED]}, "data.sign", LIFTED),
+    ],
+)
+def test_one_of_two_logs_may_be_at_fault(
+    damage: Callable[[Columns, np.ndarray], Columns], kind: str, where: str, case: tuple[Path, Path], tmp_path: Path
+) -> None:
+    log = read_log(case[0])
+    half = 0.5 * (log.time[0] + log.time[-1])
+    columns = {"time": log.time, **log.columns}
+    late = log.time >= half
+    columns |= damage(dict(log.columns), late)
+    paths = []
+    for name, own in (("monday", ~late), ("tuesday", late)):
+        paths.append(tmp_path / f"{name}.parquet")
+        pq.write_table(pa.table({column: values[own] for column, values in columns.items()}), paths[-1])
+    diagnosis = diagnose_log(read_logs(paths, read_robot(case[1]).joints, None, None), read_robot(case[1]))
+    assert diagnosis.verdict is Verdict.BAD_DATA
+    assert [(fault.kind, fault.where) for fault in diagnosis.faults] == [(kind, f"{where}, in tuesday.parquet alone")]

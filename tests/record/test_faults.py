@@ -322,3 +322,36 @@ def test_a_recorder_that_stalls_is_known_in_rows_that_come_in_bursts() -> None:
     log = log_from_table(pa.table({"time": stamped, **rows}), "log")
     assert "data.duplicate" in {fault.kind for fault in log.faults}
     assert log.time.size < 3950
+
+
+@pytest.mark.parametrize("works_on", [True, False])
+def test_a_joint_that_stops_at_once_and_rests_to_the_end_is_not_stuck_where_its_effort_rests_too(
+    *, works_on: bool
+) -> None:
+    # A passage at one speed that friction ends within a sample; or a reading that stays there while the joint goes on.
+    time = np.arange(COUNT) / RATE
+    course = np.minimum(0.3 * time, 0.3 * 8.0)
+    rng = np.random.default_rng(4)
+    swings = np.where((time < 8.0) | works_on, np.cos(1.7 * time), 0.2)
+    log = read({"time": time, POSITION: course, EFFORT: 2.0 * swings + 0.1 * rng.normal(size=COUNT)})
+    assert [fault.kind for fault in log.faults] == (["data.stuck"] if works_on else [])
+
+
+def test_a_reading_that_is_stuck_for_no_longer_than_the_joint_usually_rests_is_known_by_where_it_comes_loose() -> None:
+    time = np.arange(COUNT) / RATE
+    phase = time % 2.0
+    pace = np.where(phase < 1.0, 0.4 * np.sin(np.pi * phase) ** 2, 0.0) * np.where(time % 4.0 < 2.0, 1.0, -1.0)
+    course = np.cumsum(pace) / RATE
+    assert not np.any(stuck(course, pace))
+    course[4100:4400] = course[4100]
+    assert np.flatnonzero(stuck(course, pace)).tolist() == list(range(4100, 4400))
+
+
+def test_a_coarse_reading_that_turns_about_at_rest_comes_loose_by_single_counts() -> None:
+    count, time = 4e-3, np.arange(COUNT) / RATE
+    pace = np.where(time < 8.0, 0.5, 0.0) - np.where(time > 9.0, 0.5, 0.0)
+    course = np.round(np.cumsum(pace) / RATE / count) * count
+    assert not np.any(stuck(course, pace))
+    course[time > 9.5] -= 0.05  # it was not at rest then, but on its way, by twelve counts more
+    course[(time > 9.0) & (time <= 9.5)] = course[4500]
+    assert np.any(stuck(course, pace))

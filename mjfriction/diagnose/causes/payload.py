@@ -8,8 +8,9 @@ from typing import final
 import numpy as np
 
 from mjfriction.body.model import Body
-from mjfriction.body.regressor import tip_link, tip_mass_torques
+from mjfriction.body.regressor import tip_link, tip_mass, tip_mass_torques
 from mjfriction.diagnose.causes.cause import Quantity, Site
+from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOVED, LEAST_NOTED
 from mjfriction.diagnose.causes.whole_arm import WholeArm
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
@@ -59,6 +60,14 @@ class Payload(WholeArm):
         mass, moment = _stated(gap.robot, gap.body)
         total = mass + strengths[0]
         return bool(total > 0.0 and np.linalg.norm(moment + strengths[1:]) < FARTHEST * total)
+
+    def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """More than the last link's own mass and centre are off by where all else is stated exactly."""
+        return _beyond(gap, strengths, LEAST_ALONE)
+
+    def usual(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """What the last link's own mass and centre are off by."""
+        return not _beyond(gap, strengths, LEAST_NOTED)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Put the payload into the robot, or change the one that is there."""
@@ -154,6 +163,15 @@ def _elsewhere(gap: Gap) -> bool:
     # Whether a payload is stated on another link than the last.
     stated, body = gap.robot.table.payload, gap.body
     return stated is not None and body.link_holding(stated.parent) != body.link_holding(tip_link(body))
+
+
+def _beyond(gap: Gap, strengths: Floats, least: float) -> bool:
+    # Whether the last link, with the load as its own, is heavier by so much, or has its centre elsewhere.
+    mass, centre = tip_mass(gap.body)
+    if mass + strengths[0] <= 0.0:
+        return True
+    moved = (mass * centre + strengths[1:]) / (mass + strengths[0]) - centre
+    return bool(abs(strengths[0]) > least * mass or np.linalg.norm(moved) > LEAST_MOVED)
 
 
 def _stated(robot: Robot, body: Body) -> tuple[float, Floats]:
