@@ -49,14 +49,14 @@ def stated_exactly(model: Model) -> bool:
 
     What a cause leaves of its joint's friction is a matter of its form: where enough others can say, they do.
     """
-    changes, others = level_changes(model), _untouched(model)
+    changes, others = least_off(model), _untouched(model)
     asked = others if len(others) >= FEWEST_JOINTS else model.gap.examined
     return typical([changes.get(joint, 0.0) for joint in asked]) < EXACT
 
 
 def untouched_and_exact(model: Model) -> list[int]:
     """Return the joints that no cause touches, and whose friction is as stated."""
-    changes = level_changes(model)
+    changes = least_off(model)
     return [joint for joint in _untouched(model) if changes.get(joint, 0.0) < EXACT]
 
 
@@ -84,8 +84,8 @@ def held_links(model: Model, field: Field, changes: Mapping[int, float]) -> Mode
     little at every joint.
 
     Links may be a few percent off beside friction levels that are; beside levels that are right to a percent, what
-    one link or payload does alone was not done by two dozen small errors.  ``changes`` are those of friction, by joint,
-    before any was held as stated: one that could not be told is no level that is right.
+    one link or payload does alone was not done by two dozen small errors.  ``changes`` are what friction is off by
+    (:func:`least_off`), by joint, before any was held as stated: one that could not be told is no level that is right.
     """
     if not model.nuisance.links or len(changes) < FEWEST_JOINTS:
         return model
@@ -134,27 +134,40 @@ def level_changes(model: Model) -> dict[int, float]:
     return out
 
 
-def surely_off(model: Model) -> dict[int, float]:
-    """Return how far each joint's level or damping is off at least, whichever is more, relative to what is stated: by
-    the nearer end of its 95 % interval, by joint.
+def least_off(model: Model) -> dict[int, float]:
+    """Return how far each joint's friction is off short of what noise makes of a fit, relative to what is stated, by
+    joint: in all, or in its level or its damping alone, whichever is more.
 
-    Both may be off by more than friction is where the motion sees them both: one up, the other down.
+    In all, noise is taken off as variances are; where it is much, no more than a percent.  Of level and damping it is
+    the nearer end of the 95 % interval that counts, where no cause touches the joint: both may be off by more than
+    friction is where the motion sees them both, one up, the other down.
     """
-    covariance = model.system.normal.covariance(model.strengths, model.gap.blocks.group)
-    half = float(student.ppf(0.975, model.gap.blocks.groups - 1)) * np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    out, untouched = {}, _untouched(model)
-    for joint in (level.site.joint for level in model.nuisance.levels):
-        if joint not in untouched:
-            continue
-        place = model.nuisance.of_level(joint)
-        least = np.maximum(np.abs(model.strengths[place]) - half[place], 0.0)
-        stated = np.array(stated_levels(model.gap.robot.table.joint[joint]))
-        out[joint] = float(np.max(np.divide(least, stated, out=np.zeros_like(least), where=stated > 0.0)))
+    gap, nuisance, changes, untouched = model.gap, model.nuisance, level_changes(model), _untouched(model)
+    covariance = model.system.normal.covariance(model.strengths, gap.blocks.group)
+    quantile = float(student.ppf(0.975, gap.blocks.groups - 1))
+    out = {}
+    for level in nuisance.levels:
+        joint, place = level.site.joint, nuisance.of_level(level.site.joint)
+        own, stated = covariance[place, place], np.array(stated_levels(gap.robot.table.joint[joint]))
+        noise = np.sqrt(np.trace(own @ _mean_square(gap, level.site))) / _stated_friction(gap, joint)
+        out[joint] = max(float(np.sqrt(max(changes[joint] ** 2 - noise**2, 0.0))), changes[joint] - EXACT)
+        if joint in untouched:
+            half = quantile * np.sqrt(np.maximum(np.diag(own), 0.0))
+            least = np.maximum(np.abs(model.strengths[place]) - half, 0.0)
+            alone = np.divide(least, stated, out=np.zeros_like(least), where=stated > 0.0)
+            out[joint] = max(out[joint], float(np.max(alone)))
     return out
+
+
+def _mean_square(gap: Gap, site: Site) -> Floats:
+    samples = STATED_LEVELS.samples(gap, site)
+    return np.asarray(samples.T @ samples / samples.shape[0])
+
+
+def _stated_friction(gap: Gap, joint: int) -> float:
+    return max(float(np.sqrt(np.mean(np.square(gap.effort.friction[:, joint])))), 1e-12)
 
 
 def relative_change(gap: Gap, site: Site, strengths: Floats) -> float:
     """Return the size of a change of a joint's level and damping (2,), relative to its stated friction."""
-    change = STATED_LEVELS.samples(gap, site) @ strengths
-    stated = float(np.sqrt(np.mean(np.square(gap.effort.friction[:, site.joint]))))
-    return float(np.sqrt(np.mean(np.square(change)))) / max(stated, 1e-12)
+    return float(np.sqrt(strengths @ _mean_square(gap, site) @ strengths)) / _stated_friction(gap, site.joint)

@@ -17,9 +17,9 @@ from mjfriction.diagnose.exact import (
     EXACT,
     FEWEST_OTHERS,
     held_links,
+    least_off,
     level_changes,
     relative_change,
-    surely_off,
     usually_off,
 )
 from mjfriction.diagnose.field import Field, chances_in, in_place_of_levels
@@ -72,14 +72,14 @@ def settle(model: Model, asked: Field) -> Settled:
     """
     field_size = len(model.nuisance.levels)
     model = with_levels_as_stated(model)
-    change, surely = level_changes(model), surely_off(model)
+    change, off = level_changes(model), least_off(model)
     model, alike = beside_factors(model, change)
     findings: list[Chosen] = []
     for level in model.nuisance.levels:
         joint = level.site.joint
         if level.near:
             continue
-        if _bent(model, joint) and change[joint] > _bar(change, joint, surely):
+        if _bent(model, joint) and change[joint] > _bar(change, joint, off):
             unbent = _unbent(model, joint, asked)
             if unbent is not None:
                 model = unbent
@@ -88,7 +88,7 @@ def settle(model: Model, asked: Field) -> Settled:
         trial = try_out(held, Chosen(STATED_LEVELS, level.site))
         if trial is None or trial.chance > FALSE_ALARM or trial.gain <= 0.0:
             model = held
-        elif trial.passes(field_size) and change[joint] > _bar(change, joint, surely):
+        elif trial.passes(field_size) and change[joint] > _bar(change, joint, off):
             held, trial = _unmoved(model, held, trial)
             rival = _simpler(held, trial, asked)
             scaled = scaled_levels(model, held, trial, change) if rival is None else None
@@ -98,13 +98,13 @@ def settle(model: Model, asked: Field) -> Settled:
                 model = scaled.model
             elif (other := one_for_both(model, joint, asked)) is not None:
                 model = other
-            elif _own(model, level, change[joint], _bar(change, joint, surely)):
+            elif _own(model, level, change[joint], _bar(change, joint, off)):
                 findings.append(trial.chosen)
             alike |= {joint: scaled.spread} if scaled is not None else {}
     model = with_levels_as_stated(model)
     if model.nuisance.drives and not _helps(model, model.nuisance.of_drives):
         model = model.without_drives()
-    model = held_links(model, asked, change) if _links_help(model) else model.without_links()
+    model = held_links(model, asked, off) if _links_help(model) else model.without_links()
     # Holding levels moves what is left.
     return Settled(model.admissible(), tuple(findings), alike)
 
@@ -220,10 +220,10 @@ def _helps(model: Model, place: slice) -> bool:
     return bool(np.mean(gain) > BAR * np.std(gain, ddof=1) / np.sqrt(gain.size))
 
 
-def _bar(change: Mapping[int, float], joint: int, surely: Mapping[int, float]) -> float:
-    # ``surely`` is by how much levels are off at least, one by one.
+def _bar(change: Mapping[int, float], joint: int, off: Mapping[int, float]) -> float:
+    # ``off`` is by how much friction is off short of noise.
     if len(change) - 1 < FEWEST_OTHERS:
         return LEAST_CHANGE_ROUGH
-    if usually_off({**change, **surely}, joint) < EXACT > usually_off(change, joint):
+    if usually_off(off, joint) < EXACT:
         return LEAST_CHANGE
     return min(ALWAYS, max(LEAST_CHANGE_ROUGH, OUTLYING * usually_off(change, joint, at_least=True)))

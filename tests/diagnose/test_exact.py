@@ -13,6 +13,7 @@ import pytest
 from mjfriction.diagnose import exact, stated
 from mjfriction.diagnose.causes.links import LoneLink
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.exact import level_changes
 from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.identify.regression import Rows, System
 from mjfriction.record.readers import read_log
@@ -108,17 +109,21 @@ def test_links_help_where_a_drive_alone_would_have_to_go_farther_than_it_may(nee
     assert stated._helps(model, slice(1, 2)) is help_  # type: ignore[arg-type]
 
 
+def bar(off: dict[int, float]) -> float:
+    return stated._bar(off, 0, off)
+
+
 def test_of_two_other_joints_one_that_is_far_off_says_nothing_of_the_third() -> None:
     far, near, own = 0.24, 0.02, 0.17
-    assert own > stated._bar({0: own, 1: near, 2: far}, 0, {}) == stated.LEAST_CHANGE_ROUGH
+    assert own > bar({0: own, 1: near, 2: far}) == stated.LEAST_CHANGE_ROUGH
     # Where both are off, so may the third be.
-    assert own < stated._bar({0: own, 1: 0.08, 2: far}, 0, {})
+    assert own < bar({0: own, 1: 0.08, 2: far})
     # Of five others most have to be off.
-    assert stated._bar({0: own, **dict.fromkeys((1, 2, 3), near), 4: near, 5: far}, 0, {}) == stated.LEAST_CHANGE_ROUGH
-    assert stated._bar({0: own, 1: near, 2: 0.06, 3: 0.06, 4: 0.06, 5: far}, 0, {}) == pytest.approx(0.18)
+    assert bar({0: own, **dict.fromkeys((1, 2, 3), near), 4: near, 5: far}) == stated.LEAST_CHANGE_ROUGH
+    assert bar({0: own, 1: near, 2: 0.06, 3: 0.06, 4: 0.06, 5: far}) == pytest.approx(0.18)
     # That a robot is stated exactly takes both.
-    assert stated._bar({0: own, 1: 0.005, 2: far}, 0, {}) == stated.LEAST_CHANGE_ROUGH
-    assert stated._bar({0: own, 1: 0.005, 2: 0.009}, 0, {}) == stated.LEAST_CHANGE
+    assert bar({0: own, 1: 0.005, 2: far}) == stated.LEAST_CHANGE_ROUGH
+    assert bar({0: own, 1: 0.005, 2: 0.009}) == stated.LEAST_CHANGE
 
 
 def test_levels_that_are_off_to_either_side_are_off(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -137,5 +142,5 @@ def test_levels_that_are_off_to_either_side_are_off(tmp_path: Path, monkeypatch:
         return [(one.cause, one.joint) for one in diagnose_log(read_log(log), read_robot(robot)).findings]
 
     assert named() == []
-    monkeypatch.setattr(stated, "surely_off", lambda _: {})
+    monkeypatch.setattr(stated, "least_off", level_changes)
     assert named() == [("friction.coulomb_viscous", UR5_JOINTS[5])]

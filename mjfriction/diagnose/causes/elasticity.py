@@ -29,7 +29,7 @@ from mjfriction.robot.transmission import LEAST_INERTIA, LOAD_BAND, natural_freq
 COMPLIANCE = Parameter("compliance", "{length}/{force}", "how far the transmission gives per load", lower=0.0)
 DAMPING_RATIO = Parameter("damping_ratio", "1", "damping of the link on what gives, over the critical one", lower=0.0)
 RESONANCES = tuple(2.5 * 1.1**k for k in range(25))  # Hz: from 2.5 to 25 Hz
-RESONANCE_BAND = 0.3  # of the position filter's cutoff, below which a resonance shows
+RESONANCE_BAND = 0.5  # of the position filter's cutoff, below which a resonance shows
 FINER_RESONANCE, NEIGHBOURS = 1.1, 5  # half of a step of these, as compliances, and what is tried within it
 DAMPINGS = (0.025, 0.05, 0.1, 0.2, 0.4)  # of critical
 SCREENED_AT = 0.2  # of critical: a link that swings longer falls out of step with what is not quite its resonance

@@ -17,6 +17,7 @@ from mjfriction.robot.robot import Robot
 LEAST_NOTED = 0.08  # of a link's mass, from which on it is a finding: no stated mass is better than that
 LEAST_ALONE = 0.04  # the same where all else is stated exactly: as of friction levels
 LEAST_MOVED = 0.01  # m that its centre of mass must lie off: cables and covers are left out of most models
+LEAST_MOVED_ALONE = 0.004  # the same where all else is stated exactly
 FARTHEST = 0.3  # m by which a centre of mass may be off
 FELT = 1e-6  # of the effort, below which a link is not felt
 
@@ -92,6 +93,7 @@ class _MovedLink(_Link):
 
     curved = True
     part = slice(1, 4)
+    least_moved: ClassVar[float] = LEAST_MOVED  # m, from which on it is a finding
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The shift, stated plus change."""
@@ -106,7 +108,7 @@ class _MovedLink(_Link):
 
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """Some millimetres are what stated centres are off by."""
-        return bool(np.linalg.norm(strengths) > LEAST_MOVED)
+        return bool(np.linalg.norm(strengths) > self.least_moved)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move the centre."""
@@ -130,6 +132,7 @@ class LoneWholeLink(_MovedLink):
     """
 
     part = slice(0, 4)
+    least_moved = LEAST_MOVED_ALONE
     scaled: ClassVar[_ScaledLink] = LoneLink()
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:

@@ -10,7 +10,7 @@ import numpy as np
 from mjfriction.body.model import Body
 from mjfriction.body.regressor import tip_link, tip_mass, tip_mass_torques
 from mjfriction.diagnose.causes.cause import Quantity, Site
-from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOVED, LEAST_NOTED
+from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOVED, LEAST_MOVED_ALONE, LEAST_NOTED
 from mjfriction.diagnose.causes.whole_arm import WholeArm
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
@@ -63,11 +63,11 @@ class Payload(WholeArm):
 
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """More than the last link's own mass and centre are off by where all else is stated exactly."""
-        return _beyond(gap, strengths, LEAST_ALONE)
+        return _beyond(gap, strengths, LEAST_ALONE, LEAST_MOVED_ALONE)
 
     def usual(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """What the last link's own mass and centre are off by."""
-        return not _beyond(gap, strengths, LEAST_NOTED)
+        return not _beyond(gap, strengths, LEAST_NOTED, LEAST_MOVED)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Put the payload into the robot, or change the one that is there."""
@@ -165,13 +165,13 @@ def _elsewhere(gap: Gap) -> bool:
     return stated is not None and body.link_holding(stated.parent) != body.link_holding(tip_link(body))
 
 
-def _beyond(gap: Gap, strengths: Floats, least: float) -> bool:
-    # Whether the last link, with the load as its own, is heavier by so much, or has its centre elsewhere.
+def _beyond(gap: Gap, strengths: Floats, heavier: float, farther: float) -> bool:
+    # Whether the last link, with the load as its own, is heavier by more, or has its centre farther off.
     mass, centre = tip_mass(gap.body)
     if mass + strengths[0] <= 0.0:
         return True
     moved = (mass * centre + strengths[1:]) / (mass + strengths[0]) - centre
-    return bool(abs(strengths[0]) > least * mass or np.linalg.norm(moved) > LEAST_MOVED)
+    return bool(abs(strengths[0]) > heavier * mass or np.linalg.norm(moved) > farther)
 
 
 def _stated(robot: Robot, body: Body) -> tuple[float, Floats]:
