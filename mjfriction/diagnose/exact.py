@@ -47,9 +47,10 @@ def usually_off(changes: Mapping[int, float], joint: int, *, at_least: bool = Fa
 def stated_exactly(model: Model) -> bool:
     """Return whether friction is as stated at nearly all joints, so that the rest may be believed to be so too.
 
-    What a cause leaves of its joint's friction is a matter of its form: where enough others can say, they do.
+    What a cause leaves of its joint's friction is a matter of its form: where enough others can say, they do.  And
+    before any is found, what makes a fit uncertain may be causes, and is no reason to believe in what is stated.
     """
-    changes, others = least_off(model), _untouched(model)
+    changes, others = least_off(model) if model.chosen else level_changes(model), _untouched(model)
     asked = others if len(others) >= FEWEST_JOINTS else model.gap.examined
     return typical([changes.get(joint, 0.0) for joint in asked]) < EXACT
 

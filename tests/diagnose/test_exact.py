@@ -14,7 +14,10 @@ from mjfriction.diagnose import exact, stated
 from mjfriction.diagnose.causes.links import LoneLink
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.exact import level_changes
+from mjfriction.diagnose.model import build_model
+from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.regression import Rows, System
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
@@ -144,3 +147,13 @@ def test_levels_that_are_off_to_either_side_are_off(tmp_path: Path, monkeypatch:
     assert named() == []
     monkeypatch.setattr(stated, "least_off", level_changes)
     assert named() == [("friction.coulomb_viscous", UR5_JOINTS[5])]
+
+
+@pytest.mark.parametrize(("off", "exactly"), [(0.0, True), (0.06, False)])
+def test_what_noise_makes_of_a_fit_is_no_inexactness(off: float, tmp_path: Path, *, exactly: bool) -> None:
+    # A short and noisy log, of which no friction level is known to a percent.
+    log, robot = write_case(tmp_path, Machine(noise=0.6), seed=9, off=off, seconds=14.0, rate=100.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    model = build_model(gap, make_nuisance(gap), ())
+    assert exact.typical(list(level_changes(model).values())) > exact.EXACT
+    assert (exact.typical(list(exact.least_off(model).values())) < exact.EXACT) is exactly
