@@ -13,12 +13,13 @@ from mjfriction.diagnose import free_run
 from mjfriction.diagnose.alike import AT_THE_BAR, MOST_CONFIDENT, ROOM
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.coupling import RATIOS
+from mjfriction.diagnose.causes.elasticity import RESONANCE_BAND
 from mjfriction.diagnose.causes.friction_spot import NARROWEST, PASSES, WIDEST
 from mjfriction.diagnose.causes.landed_play import FLOWN
-from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOVED, LEAST_NOTED
+from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOVED, LEAST_MOVED_ALONE, LEAST_NOTED
 from mjfriction.diagnose.causes.load import LEAST_ROTOR
 from mjfriction.diagnose.causes.offset import Offset
-from mjfriction.diagnose.causes.presliding import LEAST_PART
+from mjfriction.diagnose.causes.presliding import LEAST_PART, SLIPS
 from mjfriction.diagnose.causes.stribeck import GONE_BY, UNFINISHED
 from mjfriction.diagnose.causes.varying import EDGE, Step
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
@@ -135,7 +136,12 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert (DROWNED, ROOM, COLOURED) == (3.0, 0.5, 0.5), "the page says three times, half of the effect, half of it"
     assert f"more than {100 * LEAST_NOTED:g} %, and by more than {100 * SURELY:g} %" in told
     assert f"lies more than {100 * LEAST_MOVED:g} cm off" in told
-    assert f"one cause, a link {100 * LEAST_ALONE:g} % off or a payload" in told
+    assert (
+        f"one cause, a link {100 * LEAST_ALONE:g} % off, a payload that makes the last link {100 * LEAST_ALONE:g} %"
+        in told
+    )
+    assert f"or moves its centre by {1e3 * LEAST_MOVED_ALONE:g} mm" in told
+    assert (RESONANCE_BAND, SLIPS) == (0.5, (0.25, 0.75, 2.0)), "the page says half; a quarter, three quarters and two"
     assert (NEARLY_ALL, QUIETER) == (0.99, 0.5), "the page says all but a percent, and less than half"
     assert (INSTEAD, RESONANT) == (0.75, 0.75), "the page says a quarter less"
     assert f"a lightly damped resonance ({SLOWEST:g} to {FASTEST:g} Hz)" in told
