@@ -7,8 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mjfriction.body.regressor import tip_mass
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.coupling import DifferenceDrive, DifferenceRotor, SumDrive
+from mjfriction.diagnose.causes.delay import JointDelay, LogDelay
+from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.causes.varying import Step, WarmUpDrift
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.record.readers import read_log
@@ -68,3 +71,27 @@ def test_friction_rises_or_falls_at_all_speeds(course: Step | WarmUpDrift, gap: 
     assert course.one_way(gap, site, np.array([-1.0, -0.5]))
     assert course.one_way(gap, site, np.array([1.0, -0.5 / fast]))  # less damping as the level rises: grease that ages
     assert not course.one_way(gap, site, np.array([-1.0, 4.0 / fast]))
+
+
+def test_a_shift_of_hardly_a_sample_is_how_a_log_is_sampled(gap: Gap) -> None:
+    step = gap.motion.clock.step
+    for delay in (LogDelay(), JointDelay()):
+        assert not delay.noteworthy(gap, Site(LIFT), np.array([-0.7 * step]))
+        assert delay.noteworthy(gap, Site(LIFT), np.array([-0.8 * step]))
+
+
+def test_a_few_grams_at_the_flange_are_the_last_links_own(gap: Gap) -> None:
+    mass, centre = tip_mass(gap.body)
+    held, site = Payload(), Site(LIFT)
+    for share, moved, told, usual in (
+        (0.03, 0.0, False, True),
+        (0.05, 0.0, True, True),
+        (0.09, 0.0, True, False),
+        (0.0, 0.003, False, True),
+        (0.0, 0.005, True, True),
+        (0.0, 0.011, True, False),
+    ):
+        first = (1.0 + share) * mass * (centre + np.array([0.0, moved, 0.0])) - mass * centre
+        strengths = np.array([share * mass, *first])
+        assert held.noteworthy(gap, site, strengths) is told
+        assert held.usual(gap, site, strengths) is usual

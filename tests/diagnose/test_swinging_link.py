@@ -10,9 +10,11 @@ import pytest
 
 import mjfriction.diagnose.diagnosis as module
 from mjfriction.diagnose import oscillations
+from mjfriction.diagnose.causes import elasticity
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.elasticity import SwingingElasticity
+from mjfriction.diagnose.causes.moved_link import own_slopes
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.exact import usual_nuisance
 from mjfriction.diagnose.model import Chosen, build_model
@@ -25,22 +27,24 @@ from mjfriction.record.log import Log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.schema import Transmission
+from mjfriction.robot.transmission import natural_frequency
 
 PAN, COMPLIANCE, DAMPING = "shoulder_pan_joint", 6e-4, 0.04
 WELL_DAMPED = 0.2
+STIFF, SPARSE, QUIET = 2e-4, 100.0, 0.05  # rad per N·m; Hz; N·m
 
 
 @functools.cache
-def swinging(damping: float = DAMPING) -> Log:
+def swinging(damping: float = DAMPING, compliance: float = COMPLIANCE, rate: float = 250.0, noise: float = 0.3) -> Log:
     robot = read_robot("ur5")
-    soft = Transmission(compliance=COMPLIANCE, damping_ratio=damping)
+    soft = Transmission(compliance=compliance, damping_ratio=damping)
     machine = robot.with_joint(robot.joint(PAN).model_copy(update={"transmission": soft}))
     for joint in machine.table.joint:
-        sensor = joint.effort_sensor.model_copy(update={"noise": 0.3})
+        sensor = joint.effort_sensor.model_copy(update={"noise": noise})
         machine = machine.with_joint(joint.model_copy(update={"effort_sensor": sensor}))
     poses = np.array([0.0, -1.2, 1.0, 0.0, 0.6, 0.0]) + np.random.default_rng(5).uniform(-0.6, 0.6, (14, 6))
     motion = pick_and_place(robot.joints, poses, np.full(6, 1.2), np.full(6, 6.0))
-    return log_from_table(pa.table(simulate(machine, motion, recorder=Recorder(250.0), seed=1)), "swinging")
+    return log_from_table(pa.table(simulate(machine, motion, recorder=Recorder(rate), seed=1)), "swinging")
 
 
 @pytest.mark.bench
@@ -85,3 +89,16 @@ def test_following_its_load_at_once_it_is_not_explained(monkeypatch: pytest.Monk
     monkeypatch.setattr(module, "STRUCTURAL", rest)
     found = diagnose_log(swinging(), read_robot("ur5"))
     assert found.verdict is not Verdict.EXPLAINED or [f.cause for f in found.findings] != ["drive.elasticity"]
+
+
+@pytest.mark.bench
+def test_one_that_swings_at_up_to_half_the_cutoff_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    stiff = swinging(DAMPING, STIFF, SPARSE, QUIET)
+    gap = measure_gap(stiff, read_robot("ur5"))
+    resonance = np.median(natural_frequency(own_slopes(gap, 0)[2], STIFF)) / (2.0 * np.pi)
+    assert 0.3 * gap.motion.cutoff < resonance < elasticity.RESONANCE_BAND * gap.motion.cutoff
+    (finding,) = diagnose_log(stiff, read_robot("ur5")).findings
+    assert (finding.cause, finding.joint) == ("drive.elasticity", PAN)
+    monkeypatch.setattr(elasticity, "RESONANCE_BAND", 0.3)
+    found = diagnose_log(stiff, read_robot("ur5"))
+    assert "damping_ratio" not in {value.name for own in found.findings for value in own.parameters}

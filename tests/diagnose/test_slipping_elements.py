@@ -1,0 +1,61 @@
+"""Presliding over a travel as long as the motion's: elements that slip one after the other lean as a spring does."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mjfriction.diagnose.causes.presliding import DampedPresliding, Presliding
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from mjfriction.robot.predict import predict_log
+from tests.hidden.machine import UR5_COULOMB, UR5_JOINTS, Array, Instant, Machine, write_case
+
+ELBOW = 2
+DISTANCES = np.array([0.06, 0.12, 0.25, 0.5])  # rad, over which each of four alike elements is drawn until it slips
+
+
+def slipping(at: Instant) -> Array:
+    drawn = np.zeros((at.q.size, DISTANCES.size))
+    for i in range(1, at.q.size):
+        drawn[i] = np.clip(drawn[i - 1] + (at.q[i] - at.q[i - 1]) / DISTANCES, -1.0, 1.0)
+    return np.asarray(UR5_COULOMB[ELBOW] * (np.mean(drawn, axis=1) - np.sign(at.v)))
+
+
+def diagnosed(folder: Path) -> Diagnosis:
+    log, robot = write_case(folder, Machine(hidden={ELBOW: slipping}), seed=4)
+    return diagnose_log(read_log(log), read_robot(robot))
+
+
+@pytest.fixture(scope="module")
+def diagnosis(tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
+    return diagnosed(tmp_path_factory.mktemp("slipping"))
+
+
+def test_they_are_presliding_and_nothing_else(diagnosis: Diagnosis) -> None:
+    (finding,) = diagnosis.findings
+    assert (finding.cause, finding.joint) == ("friction.presliding", UR5_JOINTS[ELBOW])
+    levels = [value.value for value in finding.parameters if value.name.startswith("presliding_level")]
+    assert sum(levels) == pytest.approx(UR5_COULOMB[ELBOW], rel=0.05)
+    assert finding.gain.reduction > 0.9
+
+
+def test_the_extended_robot_predicts_another_motion(diagnosis: Diagnosis, tmp_path: Path) -> None:
+    extended = diagnosis.robot
+    assert "maxwell_slip" in {term.law for term in extended.joint(UR5_JOINTS[ELBOW]).friction or ()}
+    column = f"effort.{UR5_JOINTS[ELBOW]}"
+    paths = write_case(tmp_path, Machine(hidden={ELBOW: slipping}, noise=1e-3), 21)
+    log, stated = read_log(paths[0]), read_robot(paths[1])
+    left, before = (log.columns[column] - predict_log(log, robot)[column] for robot in (extended, stated))
+    rms = [float(np.sqrt(np.mean(np.square(course)))) for course in (left, before)]
+    assert rms[0] < 0.12 * rms[1], rms
+
+
+def test_a_bristle_needs_a_spring_beside_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for cause in (Presliding, DampedPresliding):
+        monkeypatch.setattr(cause, "richer", None)
+    assert {finding.cause for finding in diagnosed(tmp_path).findings} == {"friction.presliding", "body.spring"}
