@@ -38,8 +38,8 @@ def without_clock_steps(log: Log) -> Log:
 
 
 def _told(log: Log, row: int) -> bool:
-    spans = [fault.span for fault in log.faults if fault.span]
-    return any(log.time[row] <= low and high <= log.time[row + 1] for low, high in spans)
+    left_out = [span for fault in log.faults for span in fault.spans]
+    return any(log.time[row] <= low and high <= log.time[row + 1] for low, high in left_out)
 
 
 def _ran_on(log: Log, row: int, ordinary: float) -> bool:

@@ -43,14 +43,14 @@ QUANTA, OF_QUANTA = 2.5, 0.5  # the same of a channel whose steps are coarser th
 
 @dataclass(frozen=True)
 class Fault:
-    """A fault of a log: its ``kind`` (``data.stuck``, …), where, and what was done or is to do; ``span`` is its time
-    (s) where rows were left out.
+    """A fault of a log: its ``kind`` (``data.stuck``, …), where, and what was done or is to do; ``spans`` are the
+    times (s) of the rows that were left out.
     """
 
     kind: str
     where: str
     action: str
-    span: tuple[float, float] | None = None
+    spans: tuple[tuple[float, float], ...] = ()
 
 
 def written_again(time: Floats, segment: Integers, columns: Mapping[str, Floats]) -> Mask:

@@ -61,7 +61,7 @@ def _without_repeated(log: Log, repeated: Mask) -> Log:
         return log
     places = [(log.time[a], log.time[b - 1]) for a, b in spans(repeated)]
     count = int(np.count_nonzero(repeated))
-    fault = Fault("data.duplicate", f"{in_words(places)} ({count} rows)", "dropped the repeated rows", places[0])
+    fault = Fault("data.duplicate", f"{in_words(places)} ({count} rows)", "dropped the repeated rows", tuple(places))
     return replace(_without(log, repeated), segment=log.segment[~repeated], faults=(*log.faults, fault))
 
 
@@ -148,7 +148,7 @@ def _speed(log: Log, columns: dict[str, Floats], joint: str) -> Floats:
 
 def _left_out(log: Log, kind: str, name: str, mask: np.ndarray, action: str) -> Fault:
     places = [(float(log.time[a]), float(log.time[b - 1])) for a, b in spans(mask)]
-    return Fault(kind, f"{name}, {in_words(places)}", action, places[0])
+    return Fault(kind, f"{name}, {in_words(places)}", action, tuple(places))
 
 
 def _without(log: Log, rows: np.ndarray) -> Log:

@@ -331,7 +331,7 @@ def data_problems(gap: Gap, faults: tuple[Fault, ...] = ()) -> list[DataProblem]
     log, clock = gap.log, gap.motion.clock
     every = (*faults, *log.faults)
     problems = [DataProblem(kind=fault.kind, where=fault.where, action=fault.action) for fault in every]
-    told = [fault.span for fault in log.faults if fault.span]
+    told = [span for fault in log.faults for span in fault.spans]
     problems += [
         DataProblem(kind="data.gap", where=f"{log.time[row]:.4g} s to {log.time[after]:.4g} s", action="split there")
         for row, after in clock.gaps

@@ -277,3 +277,14 @@ def test_one_of_two_logs_may_be_at_fault(
     diagnosis = diagnose_log(read_logs(paths, read_robot(case[1]).joints, None, None), read_robot(case[1]))
     assert diagnosis.verdict is Verdict.BAD_DATA
     assert [(fault.kind, fault.where) for fault in diagnosis.faults] == [(kind, f"{where}, in tuesday.parquet alone")]
+
+
+def test_rows_that_were_dropped_are_told_once(case: tuple[Path, Path]) -> None:
+    log = read_log(case[0])
+    rows = np.arange(log.time.size)
+    for first in (1000, 3000, 5000):  # a stretch comes once more, in the place of what went on there
+        rows[first : first + 100] = rows[first - 100 : first]
+    again = {name: values[rows] for name, values in log.columns.items()}
+    gap = measure_gap(log_from_table(pa.table({"time": log.time, **again}), "again"), read_robot(case[1]))
+    assert [problem.kind for problem in data_problems(gap)] == ["data.duplicate"]
+    assert len(gap.motion.clock.gaps) >= 3
