@@ -15,7 +15,7 @@ from mjfriction.robot.links import link_scale, link_shift, scaled_link, shifted_
 from mjfriction.robot.robot import Robot
 
 LEAST_NOTED = 0.08  # of a link's mass, from which on it is a finding: no stated mass is better than that
-LEAST_ALONE = 0.04  # the same where all else is stated exactly: as of friction levels
+LEAST_ALONE = 0.02  # the same where all else is stated exactly
 LEAST_MOVED = 0.01  # m that its centre of mass must lie off: cables and covers are left out of most models
 LEAST_MOVED_ALONE = 0.004  # the same where all else is stated exactly
 FARTHEST = 0.3  # m by which a centre of mass may be off
