@@ -91,7 +91,7 @@ def repaired(log: Log) -> Log:
             name = f"{quantity}.{joint}"
             if name not in columns:
                 continue
-            flat = clipped(columns[name], moving)
+            flat = clipped(columns[name], moving if np.any(moving) else ~moving)
             held = frozen(columns[name], moving) & ~flat
             said = {
                 "data.saturation": (

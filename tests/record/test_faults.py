@@ -354,3 +354,13 @@ def test_a_reading_that_turns_about_at_rest_comes_loose_by_usual_steps() -> None
     assert not np.any(stuck(course, np.diff(course, append=course[-1]) * RATE))
     course[time > 9.0] -= 0.016  # it was not at rest, but on its way, by as far as no longer seems a jump
     assert np.any(stuck(course, np.diff(course, append=course[-1]) * RATE))
+
+
+def test_an_effort_that_is_clipped_while_its_joint_is_held_is_clipped_all_the_same() -> None:
+    columns = recording()
+    noise = 0.1 * np.random.default_rng(7).normal(size=COUNT)
+    held = {"position.held": np.zeros(COUNT), "effort.held": np.clip(noise, -0.12, 0.12)}
+    assert [(fault.kind, fault.where[:11]) for fault in read(columns | held).faults] == [
+        ("data.saturation", "effort.held")
+    ]
+    assert read(columns | held | {"effort.held": noise}).faults == ()
