@@ -359,7 +359,7 @@ def test_a_reading_that_turns_about_at_rest_comes_loose_by_usual_steps() -> None
 def test_an_effort_that_is_clipped_while_its_joint_is_held_is_clipped_all_the_same() -> None:
     columns = recording()
     noise = 0.1 * np.random.default_rng(7).normal(size=COUNT)
-    held = {"position.held": np.zeros(COUNT), "effort.held": np.clip(noise, -0.12, 0.12)}
+    held = {"position.held": np.zeros(COUNT), "effort.held": np.clip(noise, -0.08, 0.08)}
     assert [(fault.kind, fault.where[:11]) for fault in read(columns | held).faults] == [
         ("data.saturation", "effort.held")
     ]
