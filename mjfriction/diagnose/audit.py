@@ -20,6 +20,7 @@ from mjfriction.robot.links_torque import held_torque, is_held
 
 ALIKE = 0.9  # correlation from which on an effort is taken as the image of a prediction
 UNLIKE = 0.6  # and under which it is not
+FEWEST_ROWS = 50  # in clear motion, that a joint's effort is judged by
 SAMPLES = 1500  # of a log that positions are judged by
 POOR = 0.25  # of an effort's variance left unexplained, past which columns may be misplaced
 MENDED = 0.3  # of that, which may be left at one joint at least once they are in their places
@@ -58,10 +59,12 @@ def find_faults(gap: Gap) -> list[Fault]:
 def _in_one_log(gap: Gap, find: Callable[[Gap, Span], list[Fault]]) -> list[Fault]:
     # What is at fault in one of several logs alone is lost in what all of them say together.
     begins = [begin for _, begin in gap.log.joined]
+    if len(begins) < 2:
+        return []
     found = []
     for (name, _), span in zip(gap.log.joined, itertools.pairwise([*begins, math.inf]), strict=True):
         found += [replace(fault, where=f"{fault.where}, in {name} alone") for fault in find(gap, span)]
-    return found if len(begins) > 1 else []
+    return found
 
 
 def find_degrees(gap: Gap) -> list[Fault]:
@@ -105,6 +108,8 @@ def find_misread(gap: Gap, span: Span = EVER) -> list[Fault]:
     examined = list(gap.examined)
     own = is_held(*span, gap.chain.time)
     clear = gap.clear[own]
+    if not np.any(clear):
+        return []
     predicted = gap.chain.rows(gap.effort.reported)[own][:, examined]
     measured = gap.measured[own][:, examined]
     measured, predicted = (values - np.mean(values, axis=0) for values in (measured, predicted))
@@ -114,6 +119,8 @@ def find_misread(gap: Gap, span: Span = EVER) -> list[Fault]:
     for i, joint in enumerate(examined):
         name = gap.robot.joints[joint]
         column = f"{gap.motion.quantity[joint]}.{name}"
+        if np.count_nonzero(clear[:, joint]) < FEWEST_ROWS:
+            continue
         # At rest friction may be anything; of pick and place that is most of a log.
         alike, factor = _likeness(*(rows[clear[:, joint], i] for rows in (measured, predicted)))
         for j in range(i):
@@ -221,6 +228,9 @@ def find_misplaced(gap: Gap, span: Span = EVER) -> list[Fault]:
     all columns of a joint are another's, or count it the other way round, its friction fits nevertheless, and what is
     left is less: there all joints together have to tell.
     """
+    clear = gap.clear[is_held(*span, gap.chain.time)][:, list(gap.examined)]
+    if span != EVER and np.any(np.count_nonzero(clear, axis=0) < FEWEST_ROWS):
+        return []  # what a joint shows that rests there is noise
     look = _look(gap, span)
     as_logged = look.left(look.course, look.effort)
     if np.any(as_logged > POOR):

@@ -15,7 +15,8 @@ from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, s
 from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.oscillations import new_oscillations
 from mjfriction.diagnose.refusal import proved, refused
-from mjfriction.diagnose.shapes import best_shape, reshaped
+from mjfriction.diagnose.richer import enriched, in_richer_form
+from mjfriction.diagnose.shapes import reshaped
 from mjfriction.diagnose.short_list import SHORT_LIST, all_tried, fairly, passing, ranked
 from mjfriction.diagnose.tangent import straightened
 from mjfriction.diagnose.trial import Trial, try_out
@@ -74,7 +75,7 @@ def compete(
         if hopeless or not no_causes:
             for choice in no_causes:
                 model = model.without(choice)
-            return straightened(with_kin(fulfilled(model), field)), asked
+            return straightened(with_kin(enriched(fulfilled(model), field), field)), asked
         begin = tuple(choice for choice in begin if choice.key not in {one.key for one in no_causes})
 
 
@@ -141,22 +142,14 @@ def _exchanged(model: Model, field: Field, chances: Chances, tell: Tell, enough:
 def _richer(model: Model, trial: Trial) -> Model | None:
     # The model with a cause of the same joint in its richer form, where that does as much as another cause beside it:
     # the one that is in the model, or the newcomer in the place of that.
-    gap, new = model.gap, trial.chosen
+    new = trial.chosen
     for choice in model.chosen:
-        if choice.site.joint != new.site.joint:
+        if choice.site.joint != new.site.joint or choice.tangent or choice.cause.whole_arm:
             continue
         for plain in (choice, new):
-            if plain.cause.richer is None:
-                continue
-            whole = best_shape(model.without(choice), Chosen(plain.cause.richer(), plain.site))
-            normal = model.with_instead(choice, whole)
-            price = (normal.precision.size - model.system.normal.precision.size) * float(np.log(gap.blocks.count))
-            gain = np.sum(model.heldout_errors) - np.sum(normal.heldout_errors(gap.blocks.folds))
-            if gain - price <= trial.merit - NO_DIFFERENCE:
-                continue
-            richer = build_model(gap, model.nuisance, (*model.without(choice).chosen, whole))
-            if whole.cause.admissible(gap, whole.site, richer.strengths[richer.places[-1]]):
-                return richer
+            richer = None if plain.cause.richer is None else in_richer_form(model, choice, plain)
+            if richer is not None and richer.gain > trial.merit - NO_DIFFERENCE:
+                return richer.model
     return None
 
 

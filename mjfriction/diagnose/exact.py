@@ -124,15 +124,20 @@ def level_changes(model: Model) -> dict[int, float]:
 
     A torque constant that is refitted along scales friction too: what counts is what the drive reports of it.
     """
+    own = _as_reported(model)
+    return {
+        level.site.joint: relative_change(model.gap, level.site, own[level.site.joint])
+        for level in model.nuisance.levels
+    }
+
+
+def _as_reported(model: Model) -> dict[int, Floats]:
+    # By how much each joint's level and damping (2,) are refitted, as its drive reports them.
     nuisance, strengths, table = model.nuisance, model.strengths, model.gap.robot.table.joint
     pairs = zip(nuisance.drives, strengths[nuisance.of_drives], strict=True)
     scale = {drive.site.joint: change for drive, change in pairs if drive.cause.name == TorqueConstant.name}
-    out = {}
-    for level in nuisance.levels:
-        joint = level.site.joint
-        own = strengths[nuisance.of_level(joint)] + scale.get(joint, 0.0) * np.array(stated_levels(table[joint]))
-        out[joint] = relative_change(model.gap, level.site, own)
-    return out
+    joints = [level.site.joint for level in nuisance.levels]
+    return {j: strengths[nuisance.of_level(j)] + scale.get(j, 0.0) * np.array(stated_levels(table[j])) for j in joints}
 
 
 def least_off(model: Model) -> dict[int, float]:
@@ -144,6 +149,7 @@ def least_off(model: Model) -> dict[int, float]:
     friction is where the motion sees them both, one up, the other down.
     """
     gap, nuisance, changes, untouched = model.gap, model.nuisance, level_changes(model), _untouched(model)
+    reported = _as_reported(model)
     covariance = model.system.normal.covariance(model.strengths, gap.blocks.group)
     quantile = float(student.ppf(0.975, gap.blocks.groups - 1))
     out = {}
@@ -154,7 +160,7 @@ def least_off(model: Model) -> dict[int, float]:
         out[joint] = max(float(np.sqrt(max(changes[joint] ** 2 - noise**2, 0.0))), changes[joint] - EXACT)
         if joint in untouched:
             half = quantile * np.sqrt(np.maximum(np.diag(own), 0.0))
-            least = np.maximum(np.abs(model.strengths[place]) - half, 0.0)
+            least = np.maximum(np.abs(reported[joint]) - half, 0.0)
             alone = np.divide(least, stated, out=np.zeros_like(least), where=stated > 0.0)
             out[joint] = max(out[joint], float(np.max(alone)))
     return out

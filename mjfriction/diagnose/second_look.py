@@ -24,7 +24,8 @@ def compete_twice(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silen
     The second look counts where the joints that it leaves untouched are as stated, and it leaves as little at each.
     """
     first, asked = compete_for_links(gap, nuisance, field, tell)
-    if not nuisance.drives or not first.chosen or len(untouched_and_exact(first)) < FEWEST_JOINTS:
+    let_go = first.nuisance.inertias is not None
+    if not nuisance.drives or let_go or not first.chosen or len(untouched_and_exact(first)) < FEWEST_JOINTS:
         return first, asked
     held = with_unevenness(gap, make_nuisance(gap))
     second, asked_then = compete_for_links(gap, held, field, tell, begin=first.chosen)

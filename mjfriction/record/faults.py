@@ -172,9 +172,11 @@ def stuck(values: Floats, speed: Floats, piece: Integers | None = None, effort: 
         # those that follow.
         into_motion = went and _at_once(after, usual)
         into_motion = into_motion and step > CAUGHT_UP * float(np.max(np.abs(np.diff(values[b:past])), initial=0.0))
-        if from_motion and into_motion:
+        # A velocity that is measured says so itself, though it be filtered late.
+        moving = float(np.median(np.abs(speed[(a + b) // 2 : b - 1]))) > STUCK_SPEED * usual
+        if moving or (from_motion and into_motion):
             out[a:b] = True
-        elif into_motion or (from_motion and (effort is None or b < end[a] or _works_on(effort, a, b))):
+        elif into_motion or (from_motion and (effort is None or b < end[a] or _works_on(effort[begin[a] : b], b - a))):
             # A joint that sticks stops at once too, and begins where it was; beyond a piece's end nothing is known.
             if a == begin[a] or b == end[a]:
                 open_ended.append((a, b))
@@ -185,11 +187,13 @@ def stuck(values: Floats, speed: Floats, piece: Integers | None = None, effort: 
     return out
 
 
-def _works_on(effort: Floats, start: int, stop: int) -> bool:
-    # Whether an effort goes up and down in a stretch as it does elsewhere, short of its noise.
-    smooth = np.convolve(effort, np.ones(SMOOTHED) / SMOOTHED, mode="same")
-    rest = np.concatenate([smooth[:start], smooth[stop:]])
-    return bool(np.std(smooth[start:stop]) > WORKS_ON * np.std(rest))
+def _works_on(effort: Floats, last: int) -> bool:
+    # Whether an effort goes up and down in its last samples as it did before, short of its noise.
+    spread = [
+        float(np.std(np.convolve(own, np.ones(SMOOTHED) / SMOOTHED, mode="valid"))) if own.size >= SMOOTHED else 0.0
+        for own in (effort[:-last], effort[-last:])
+    ]
+    return spread[1] > WORKS_ON * spread[0]
 
 
 def _count(values: Floats) -> float:

@@ -29,6 +29,7 @@ from mjfriction.record.ticks import TICKS, tick_of
 SLOWEST_CLOCK = 1.0  # s, steps from which on no clock counts seconds: one in milliseconds makes them 1 kHz at most
 FASTEST = 30.0  # rad/s or m/s, that a joint is usually slower than
 ENDS = 0.01  # of a joint's samples, at either end of its travel, that glitches may be
+FEW_COUNTS = 20  # of a sensor
 MOST_CLIPPED = 0.8  # of a channel's samples; past that it is no recording of a torque
 
 
@@ -59,9 +60,9 @@ def without_repeats(log: Log) -> Log:
 def _without_repeated(log: Log, repeated: Mask) -> Log:
     if not np.any(repeated):
         return log
-    places = [(log.time[a], log.time[b - 1]) for a, b in spans(repeated)]
+    places = _places(log, repeated)
     count = int(np.count_nonzero(repeated))
-    fault = Fault("data.duplicate", f"{in_words(places)} ({count} rows)", "dropped the repeated rows", tuple(places))
+    fault = Fault("data.duplicate", f"{in_words(places)} ({count} rows)", "dropped the repeated rows", places)
     return replace(_without(log, repeated), segment=log.segment[~repeated], faults=(*log.faults, fault))
 
 
@@ -84,14 +85,17 @@ def repaired(log: Log) -> Log:
         still = stuck(columns[f"{POSITION}.{joint}"], speed, piece, effort)
         # What gives of a joint that is held goes by single counts.
         if np.any(still) and travel[joint] > HELD * max(travel.values()):
-            faults.append(_left_out(log, "data.stuck", f"{POSITION}.{joint}", still, "those rows were left out"))
+            fault = _found_at(log, "data.stuck", f"{POSITION}.{joint}", still, "those rows were left out")
+            faults.append(replace(fault, spans=_places(log, still)))
             dropped |= still
         moving = np.abs(speed) > 0.05 * np.sqrt(np.mean(np.square(speed)))
         for quantity in (EFFORT, CURRENT):
             name = f"{quantity}.{joint}"
             if name not in columns:
                 continue
-            flat = clipped(columns[name], moving if np.any(moving) else ~moving)
+            # What a coarse sensor reads of a joint that is held is a few counts, the least and the most among them.
+            held_still = not np.any(moving) and np.unique(columns[name]).size > FEW_COUNTS
+            flat = clipped(columns[name], ~moving if held_still else moving)
             held = frozen(columns[name], moving) & ~flat
             said = {
                 "data.saturation": (
@@ -103,7 +107,7 @@ def repaired(log: Log) -> Log:
             for kind, (mask, action) in said.items():
                 if 0.0 < np.mean(mask) < MOST_CLIPPED:
                     unusable[name] = unusable.get(name, np.zeros(mask.size, dtype=bool)) | mask
-                    faults.append(_left_out(log, kind, name, mask, action))
+                    faults.append(_found_at(log, kind, name, mask, action))
     changed = replace(log, columns=columns, faults=tuple(faults), unusable=unusable)
     return _without(changed, dropped) if np.any(dropped) else changed
 
@@ -131,7 +135,7 @@ def _bridged(log: Log, name: str, values: Floats) -> tuple[Floats, list[Fault]]:
     index = np.arange(values.size)
     mended = values.copy()
     mended[wild] = np.interp(index[wild], index[~wild], values[~wild])
-    return mended, [_left_out(log, "data.glitch", name, wild, "bridged by the samples beside it")]
+    return mended, [_found_at(log, "data.glitch", name, wild, "bridged by the samples beside it")]
 
 
 def _speed(log: Log, columns: dict[str, Floats], joint: str) -> Floats:
@@ -146,9 +150,12 @@ def _speed(log: Log, columns: dict[str, Floats], joint: str) -> Floats:
     return np.where(joined & (step > 0.0), change / np.maximum(step, 0.1 * ordinary), 0.0)
 
 
-def _left_out(log: Log, kind: str, name: str, mask: np.ndarray, action: str) -> Fault:
-    places = [(float(log.time[a]), float(log.time[b - 1])) for a, b in spans(mask)]
-    return Fault(kind, f"{name}, {in_words(places)}", action, tuple(places))
+def _found_at(log: Log, kind: str, name: str, mask: np.ndarray, action: str) -> Fault:
+    return Fault(kind, f"{name}, {in_words(_places(log, mask))}", action)
+
+
+def _places(log: Log, mask: np.ndarray) -> tuple[tuple[float, float], ...]:
+    return tuple((float(log.time[a]), float(log.time[b - 1])) for a, b in spans(mask))
 
 
 def _without(log: Log, rows: np.ndarray) -> Log:

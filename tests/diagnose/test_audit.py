@@ -288,3 +288,19 @@ def test_rows_that_were_dropped_are_told_once(case: tuple[Path, Path]) -> None:
     gap = measure_gap(log_from_table(pa.table({"time": log.time, **again}), "again"), read_robot(case[1]))
     assert [problem.kind for problem in data_problems(gap)] == ["data.duplicate"]
     assert len(gap.motion.clock.gaps) >= 3
+
+
+def test_a_joint_that_rests_in_one_of_two_logs_is_not_judged_there(case: tuple[Path, Path], tmp_path: Path) -> None:
+    log = read_log(case[0])
+    half = log.time.size // 2
+    columns = {"time": log.time, **{name: values.copy() for name, values in log.columns.items()}}
+    columns["position.wrist_1_joint"][half:] = columns["position.wrist_1_joint"][half - 1]
+    columns[WRIST][half:] = 0.4 * np.random.default_rng(1).normal(size=log.time.size - half)
+    paths = []
+    for name, own in (("monday", slice(0, half)), ("tuesday", slice(half, None))):
+        paths.append(tmp_path / f"{name}.parquet")
+        pq.write_table(pa.table({column: values[own] for column, values in columns.items()}), paths[-1])
+    robot = read_robot(case[1])
+    gap = measure_gap(read_logs(paths, robot.joints, None, None), robot)
+    assert robot.joints.index("wrist_1_joint") in gap.examined
+    assert find_faults(gap) == []

@@ -7,9 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjfriction.diagnose.causes.presliding import DampedPresliding, Presliding
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.presliding import DampedPresliding, Presliding, SlippingElements
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.laws.maxwell_slip import MAXWELL_SLIP
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.predict import predict_log
@@ -59,3 +61,30 @@ def test_a_bristle_needs_a_spring_beside_it(tmp_path: Path, monkeypatch: pytest.
     for cause in (Presliding, DampedPresliding):
         monkeypatch.setattr(cause, "richer", None)
     assert {finding.cause for finding in diagnosed(tmp_path).findings} == {"friction.presliding", "body.spring"}
+
+
+def test_an_element_that_holds_nothing_is_not_built_in() -> None:
+    robot, strengths = read_robot("ur5"), np.array([1.0, -0.04, 2.0])
+    extended = SlippingElements().extend(robot, Site(ELBOW, (0.2,)), strengths)
+    (term,) = [own for own in extended.joint(UR5_JOINTS[ELBOW]).friction or () if own.law == "maxwell_slip"]
+    assert term.parameters["level"] == pytest.approx([1.0 * 2.96 / 3.0, 2.0 * 2.96 / 3.0])
+    assert len(term.parameters["stiffness"]) == 2
+    MAXWELL_SLIP.pack(term.parameters)
+
+
+@pytest.mark.bench
+@pytest.mark.parametrize("seed", range(4))
+def test_two_elements_are_elements_and_no_damped_bristle(seed: int, tmp_path: Path) -> None:
+    distances = np.random.default_rng(seed).uniform([0.03, 0.2], [0.08, 0.5])
+
+    def two(at: Instant) -> Array:
+        drawn = np.zeros((at.q.size, 2))
+        for i in range(1, at.q.size):
+            drawn[i] = np.clip(drawn[i - 1] + (at.q[i] - at.q[i - 1]) / distances, -1.0, 1.0)
+        return np.asarray(UR5_COULOMB[ELBOW] * (np.mean(drawn, axis=1) - np.sign(at.v)))
+
+    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: two}), seed=seed)
+    diagnosis = diagnose_log(read_log(log), read_robot(robot))
+    assert [finding.cause for finding in diagnosis.findings] == ["friction.presliding"]
+    assert "maxwell_slip" in {term.law for term in diagnosis.robot.joint(UR5_JOINTS[ELBOW]).friction or ()}
+    predict_log(read_log(log), diagnosis.robot)

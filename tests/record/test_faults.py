@@ -364,3 +364,36 @@ def test_an_effort_that_is_clipped_while_its_joint_is_held_is_clipped_all_the_sa
         ("data.saturation", "effort.held")
     ]
     assert read(columns | held | {"effort.held": noise}).faults == ()
+
+
+@pytest.mark.parametrize("rest", [0.1, 0.4, 2.0])
+def test_a_joint_that_rests_under_its_load_is_not_stuck(rest: float) -> None:
+    time = np.arange(COUNT) / RATE
+    stop = time[-1] - rest
+    course = np.minimum(0.3 * time, 0.3 * stop)
+    effort = 50.0 + np.where(time < stop, 8.0 * np.cos(1.7 * time), 0.0)
+    effort += 0.1 * np.random.default_rng(4).normal(size=COUNT)
+    assert read({"time": time, POSITION: course, EFFORT: effort}).faults == ()
+
+
+def test_a_reading_that_comes_loose_where_it_stuck_is_known_by_its_velocity() -> None:
+    time = np.arange(COUNT) / RATE
+    course, velocity = np.sin(1.3 * time), 1.3 * np.cos(1.3 * time)
+    held = course.copy()
+    held[4000:6416] = course[4000]  # a whole period
+    assert np.flatnonzero(stuck(held, velocity))[[0, -1]].tolist() == [4000, 6415]
+
+
+def test_the_few_counts_of_a_held_joints_effort_are_not_clipped() -> None:
+    columns = recording()
+    flicker = 0.05 * (np.random.default_rng(8).random(COUNT) < 0.3)
+    assert read(columns | {"position.held": np.zeros(COUNT), "effort.held": flicker}).faults == ()
+
+
+def test_a_gap_beside_a_glitch_is_a_gap() -> None:
+    columns = recording()
+    columns[EFFORT][2999] += 50.0
+    kept = np.r_[0:3000, 3500:COUNT]
+    log = read({name: values[kept] for name, values in columns.items()})
+    (glitch,) = log.faults
+    assert (glitch.kind, glitch.spans) == ("data.glitch", ())

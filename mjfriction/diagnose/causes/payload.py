@@ -128,6 +128,10 @@ class PayloadForAWhile(WholeArm):
         near = np.linalg.norm(moment + strengths[1:]) < FARTHEST * max(total, nothing)
         return bool(total >= -nothing and near)
 
+    def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """As of one that is held throughout."""
+        return Payload().noteworthy(gap, site, strengths)
+
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Let the robot put down what is stated, for that while, and take up what is held instead."""
         body = robot.body()

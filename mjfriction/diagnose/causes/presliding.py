@@ -51,8 +51,8 @@ def _dahl(level: float, travel: float) -> dict[str, float]:
 
 
 def _elements(levels: Floats, travel: float) -> dict[str, float | list[float]]:
-    stiffness = levels / (np.array(SLIPS) * travel)
-    return {"viscous": 0.0, "stiffness": stiffness.tolist(), "level": levels.tolist()}
+    stiffness, held = levels / (np.array(SLIPS) * travel), levels > 0.0
+    return {"viscous": 0.0, "stiffness": stiffness[held].tolist(), "level": levels[held].tolist()}
 
 
 class _Bristle(JointCause):
@@ -158,7 +158,7 @@ class SlippingElements(_Bristle):
         return super().admissible(gap, site, strengths) and bool(np.min(strengths) > least)
 
     def law(self, level: float, travel: float, strengths: Floats) -> tuple[Law, Values]:
-        """Maxwell-slip's."""
+        """Maxwell-slip's, of those elements that hold anything."""
         levels = np.maximum(strengths, 0.0)
         return MAXWELL_SLIP, _elements(level * levels / np.sum(levels), travel)
 

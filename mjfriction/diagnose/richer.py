@@ -1,0 +1,56 @@
+"""Causes in a richer form: with more strengths, where that pays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mjfriction.diagnose.field import Field
+from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.refusal import proved
+from mjfriction.diagnose.shapes import best_shape
+from mjfriction.diagnose.trial import try_out
+
+PAYS = 10.0  # of merit, from which on a richer form is worth its names
+
+
+@dataclass(frozen=True)
+class Richer:
+    """A ``model`` with a cause in its richer form, and what that gains on motion not fitted, further freedoms paid."""
+
+    model: Model
+    gain: float
+
+
+def in_richer_form(model: Model, choice: Chosen, plain: Chosen) -> Richer | None:
+    """Return the model with the richer form of ``plain`` in the place of a straight cause of it, ``choice``; None where
+    nature does not allow it or motion does not show it.
+    """
+    assert plain.cause.richer is not None, "asked of causes that have one"
+    gap, without = model.gap, model.without(choice)
+    whole = best_shape(without, Chosen(plain.cause.richer(), plain.site))
+    if try_out(without, whole) is None:
+        return None
+    normal = model.with_instead(choice, whole)
+    freedoms = normal.precision.size - model.system.normal.precision.size
+    freedoms += len(whole.site.shape) - len(choice.site.shape)
+    gain = float(np.sum(model.heldout_errors) - np.sum(normal.heldout_errors(gap.blocks.folds)))
+    richer = build_model(gap, model.nuisance, (*without.chosen, whole))
+    if not proved(richer, whole):
+        return None
+    return Richer(richer, gain - freedoms * float(np.log(gap.blocks.count)))
+
+
+def enriched(model: Model, field: Field) -> Model:
+    """Return the model with those of its causes in their richer form that gain by it, but for forms that compete
+    themselves.
+    """
+    competing = {type(entrant.cause) for entrant in field}
+    for choice in model.chosen:
+        if choice.cause.richer is None or choice.cause.richer in competing or choice.tangent:
+            continue
+        richer = in_richer_form(model, choice, choice)
+        if richer is not None and richer.gain > PAYS:
+            model = richer.model
+    return model
