@@ -92,7 +92,7 @@ def held_rows(columns: Mapping[str, Floats], piece: Integers | None = None) -> M
     """Return which rows are the row before once more, in every column and many in a row, while the machine moves on:
     what a recorder writes that has stalled, time left aside, (n,).
 
-    ``piece`` (n,) numbers what was recorded without a break.
+    Where it moves on by that account, it is stuck however it comes loose.  ``piece`` (n,) numbers what was recorded without a break.
     """
     joined = np.diff(_pieces(piece, len(next(iter(columns.values()))))) == 0
     again = np.append(False, np.logical_and.reduce([joined, *(own[1:] == own[:-1] for own in columns.values())]))
