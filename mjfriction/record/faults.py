@@ -92,7 +92,7 @@ def held_rows(columns: Mapping[str, Floats], piece: Integers | None = None) -> M
     """Return which rows are the row before once more, in every column and many in a row, while the machine moves on:
     what a recorder writes that has stalled, time left aside, (n,).
 
-    Where it moves on by that account, it is stuck however it comes loose.  ``piece`` (n,) numbers what was recorded without a break.
+    ``piece`` (n,) numbers what was recorded without a break.
     """
     joined = np.diff(_pieces(piece, len(next(iter(columns.values()))))) == 0
     again = np.append(False, np.logical_and.reduce([joined, *(own[1:] == own[:-1] for own in columns.values())]))
@@ -140,6 +140,7 @@ def stuck(values: Floats, speed: Floats, piece: Integers | None = None, effort: 
 
     ``speed`` (n,) is how fast the joint moves by another account (its own neighbours' samples, or its velocity column).
     A rest has a run-down before or a run-up after; a stuck channel has not, and is at once where the joint has gone.
+    Where it moves on by that account, it is stuck however it comes loose.
     ``piece`` (n,) numbers what was recorded without a break: the next one begins where the joint is by then.  A joint
     that stands still up to the end of one rests where its ``effort`` (n,) rests too; where none is given it is stuck.
     """
