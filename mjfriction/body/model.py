@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
+import tempfile
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -97,8 +98,12 @@ def load_body(
     link_scale: Mapping[str, float] | None = None,
     link_shift: Mapping[str, Sequence[float]] | None = None,
     rotor_inertia: Sequence[float] | None = None,
+    text: str | None = None,
 ) -> Body:
     """Read a model file and make the robot's rigid bodies of it.
+
+    ``text`` is what it says in plain words, as :func:`~mjfriction.sim.plain_tree.plain_tree` writes it, and has to be
+    given for an MJCF whose masses come from shapes or defaults: Pinocchio would lose them.
 
     Joints of the model that are not asked for (a gripper's fingers) are locked at their zero.  ``gravity`` (m/s²)
     replaces the model's own; ``link_inertia`` takes the place of what the model says of a link; ``link_scale``
@@ -109,7 +114,7 @@ def load_body(
     Raises :class:`RobotError` when the file is missing or does not parse, when a joint is unknown or has more than one
     axis, and when the payload's parent is unknown.
     """
-    full, own_gravity = _parse(path)
+    full, own_gravity = _parse(path, text)
     known = [name for name in full.names if name != "universe"]
     for joint in joints:
         if joint not in known:
@@ -166,9 +171,9 @@ def _index(model: pin.Model, joint: str, key: str, path: Path) -> int:
     return int(model.getJointId(joint))
 
 
-def single_axis_joints(path: Path) -> tuple[str, ...]:
-    """Return the hinges and slides of a model file, in its order; raises :class:`RobotError` as :func:`load_body`."""
-    model, _ = _parse(path)
+def single_axis_joints(path: Path, text: str | None = None) -> tuple[str, ...]:
+    """Return the hinges and slides of a model file, in its order; ``text`` and errors as of :func:`load_body`."""
+    model, _ = _parse(path, text)
     return tuple(
         str(name) for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True) if joint.nv == 1
     )
@@ -200,27 +205,46 @@ def in_model_order(body: Body, values: Floats) -> Floats:
     return out
 
 
-def _parse(path: Path) -> tuple[pin.Model, tuple[float, ...]]:
+def root_of(path: Path) -> ET.Element:
+    """Return the root element of a model file; :class:`RobotError` where it is missing or no XML."""
     if not path.is_file():
         raise RobotError(f"{path}: there is no such model file")
     try:
-        root = ET.parse(path).getroot()
+        return ET.parse(path).getroot()
     except ET.ParseError as error:
         raise RobotError(f"{path}: not well-formed XML: {error}") from None
+
+
+def _parse(path: Path, text: str | None) -> tuple[pin.Model, tuple[float, ...]]:
+    if text is not None:
+        with tempfile.TemporaryDirectory() as folder:
+            plain = Path(folder) / path.name
+            plain.write_text(text, encoding="utf-8")
+            return _read(plain, ET.fromstring(text), path)
+    root = root_of(path)
+    unweighed = [body for body in root.iter("body") if body.find("geom") is not None and body.find("inertial") is None]
+    if root.tag == "mujoco" and unweighed:
+        raise RobotError(
+            f"{path}: {len(unweighed)} of its bodies have shapes and no <inertial>; read it in plain words"
+        )
+    return _read(path, root, path)
+
+
+def _read(path: Path, root: ET.Element, told_of: Path) -> tuple[pin.Model, tuple[float, ...]]:
     readers = {"robot": pin.buildModelFromUrdf, "mujoco": pin.buildModelFromMJCF}
     if root.tag not in readers:
-        raise RobotError(f"{path}: the root element is <{root.tag}>; a URDF has <robot>, an MJCF <mujoco>")
+        raise RobotError(f"{told_of}: the root element is <{root.tag}>; a URDF has <robot>, an MJCF <mujoco>")
     kind = "URDF" if root.tag == "robot" else "MJCF"
     nameless = sum(not body.get("name") for body in root.iter("body"))
     if nameless and root.tag == "mujoco":  # Pinocchio keeps bodies by their names, and would lose these
-        raise RobotError(f"{path}: {nameless} of its bodies have no name; give every <body> one")
+        raise RobotError(f"{told_of}: {nameless} of its bodies have no name; give every <body> one")
     try:
         with _native_messages_dropped():
             model = readers[root.tag](str(path))
     except Exception as error:  # Pinocchio's parsers raise ValueError, RuntimeError and boost's own kinds
         told = str(error).split("message:")[-1].split("\n")  # what comes before speaks of Pinocchio's own source files
         reason = next((line.strip() for line in told if line.strip()), type(error).__name__)
-        raise RobotError(f"{path}: cannot be read as {kind}: {reason}") from None
+        raise RobotError(f"{told_of}: cannot be read as {kind}: {reason}") from None
     if root.tag == "mujoco":
         _mend_slides(model, root)
     option = root.find("option")

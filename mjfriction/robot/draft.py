@@ -11,6 +11,7 @@ import tomli_w
 
 from mjfriction.body.model import load_body, single_axis_joints
 from mjfriction.errors import RobotError, suggestion
+from mjfriction.robot.plain_model import in_plain_words
 from mjfriction.robot.robot import packaged_model, resolve_model
 
 HEAD = """\
@@ -33,7 +34,8 @@ def draft_robot(model: str, folder: Path, wanted: Sequence[str] | None = None) -
     """
     packaged = model.startswith("package://")
     path = resolve_model(model, Path()) if packaged else Path(model)
-    known = single_axis_joints(path)
+    text = in_plain_words(path)
+    known = single_axis_joints(path, text)
     for name in wanted or ():
         if name not in known:
             raise RobotError(
@@ -45,7 +47,7 @@ def draft_robot(model: str, folder: Path, wanted: Sequence[str] | None = None) -
         raise RobotError(
             f"{path}: the model has no hinge and no slide on a body of its own; joints that share a body need one each"
         )
-    body = load_body(path, joints)
+    body = load_body(path, joints, text=text)
     named = model if packaged else packaged_model(path) or _seen_from(folder, path)
     lines = [HEAD, _line("name", path.stem), _line("model", named)]
     for i, name in enumerate(joints):

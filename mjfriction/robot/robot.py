@@ -15,6 +15,7 @@ from mjfriction.body.model import Body, Load, load_body
 from mjfriction.errors import RobotError, suggestion
 from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
 from mjfriction.robot.friction_tables import FrictionTerm
+from mjfriction.robot.plain_model import in_plain_words
 from mjfriction.robot.schema import Joint, RobotTable
 
 EXAMPLE_ROBOT_DATA = "package://example-robot-data/"
@@ -73,6 +74,7 @@ class Robot:
                 link_scale=self.table.link_scale,
                 link_shift=self.table.link_shift,
                 rotor_inertia=[joint.actuator.reflected_inertia for joint in self.table.joint],
+                text=in_plain_words(self.model_path),
             )
         except RobotError as error:
             raise RobotError(f"robot '{self.name}': {error}") from error

@@ -169,6 +169,7 @@ def _read(path: Path) -> mujoco.MjSpec:
             # From here on the spec may be written elsewhere: its meshes stay where they are.
             spec.meshdir = str((path.parent / spec.meshdir).resolve())
             spec.texturedir = str((path.parent / spec.texturedir).resolve())
+            _weigh(spec)
             return spec
         for link in root.iter("link"):
             for shape in [*link.findall("visual"), *link.findall("collision")]:
@@ -176,6 +177,19 @@ def _read(path: Path) -> mujoco.MjSpec:
         return mujoco.MjSpec.from_string(ET.tostring(root, encoding="unicode"))
     except (OSError, ET.ParseError, ValueError) as error:
         raise SimulationError(f"{path}: MuJoCo cannot read it: {' '.join(str(error).split())}") from None
+
+
+def _weigh(spec: mujoco.MjSpec) -> None:
+    # What shapes make bodies weigh is written out, so that it can be moved and scaled like any other inertia.
+    spec.compiler.fusestatic = False
+    if all(body.explicitinertial or not body.geoms for body in spec.bodies):
+        return
+    model = spec.compile()
+    for body in spec.bodies:
+        if body.geoms and not body.explicitinertial and body.id > 0:
+            body.explicitinertial, body.fullinertia = True, np.full(6, np.nan)
+            body.mass, body.inertia = float(model.body_mass[body.id]), model.body_inertia[body.id].copy()
+            body.ipos, body.iquat = model.body_ipos[body.id].copy(), model.body_iquat[body.id].copy()
 
 
 def add_springs(spec: mujoco.MjSpec, springs: Mapping[str, Sequence[float] | Floats]) -> None:

@@ -14,6 +14,7 @@ from mjfriction.body.model import Load, load_body
 from mjfriction.body.regressor import gravity_torques, link_torques, tip_link, tip_mass_torques
 from mjfriction.errors import RobotError
 from mjfriction.robot.files import read_robot
+from mjfriction.robot.plain_model import in_plain_words
 from mjfriction.robot.robot import bundled_robots
 from tests.hidden.machine import UR5, UR5_JOINTS, mujoco_model, rigid_torque
 
@@ -41,7 +42,7 @@ def assert_agrees(path: Path, joints: tuple[str, ...], armature: np.ndarray | No
         model.dof_armature[:] += armature
     order = [model.joint(name).dofadr[0] for name in joints]
     q, v, a = states(len(joints))
-    body = load_body(path, joints, rotor_inertia=armature)
+    body = load_body(path, joints, rotor_inertia=armature, text=in_plain_words(path))
     mine = inverse_dynamics(body, q, v, a)
     full = np.zeros((3, q.shape[0], model.nv))
     for k, values in enumerate((q, v, a)):
@@ -77,11 +78,52 @@ def test_joints_may_come_in_any_order() -> None:
     )
 
 
+MESSY = """<mujoco><compiler angle="degree" autolimits="true" eulerseq="xyz"/>
+  <default><default class="arm"><joint axis="0 0 1" damping="0.3"/><geom type="capsule" size="0.05" density="2700"/>
+    <default class="thin"><geom size="0.02"/></default><default class="rail"><joint type="slide"/></default>
+  </default></default>
+  <asset><mesh name="cover" file="gone.stl"/><texture name="sky" type="2d" file="gone.png"/>
+    <material name="paint" texture="sky"/></asset>
+  <worldbody><geom type="plane" size="2 2 .1"/>
+    <body name="base" childclass="arm"><geom type="cylinder" size=".1 .05" mass="7"/>
+    <frame pos="0 0 0.1" euler="0 15 0">
+      <body name="carriage"><joint name="rail" class="rail" axis="1 0 0" range="-0.4 0.5"/>
+      <geom type="box" size=".1 .08 .03" material="paint"/>
+      <body pos="0 0 0.2" euler="20 -10 5"><joint name="shoulder" axis="0 1 0" range="-90 120" pos="0 0 0.02"/>
+        <geom fromto="0 0 0 0.1 0 0.4" mass="9"/><geom type="sphere" size=".04" pos="0.1 0 .4" mass="1.5"/>
+        <body name="fore" pos="0.1 0 0.4"><joint name="elbow" axis="0 1 0" frictionloss="0.7" armature="0.02"/>
+          <inertial pos="0 0.01 0.2" mass="3" fullinertia="0.03 0.031 0.004 0.001 0 0.002"/>
+          <geom type="mesh" mesh="cover"/><geom class="thin" fromto="0 0 0 0 0 0.3"/>
+          <body name="flange" pos="0 0 0.35" euler="0 0 40"><geom class="thin" type="sphere" mass="0.8"/>
+            <site name="tip"/></body></body></body></body></frame></body></worldbody>
+  <actuator><motor joint="elbow"/></actuator><sensor><framepos objtype="site" objname="tip"/></sensor></mujoco>"""
+
+
+def test_mjcf_in_the_words_of_those_who_know_mujoco_agrees(tmp_path: Path) -> None:
+    """Classes, shapes that weigh, frames, degrees, a body without a name; a mesh and a picture that are not there."""
+    path, joints = tmp_path / "messy.xml", ("rail", "shoulder", "elbow")
+    path.write_text(MESSY)
+    body = load_body(path, joints, text=in_plain_words(path))
+    assert body.sliding == (True, False, False)
+    np.testing.assert_allclose(body.damping, 0.3)
+    np.testing.assert_allclose(body.dry_friction, [0.0, 0.0, 0.7])
+    whole = tmp_path / "whole.xml"
+    there = MESSY.replace('<mesh name="cover" file="gone.stl"/>', "").replace('<geom type="mesh" mesh="cover"/>', "")
+    there = there.replace('<texture name="sky" type="2d" file="gone.png"/>', "").replace(' texture="sky"', "")
+    whole.write_text(there)
+    assert_agrees(whole, joints)
+    q, v, a = states(3)
+    same = inverse_dynamics(load_body(whole, joints, text=in_plain_words(whole)), q, v, a)
+    np.testing.assert_allclose(inverse_dynamics(body, q, v, a), same, rtol=1e-12)
+    with pytest.raises(RobotError, match="of its bodies have shapes and no <inertial>"):
+        load_body(whole, joints)
+
+
 def test_mjcf_with_slides_own_gravity_and_armature_agrees(tmp_path: Path) -> None:
     path = tmp_path / "mixed.xml"
     path.write_text(MIXED)
     assert_agrees(path, ("turn", "slide", "tip"))
-    body = load_body(path, ("turn", "slide", "tip"))
+    body = load_body(path, ("turn", "slide", "tip"), text=in_plain_words(path))
     assert body.sliding == (False, True, False)
     assert body.damping[0] == 0.5
     assert body.dry_friction[0] == 0.7
@@ -130,7 +172,7 @@ def test_the_ranges_of_hinges_and_slides_are_mujocos(angle: str, tmp_path: Path)
     <geom size=".1"/><body name="b"><joint name="hinge" range="-1.5 0.5"/><geom size=".1"/></body></body>
     </worldbody></mujoco>"""
     (tmp_path / "arm.xml").write_text(text)
-    body = load_body(tmp_path / "arm.xml", ("slide", "hinge"))
+    body = load_body(tmp_path / "arm.xml", ("slide", "hinge"), text=in_plain_words(tmp_path / "arm.xml"))
     ranges = mujoco.MjModel.from_xml_string(text).jnt_range
     np.testing.assert_allclose(np.column_stack([body.lower, body.upper]), ranges, rtol=1e-12)
 

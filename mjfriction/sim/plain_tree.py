@@ -1,0 +1,110 @@
+"""An MJCF file as the plain tree of bodies that MuJoCo makes of it.
+
+Defaults, angles, frames, included files and masses that come from shapes are MuJoCo's own language, and it alone reads
+all of it.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable
+from pathlib import Path
+
+import mujoco
+
+from mjfriction.errors import SimulationError
+
+TYPES = {
+    int(mujoco.mjtJoint.mjJNT_FREE): "free",
+    int(mujoco.mjtJoint.mjJNT_BALL): "ball",
+    int(mujoco.mjtJoint.mjJNT_SLIDE): "slide",
+    int(mujoco.mjtJoint.mjJNT_HINGE): "hinge",
+}
+
+
+def plain_tree(path: Path) -> str:
+    """Return an MJCF file that says the same of bodies and joints in plain words: every body's place and inertia and
+    every joint's axis, limits, damping, dry friction and armature as numbers, angles in radians, no shapes.
+
+    Bodies and joints without a name get one.  Raises :class:`SimulationError` when MuJoCo cannot read the file, or
+    cannot compile what bears on masses: shapes of bodies whose inertia is stated play no part.
+    """
+    try:
+        spec = mujoco.MjSpec.from_file(str(path))
+        _strip(spec)
+        return _in_words(spec.compile())
+    except ValueError as error:
+        raise SimulationError(f"{path}: MuJoCo cannot read it: {' '.join(str(error).split())}") from None
+
+
+def _strip(spec: mujoco.MjSpec) -> None:
+    # Files that are missing, of meshes or pictures say, are no matter where nothing weighs anything by them.
+    spec.compiler.fusestatic = False
+    by_shape = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
+    for body in spec.bodies:
+        if body is spec.worldbody or (body.explicitinertial and not by_shape):
+            _delete(spec, body.geoms)
+    for kind in (spec.sensors, spec.actuators, spec.tendons, spec.equalities, spec.pairs, spec.excludes, spec.keys):
+        _delete(spec, kind)
+    for geom in spec.geoms:
+        geom.material = ""
+    used = {geom.meshname for geom in spec.geoms}
+    _delete(spec, [mesh for mesh in spec.meshes if mesh.name not in used])
+    for kind in (spec.skins, spec.flexes, spec.materials, spec.textures):
+        _delete(spec, kind)
+
+
+def _delete(spec: mujoco.MjSpec, elements: Iterable[object]) -> None:
+    for element in list(elements):
+        spec.delete(element)
+
+
+def _in_words(model: mujoco.MjModel) -> str:
+    root = ET.Element("mujoco")
+    ET.SubElement(root, "compiler", angle="radian", autolimits="false")
+    ET.SubElement(root, "option", gravity=_words(model.opt.gravity))
+    nodes = {0: ET.SubElement(root, "worldbody")}
+    for i in range(1, model.nbody):
+        body = nodes[i] = ET.SubElement(
+            nodes[int(model.body_parentid[i])],
+            "body",
+            name=model.body(i).name or f"body {i}",
+            pos=_words(model.body_pos[i]),
+            quat=_words(model.body_quat[i]),
+        )
+        if model.body_mass[i] > 0.0:
+            ET.SubElement(
+                body,
+                "inertial",
+                pos=_words(model.body_ipos[i]),
+                quat=_words(model.body_iquat[i]),
+                mass=_words([model.body_mass[i]]),
+                diaginertia=_words(model.body_inertia[i]),
+            )
+        first = int(model.body_jntadr[i])
+        for j in range(first, first + int(model.body_jntnum[i])):
+            ET.SubElement(body, "joint", _joint(model, j))
+    return ET.tostring(root, encoding="unicode")
+
+
+def _joint(model: mujoco.MjModel, j: int) -> dict[str, str]:
+    kind, dof = TYPES[int(model.jnt_type[j])], int(model.jnt_dofadr[j])
+    limited = bool(model.jnt_limited[j])
+    out = {
+        "name": model.joint(j).name or f"joint {j}",
+        "type": kind,
+        "pos": _words(model.jnt_pos[j]),
+        "limited": "true" if limited else "false",
+        "damping": _words([model.dof_damping[dof]]),
+        "frictionloss": _words([model.dof_frictionloss[dof]]),
+        "armature": _words([model.dof_armature[dof]]),
+    }
+    if limited:
+        out["range"] = _words(model.jnt_range[j])
+    if kind in ("slide", "hinge"):
+        out |= {"axis": _words(model.jnt_axis[j]), "ref": _words([model.qpos0[model.jnt_qposadr[j]]])}
+    return out
+
+
+def _words(values: Iterable[float]) -> str:
+    return " ".join(repr(float(value)) for value in values)
