@@ -7,7 +7,7 @@ import os
 import sys
 import tempfile
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -123,6 +123,7 @@ def load_body(
                 f"Its joints are {', '.join(known)}"
             )
     locked = [full.getJointId(name) for name in known if name not in joints]
+    _tell_apart(full, {name for name in known if name not in joints})
     model = pin.buildReducedModel(full, locked, pin.neutral(full)) if locked else full
     for joint in joints:
         axes = model.joints[model.getJointId(joint)].nv
@@ -163,6 +164,13 @@ def load_body(
         model=model,
         columns=columns,
     )
+
+
+def _tell_apart(model: pin.Model, joints: Collection[str]) -> None:
+    # Pinocchio locks joints by the names of their frames, which a link may have too; a link is known by its joint's.
+    for frame in model.frames:
+        if frame.type == pin.FrameType.BODY and frame.name in joints:
+            frame.name = f"{frame.name} link"
 
 
 def _index(model: pin.Model, joint: str, key: str, path: Path) -> int:

@@ -53,6 +53,8 @@ def unevenness(model: Model) -> float:
     and the machine is as uneven as real ones are.
     """
     field = make_field(model.gap, WAVES)
+    if not field:
+        return UNEVEN
     chance = FALSE_ALARM / size(field)
     best = {choice.key[:2]: choice for choice in ranked(model, field)}
     waves: dict[int, float] = {}

@@ -119,6 +119,18 @@ def test_mjcf_in_the_words_of_those_who_know_mujoco_agrees(tmp_path: Path) -> No
         load_body(whole, joints)
 
 
+def test_a_joint_that_is_held_may_have_the_name_of_its_link(tmp_path: Path) -> None:
+    path = tmp_path / "gripper.xml"
+    path.write_text(MESSY.replace('<body name="fore"', '<body name="elbow"'))
+    held = load_body(path, ("rail", "shoulder"), text=in_plain_words(path), payload=Load(1.0, (0.0, 0.0, 0.1), "elbow"))
+    whole = load_body(path, ("rail", "shoulder", "elbow"), text=in_plain_words(path))
+    q, v, a = states(3)
+    still = [np.column_stack([course[:, :2], np.zeros(len(course))]) for course in (q, v, a)]
+    loaded = whole.holding(Load(1.0, (0.0, 0.0, 0.1), "elbow"))
+    theirs = inverse_dynamics(loaded, *still)[:, :2]
+    np.testing.assert_allclose(inverse_dynamics(held, *(course[:, :2] for course in still)), theirs, rtol=1e-9)
+
+
 def test_mjcf_with_slides_own_gravity_and_armature_agrees(tmp_path: Path) -> None:
     path = tmp_path / "mixed.xml"
     path.write_text(MIXED)
