@@ -15,6 +15,7 @@ from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.causes.varying import Step, WarmUpDrift
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.record.readers import read_log
+from mjfriction.robot.body_tables import Payload as PayloadTable
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Machine, write_case
 
@@ -95,3 +96,14 @@ def test_a_few_grams_at_the_flange_are_the_last_links_own(gap: Gap) -> None:
         strengths = np.array([share * mass, *first])
         assert held.noteworthy(gap, site, strengths) is told
         assert held.usual(gap, site, strengths) is usual
+
+
+def test_a_load_that_is_stated_is_no_part_of_the_last_link_where_all_else_is_exact(gap: Gap) -> None:
+    held = PayloadTable(mass=2.0, com=(0.0, 0.0, 0.1), parent="wrist_3_link")
+    robot = replace(gap.robot, table=gap.robot.table.model_copy(update={"payload": held}))
+    loaded = replace(gap, robot=robot, body=robot.body())
+    (mass, centre), site = tip_mass(gap.body), Site(LIFT)
+    more = 0.05 * mass * np.array([1.0, *centre])
+    assert Payload().noteworthy(loaded, site, more)
+    assert Payload().usual(loaded, site, 2.0 * more)
+    assert not Payload().usual(gap, site, 2.0 * more)

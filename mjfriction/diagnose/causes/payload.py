@@ -63,11 +63,15 @@ class Payload(WholeArm):
 
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """More than the last link's own mass and centre are off by where all else is stated exactly."""
-        return _beyond(gap, strengths, LEAST_ALONE, LEAST_MOVED_ALONE)
+        mass, centre = tip_mass(gap.body)
+        held, moment = _stated(gap.robot, gap.body)
+        link = mass - held
+        alone = (link, (mass * centre - moment) / link) if link > 0.0 else (mass, centre)
+        return _beyond(alone, strengths, LEAST_ALONE, LEAST_MOVED_ALONE)
 
     def usual(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """What the last link's own mass and centre are off by."""
-        return not _beyond(gap, strengths, LEAST_NOTED, LEAST_MOVED)
+        """What the last link's mass and centre, with the load that is stated, are off by."""
+        return not _beyond(tip_mass(gap.body), strengths, LEAST_NOTED, LEAST_MOVED)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Put the payload into the robot, or change the one that is there."""
@@ -169,9 +173,9 @@ def _elsewhere(gap: Gap) -> bool:
     return stated is not None and body.link_holding(stated.parent) != body.link_holding(tip_link(body))
 
 
-def _beyond(gap: Gap, strengths: Floats, heavier: float, farther: float) -> bool:
-    # Whether the last link, with the load as its own, is heavier by more, or has its centre farther off.
-    mass, centre = tip_mass(gap.body)
+def _beyond(link: tuple[float, Floats], strengths: Floats, heavier: float, farther: float) -> bool:
+    # Whether a link (its mass and centre), with the load as its own, is heavier by more, or has its centre farther off.
+    mass, centre = link
     if mass + strengths[0] <= 0.0:
         return True
     moved = (mass * centre + strengths[1:]) / (mass + strengths[0]) - centre
