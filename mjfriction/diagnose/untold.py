@@ -26,9 +26,9 @@ LEAST_SEEN = 0.1  # of the mean square that is left at a joint, that a cause mus
 MISFIT = 0.05  # of what other causes take off it, that may be left for it since their form is not quite theirs
 SURELY_SEEN = 0.2  # of what is left, that is enough whatever others take: half as large as the noise
 BRISTLE_MISFIT = 0.005  # of what a bristle takes off its joint, that no machine's builds up quite like
-DROWNED = (
-    3.0  # times the mean square that is left unexplained at a joint, if any, that it must take away: half of the RMS
-)
+# Times the mean square that is left unexplained at a joint that it must take away: half of the RMS.  Beside a load that
+# swings or a tone, which are known and refitted along, once.
+DROWNED = 3.0
 COURSES = frozenset({WarmUpDrift.name, Step.name})  # of friction over time
 LEAST_OF_COURSES = 0.2  # of the largest on a joint, that another must reach: no warm-up is quite the one fitted
 
@@ -65,7 +65,9 @@ def find_untold(
     oscillating = {source.joint for source in model.nuisance.sources}
     left = {gap.robot.joints.index(entry.joint): entry.share for entry in remaining}
     left = {joint: share for joint, share in left.items() if joint not in spelt | oscillating}
-    left |= beside_oscillations(model, heldout)
+    beside = beside_oscillations(model, heldout)
+    drowning = {joint: DROWNED * share for joint, share in left.items()} | beside
+    left |= beside
     exact = stated_exactly(model)
     giving = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, MovedLink)}
     common = {
@@ -90,7 +92,7 @@ def find_untold(
             for other in model.chosen
             if other.cause.name == Presliding.name and other.key != choice.key
         }
-        if choice.key not in common | small and not shows(gap, before[choice.key], heldout, left, bare, built_up):
+        if choice.key not in common | small and not shows(gap, before[choice.key], heldout, drowning, bare, built_up):
             small.add(choice.key)
     of_links = [choice for choice in model.chosen if isinstance(choice.cause, LinkScale | LinkCentre)]
     if any(choice.key not in common | small for choice in of_links) and not links_far_off(model):
@@ -125,12 +127,13 @@ def without_cause(model: Model, choice: Chosen) -> Model:
 
 
 def shows(
-    gap: Gap, before: Floats, after: Floats, left: Mapping[int, float], bare: Floats, built_up: Mapping[int, Floats]
+    gap: Gap, before: Floats, after: Floats, drowning: Mapping[int, float], bare: Floats, built_up: Mapping[int, Floats]
 ) -> bool:
     """Return whether a change takes enough off the mean square on motion not fitted, at one joint at least.
 
-    ``before`` and ``after`` (rows, joints) are left without it and with it, ``bare`` without any cause; ``left`` is the
-    share of ``after`` that is unexplained, by joint; ``built_up`` what is left without another cause by which friction
+    ``before`` and ``after`` (rows, joints) are left without it and with it, ``bare`` without any cause;
+    ``drowning`` is how many times ``after`` a change must take where something is left unexplained, by joint;
+    ``built_up`` what is left without another cause by which friction
     builds up over travel, by the joint that has one.
     """
     for joint in gap.examined:
@@ -138,6 +141,6 @@ def shows(
         misfit = min(MISFIT * (none - without), SURELY_SEEN * own)
         if joint in built_up:
             misfit = max(misfit, BRISTLE_MISFIT * (gap.rms(built_up[joint][:, joint], joint) ** 2 - own))
-        if without - own > max(LEAST_SEEN * own, misfit, DROWNED * left.get(joint, 0.0) * own):
+        if without - own > max(LEAST_SEEN * own, misfit, drowning.get(joint, 0.0) * own):
             return True
     return False

@@ -35,8 +35,8 @@ def left(*mean_squares: float) -> np.ndarray:
         (0.15, 10.0, 0.0, False),  # as much as a large cause leaves whose form is not quite the one fitted
         (0.25, 1000.0, 0.0, True),  # enough, whatever others take
         (0.25, 0.0, 0.5, False),  # less than what none explains
-        (2.0, 0.0, 0.9, False),  # more than that, but not half of the error that none explains
-        (3.0, 0.0, 0.9, True),
+        (2.0, 0.0, untold.DROWNED * 0.9, False),  # more than that, but not half of the error that none explains
+        (3.0, 0.0, untold.DROWNED * 0.9, True),
     ],
 )
 def test_what_is_taken_off_what_is_left_decides(taken: float, by_others: float, unexplained: float, seen: bool) -> None:
