@@ -78,12 +78,12 @@ def find_untold(
     }
     causes = (*model.chosen, *settled.levels)
     before = {choice.key: without_cause(model, choice).heldout_residual() for choice in causes}
-    common |= {
+    small = {
         choice.key
         for choice, place in zip(model.chosen, model.places, strict=True)
         if negligible(model, choice, strengths[place], before[choice.key], heldout)
     }
-    small = _beside_larger_courses(model)
+    small |= _beside_larger_courses(model)
     bare = build_model(gap, model.nuisance, ()).heldout_residual()
     for choice in causes:
         # Without it others bend to stand in for it, and what that costs may show at joints that it does not touch.

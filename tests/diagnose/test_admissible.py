@@ -10,7 +10,6 @@ import pytest
 from mjfriction.body.regressor import tip_mass
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.coupling import DifferenceDrive, DifferenceRotor, SumDrive
-from mjfriction.diagnose.causes.delay import JointDelay, LogDelay
 from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.causes.varying import Step, WarmUpDrift
 from mjfriction.identify.gap import Gap, measure_gap
@@ -72,13 +71,6 @@ def test_friction_rises_or_falls_at_all_speeds(course: Step | WarmUpDrift, gap: 
     assert course.one_way(gap, site, np.array([-1.0, -0.5]))
     assert course.one_way(gap, site, np.array([1.0, -0.5 / fast]))  # less damping as the level rises: grease that ages
     assert not course.one_way(gap, site, np.array([-1.0, 4.0 / fast]))
-
-
-def test_a_shift_of_hardly_a_sample_is_how_a_log_is_sampled(gap: Gap) -> None:
-    step = gap.motion.clock.step
-    for delay in (LogDelay(), JointDelay()):
-        assert not delay.noteworthy(gap, Site(LIFT), np.array([-0.7 * step]))
-        assert delay.noteworthy(gap, Site(LIFT), np.array([-0.8 * step]))
 
 
 def test_a_few_grams_at_the_flange_are_the_last_links_own(gap: Gap) -> None:

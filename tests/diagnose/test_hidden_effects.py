@@ -391,7 +391,7 @@ def test_links_that_lie_millimetres_off_are_no_finding(tmp_path: Path, monkeypat
 
     assert found("as it is").findings == ()
     monkeypatch.setattr(nuisance, "LINK_SHIFT", 1e-6)
-    monkeypatch.setattr(links, "LEAST_MOVED", 0.0)
+    monkeypatch.setattr(links.LinkCentre, "least_moved", 0.0)
     assert {"body.link_inertia"} == {name for name, _ in names(found("with centres held"))}
 
 

@@ -57,6 +57,7 @@ def test_the_extended_robot_predicts_another_motion(diagnosis: Diagnosis, tmp_pa
     assert rms[0] < 0.12 * rms[1], rms
 
 
+@pytest.mark.bench
 def test_a_bristle_needs_a_spring_beside_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for cause in (Presliding, DampedPresliding):
         monkeypatch.setattr(cause, "richer", None)

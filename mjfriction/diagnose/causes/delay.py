@@ -16,7 +16,6 @@ from mjfriction.robot.effort import later
 from mjfriction.robot.robot import Robot
 
 DELAY = Parameter("delay", "s", "time by which the reported effort comes after the motion it belongs to")
-LEAST = 0.75  # of a sample
 LONGEST = 0.25  # s; a longer one is another clock
 EARLIEST = 0.03  # s, by which one joint's effort may come early: so slow is the slowest filter of a position
 GRID = (0.0, 0.015, 0.025, 0.04, 0.06, 0.09, 0.13, 0.2, -0.015, -0.03, -0.06, -0.12)  # s
@@ -70,8 +69,8 @@ class _Delay(JointCause):
         return near_around(site, FINER) if site.around else []
 
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """A shift of hardly a sample is how a log is sampled: a command, say, acts over the step that follows."""
-        return bool(abs(strengths[0]) >= LEAST * gap.motion.clock.step)
+        """A shift of less than one sample is how a log is sampled: a command, say, acts over the step that follows."""
+        return bool(abs(strengths[0]) >= gap.motion.clock.step)
 
 
 @final
