@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from pathlib import Path
 
-from mjfriction.body.model import root_of
+from mjfriction.body.model_file import root_of
 from mjfriction.errors import RobotError, SimulationError
 
 MOST_KEPT = 8  # files
