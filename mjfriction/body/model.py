@@ -97,8 +97,8 @@ def load_body(
 ) -> Body:
     """Read a model file and make the robot's rigid bodies of it.
 
-    ``text`` is what it says in plain words, as :func:`~mjfriction.sim.plain_tree.plain_tree` writes it, and has to be
-    given for an MJCF whose masses come from shapes or defaults: Pinocchio would lose them.
+    ``text`` is what an MJCF says in plain words, as :func:`~mjfriction.sim.plain_tree.plain_tree` writes it, and has to
+    be given for one.
 
     Joints of the model that are not asked for (a gripper's fingers) are locked at their zero.  ``gravity`` (m/s²)
     replaces the model's own; ``link_inertia`` takes the place of what the model says of a link; ``link_scale``

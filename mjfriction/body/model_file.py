@@ -7,10 +7,9 @@ import os
 import sys
 import tempfile
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
-import numpy as np
 import pinocchio as pin
 
 from mjfriction.errors import RobotError
@@ -31,58 +30,40 @@ def root_of(path: Path) -> ET.Element:
 def parse(path: Path, text: str | None) -> tuple[pin.Model, tuple[float, ...]]:
     """Return what a URDF or MJCF says as Pinocchio's model, and its gravity, m/s².
 
-    ``text`` is an MJCF in plain words, to be read in the file's place.
+    ``text`` is what an MJCF says in plain words, and is read in the file's place: Pinocchio knows a part of MuJoCo's
+    language only, and would lose masses without a word.
 
     Raises :class:`RobotError` with the file and what is wrong with it.
     """
-    if text is not None:
-        with tempfile.TemporaryDirectory() as folder:
-            plain = Path(folder) / path.name
-            plain.write_text(text, encoding="utf-8")
-            return _read(plain, ET.fromstring(text), path)
     root = root_of(path)
-    unweighed = [body for body in root.iter("body") if body.find("geom") is not None and body.find("inertial") is None]
-    if root.tag == "mujoco" and unweighed:
-        raise RobotError(
-            f"{path}: {len(unweighed)} of its bodies have shapes and no <inertial>; read it in plain words"
-        )
-    return _read(path, root, path)
+    if root.tag not in ("robot", "mujoco"):
+        raise RobotError(f"{path}: the root element is <{root.tag}>; a URDF has <robot>, an MJCF <mujoco>")
+    if root.tag == "robot":
+        return _read(pin.buildModelFromUrdf, path, path, "URDF"), STANDARD_GRAVITY
+    if text is None:
+        raise RobotError(f"{path}: an MJCF is read in plain words; give them as text")
+    with tempfile.TemporaryDirectory() as folder:
+        plain = Path(folder) / path.name
+        plain.write_text(text, encoding="utf-8")
+        model = _read(pin.buildModelFromMJCF, plain, path, "MJCF")
+    option = ET.fromstring(text).find("option")
+    own = option.get("gravity") if option is not None else None
+    return model, tuple(float(part) for part in own.split()) if own else STANDARD_GRAVITY
 
 
-def _read(path: Path, root: ET.Element, told_of: Path) -> tuple[pin.Model, tuple[float, ...]]:
-    readers = {"robot": pin.buildModelFromUrdf, "mujoco": pin.buildModelFromMJCF}
-    if root.tag not in readers:
-        raise RobotError(f"{told_of}: the root element is <{root.tag}>; a URDF has <robot>, an MJCF <mujoco>")
-    kind = "URDF" if root.tag == "robot" else "MJCF"
-    nameless = sum(not body.get("name") for body in root.iter("body"))
-    if nameless and root.tag == "mujoco":  # Pinocchio keeps bodies by their names, and would lose these
-        raise RobotError(f"{told_of}: {nameless} of its bodies have no name; give every <body> one")
+def _read(reader: Callable[[str], pin.Model], path: Path, told_of: Path, kind: str) -> pin.Model:
     try:
         with _native_messages_dropped():
-            model = readers[root.tag](str(path))
+            return reader(str(path))
     except Exception as error:  # Pinocchio's parsers raise ValueError, RuntimeError and boost's own kinds
         told = str(error).split("message:")[-1].split("\n")  # what comes before speaks of Pinocchio's own source files
         reason = next((line.strip() for line in told if line.strip()), type(error).__name__)
         raise RobotError(f"{told_of}: cannot be read as {kind}: {reason}") from None
-    if root.tag == "mujoco":
-        _mend_slides(model, root)
-    option = root.find("option")
-    own = option.get("gravity") if option is not None and root.tag == "mujoco" else None
-    return model, tuple(float(part) for part in own.split()) if own else STANDARD_GRAVITY
 
 
 def slides(joint: pin.JointModel) -> bool:
     """Return whether a joint is prismatic."""
     return "P" in joint.shortname().removeprefix("JointModel")
-
-
-def _mend_slides(model: pin.Model, root: ET.Element) -> None:
-    # Where angles are in degrees, as they are unless the file says otherwise, Pinocchio turns the ranges of slides too.
-    if any(compiler.get("angle") == "radian" for compiler in root.iter("compiler")):
-        return
-    slides = [joint.idx_q for joint in model.joints if joint.nq == 1 and slides(joint)]
-    for bounds in (model.lowerPositionLimit, model.upperPositionLimit):
-        bounds[slides] = np.degrees(bounds[slides])
 
 
 @contextlib.contextmanager
