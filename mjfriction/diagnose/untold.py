@@ -131,10 +131,9 @@ def shows(
 ) -> bool:
     """Return whether a change takes enough off the mean square on motion not fitted, at one joint at least.
 
-    ``before`` and ``after`` (rows, joints) are left without it and with it, ``bare`` without any cause;
-    ``drowning`` is how many times ``after`` a change must take where something is left unexplained, by joint;
-    ``built_up`` what is left without another cause by which friction
-    builds up over travel, by the joint that has one.
+    ``before`` and ``after`` (rows, joints) are left without it and with it, ``bare`` without any cause; ``drowning`` is
+    how many times ``after`` a change must take where something is left unexplained, by joint; ``built_up`` what is left
+    without another cause by which friction builds up over travel, by the joint that has one.
     """
     for joint in gap.examined:
         own, without, none = (gap.rms(course[:, joint], joint) ** 2 for course in (after, before, bare))

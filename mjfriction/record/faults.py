@@ -140,9 +140,9 @@ def stuck(values: Floats, speed: Floats, piece: Integers | None = None, effort: 
 
     ``speed`` (n,) is how fast the joint moves by another account (its own neighbours' samples, or its velocity column).
     A rest has a run-down before or a run-up after; a stuck channel has not, and is at once where the joint has gone.
-    Where it moves on by that account, it is stuck however it comes loose.
-    ``piece`` (n,) numbers what was recorded without a break: the next one begins where the joint is by then.  A joint
-    that stands still up to the end of one rests where its ``effort`` (n,) rests too; where none is given it is stuck.
+    Where it moves on by that account, it is stuck however it comes loose.  ``piece`` (n,) numbers what was recorded
+    without a break: the next one begins where the joint is by then.  A joint that stands still up to the end of one
+    rests where its ``effort`` (n,) rests too; where none is given it is stuck.
     """
     out = np.zeros(values.size, dtype=bool)
     piece = _pieces(piece, values.size)

@@ -42,7 +42,7 @@ def _strip(spec: mujoco.MjSpec) -> None:
     spec.compiler.fusestatic = False
     by_shape = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     for body in spec.bodies:
-        if body is spec.worldbody or (body.explicitinertial and not by_shape):
+        if body.parent is None or (body.explicitinertial and not by_shape):
             _delete(spec, body.geoms)
     for kind in (spec.sensors, spec.actuators, spec.tendons, spec.equalities, spec.pairs, spec.excludes, spec.keys):
         _delete(spec, kind)
@@ -99,9 +99,9 @@ def _joint(model: mujoco.MjModel, j: int) -> dict[str, str]:
         "frictionloss": _words([model.dof_frictionloss[dof]]),
         "armature": _words([model.dof_armature[dof]]),
     }
-    if limited:
-        out["range"] = _words(model.jnt_range[j])
     if kind in ("slide", "hinge"):
+        if limited:
+            out["range"] = _words(model.jnt_range[j])
         out |= {"axis": _words(model.jnt_axis[j]), "ref": _words([model.qpos0[model.jnt_qposadr[j]]])}
     return out
 

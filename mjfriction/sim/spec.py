@@ -182,11 +182,14 @@ def _read(path: Path) -> mujoco.MjSpec:
 def _weigh(spec: mujoco.MjSpec) -> None:
     # What shapes make bodies weigh is written out, so that it can be moved and scaled like any other inertia.
     spec.compiler.fusestatic = False
-    if all(body.explicitinertial or not body.geoms for body in spec.bodies):
+    by_shape = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
+    weighed = [body for body in spec.bodies if body.parent and body.geoms and (by_shape or not body.explicitinertial)]
+    if not weighed:
         return
     model = spec.compile()
-    for body in spec.bodies:
-        if body.geoms and not body.explicitinertial and body.id > 0:
+    spec.compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_AUTO
+    for body in weighed:
+        if body.id > 0:
             body.explicitinertial, body.fullinertia = True, np.full(6, np.nan)
             body.mass, body.inertia = float(model.body_mass[body.id]), model.body_inertia[body.id].copy()
             body.ipos, body.iquat = model.body_ipos[body.id].copy(), model.body_iquat[body.id].copy()

@@ -84,7 +84,7 @@ MESSY = """<mujoco><compiler angle="degree" autolimits="true" eulerseq="xyz"/>
   </default></default>
   <asset><mesh name="cover" file="gone.stl"/><texture name="sky" type="2d" file="gone.png"/>
     <material name="paint" texture="sky"/></asset>
-  <worldbody><geom type="plane" size="2 2 .1"/>
+  <worldbody><geom type="plane" size="2 2 .1"/><geom type="mesh" mesh="cover"/>
     <body name="base" childclass="arm"><geom type="cylinder" size=".1 .05" mass="7"/>
     <frame pos="0 0 0.1" euler="0 15 0">
       <body name="carriage"><joint name="rail" class="rail" axis="1 0 0" range="-0.4 0.5"/>
