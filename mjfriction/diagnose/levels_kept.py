@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from mjfriction.diagnose.exact import AS_GOOD
+from mjfriction.diagnose.as_little import leaves_as_little, with_one_more
 from mjfriction.diagnose.exchange import for_place_of
 from mjfriction.diagnose.field import Field, chances_in
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, without_contained
 from mjfriction.diagnose.shapes import best_shape, reshaped
 from mjfriction.diagnose.short_list import contenders, fairly, passing
-from mjfriction.diagnose.trial import Trial, try_out
+from mjfriction.diagnose.trial import try_out
 
 ROUNDS = 2
 
@@ -44,31 +44,21 @@ def _reshaped(model: Model, choice: Chosen, bounds: list[tuple[float, float]]) -
             return model
         there = reshaped(build_model(gap, kept, (*held.chosen, own)), felt)
         held = there.without(own)
-    before, after = (one.heldout_residual() for one in (model, there))
-    if any(gap.rms(after[:, joint], joint) > AS_GOOD * gap.rms(before[:, joint], joint) for joint in felt):
-        return model
-    return there
+    return there if leaves_as_little(there, model, felt) else model
 
 
 def one_for_both(model: Model, joint: int, field: Field) -> Model | None:
     """Return the model with one cause in the place of a cause on a joint and of the joint's levels that are off, these
-    held as stated, where it leaves as little there; None where there is none.
+    held as stated, where it leaves as little everywhere; None where there is none.
     """
     gap, kept = model.gap, model.nuisance.without_level(joint)
-    whole = gap.rms(model.heldout_residual()[:, joint], joint)
     for choice in model.noteworthy:
         if choice.site.joint != joint:
             continue
         held = build_model(gap, kept, model.without(choice).chosen)
         rivals = fairly(held, contenders(held, for_place_of(choice, field)))
-        able = [one for one in passing(rivals, chances_in(field)) if left_with(held, one, joint) < AS_GOOD * whole]
+        able = [one for one in passing(rivals, chances_in(field)) if leaves_as_little(with_one_more(held, one), model)]
         if able:
             best = max(able, key=lambda trial: trial.merit).chosen
             return build_model(gap, kept, (*without_contained(held.chosen, best), best))
     return None
-
-
-def left_with(held: Model, trial: Trial, joint: int) -> float:
-    """Return what is left at a joint of a model with one cause more (RMS, held out)."""
-    model = build_model(held.gap, held.nuisance, (*held.chosen, trial.chosen))
-    return held.gap.rms(model.heldout_residual()[:, joint], joint)

@@ -11,10 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mjfriction.diagnose.as_little import leaves_as_little
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
-from mjfriction.diagnose.exact import AS_GOOD, EXACT, usually_off
+from mjfriction.diagnose.exact import EXACT, usually_off
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import FARTHEST
 from mjfriction.diagnose.trial import Trial
@@ -52,7 +53,7 @@ def scaled_levels(model: Model, held: Model, own: Trial, change: dict[int, float
         near, moved = _near(build_model(model.gap, model.nuisance, (*rest, factor)), joint, spread)
         strength = near.strengths[near.places[-1]]
         possible = factor.cause.admissible(model.gap, factor.site, strength) and not _common(near, factor)
-        if possible and np.all(moved <= FARTHEST**2) and _leaves_as_little(near, free):
+        if possible and np.all(moved <= FARTHEST**2) and leaves_as_little(near, free):
             return Scaled(near, spread, bool(np.mean(moved) <= 1.0) or len(rest) < len(held.chosen))
     return None
 
@@ -69,7 +70,7 @@ def beside_factors(model: Model, change: dict[int, float]) -> tuple[Model, dict[
                 continue
             near, moved = _near(model, joint, _spread(change, joint))
             without = model.without(choice)
-            if np.all(moved <= FARTHEST**2) and _leaves_as_little(near, model) and _leaves_as_little(without, near):
+            if np.all(moved <= FARTHEST**2) and leaves_as_little(near, model) and leaves_as_little(without, near):
                 model = near
                 alike[joint] = _spread(change, joint)
     return model, alike
@@ -99,10 +100,3 @@ def _common(model: Model, choice: Chosen) -> bool:
     # Off by no more than such stated values are on any robot.
     place = model.places[[one.key for one in model.chosen].index(choice.key)]
     return choice.cause.usual(model.gap, choice.site, model.strengths[place])
-
-
-def _leaves_as_little(model: Model, other: Model) -> bool:
-    # At every joint, on motion not fitted.
-    lefts = model.heldout_residual(), other.heldout_residual()
-    gap = model.gap
-    return all(gap.rms(lefts[0][:, j], j) < AS_GOOD * gap.rms(lefts[1][:, j], j) for j in gap.examined)

@@ -6,7 +6,8 @@ along; a torque constant that is off by a few percent goes under in that.
 
 from __future__ import annotations
 
-from mjfriction.diagnose.exact import AS_GOOD, stated_exactly, untouched_and_exact
+from mjfriction.diagnose.as_little import leaves_as_little
+from mjfriction.diagnose.exact import stated_exactly, untouched_and_exact
 from mjfriction.diagnose.field import Field
 from mjfriction.diagnose.free_links import compete_for_links
 from mjfriction.diagnose.model import Model
@@ -29,11 +30,5 @@ def compete_twice(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silen
         return first, asked
     held = with_unevenness(gap, make_nuisance(gap))
     second, asked_then = compete_for_links(gap, held, field, tell, begin=first.chosen)
-    as_little = stated_exactly(second) and not _leaves_more(second, first)
-    return (second, asked_then) if as_little else (first, asked)
-
-
-def _leaves_more(model: Model, than: Model) -> bool:
-    gap = model.gap
-    own, other = model.heldout_residual(), than.heldout_residual()
-    return any(gap.rms(own[:, joint], joint) > AS_GOOD * gap.rms(other[:, joint], joint) for joint in gap.examined)
+    as_good = stated_exactly(second) and leaves_as_little(second, first)
+    return (second, asked_then) if as_good else (first, asked)

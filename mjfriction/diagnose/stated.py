@@ -7,23 +7,25 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from mjfriction.diagnose.as_little import leaves_as_little, with_one_more
 from mjfriction.diagnose.causes.asymmetry import Asymmetry
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.causes.varying import Step, Warming, WarmUpDrift
 from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.exact import (
-    AS_GOOD,
     EXACT,
     FEWEST_OTHERS,
-    held_links,
+    OUTLYING,
     least_off,
     level_changes,
+    may_be_off,
     relative_change,
     usually_off,
 )
 from mjfriction.diagnose.field import Field, chances_in, in_place_of_levels
-from mjfriction.diagnose.levels_kept import left_with, one_for_both, with_levels_as_stated
+from mjfriction.diagnose.held_links import held_links
+from mjfriction.diagnose.levels_kept import one_for_both, with_levels_as_stated
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, without_contained
 from mjfriction.diagnose.nuisance import Level
 from mjfriction.diagnose.one_factor import beside_factors, scaled_levels
@@ -40,7 +42,6 @@ WITH_LEVELS = CURVES | {PositionFriction.name}
 MOST_LINK_CHANGE = 0.8  # past which a scaled link is no link any more, and the fit a sign of something else
 LEAST_CHANGE = 0.04  # that counts on a robot stated exactly
 LEAST_CHANGE_ROUGH = 0.10  # that counts on a robot whose joints are all a little off, or that has too few to compare
-OUTLYING = 3.0  # times the typical change that it must be there besides
 AS_MUCH = 1.0  # of the stated friction: no way of writing a curve down makes up for that
 FADED = 0.1  # of what levels are off by at more than usual speed, that what bends a curve near rest still is there
 ALWAYS = 0.25  # of the stated friction: a quarter off is a finding whatever the others are
@@ -72,7 +73,7 @@ def settle(model: Model, asked: Field) -> Settled:
     """
     field_size = len(model.nuisance.levels)
     model = with_levels_as_stated(model)
-    change, off = level_changes(model), least_off(model)
+    change, off, most = level_changes(model), least_off(model), may_be_off(model)
     model, alike = beside_factors(model, change)
     findings: list[Chosen] = []
     for level in model.nuisance.levels:
@@ -104,7 +105,7 @@ def settle(model: Model, asked: Field) -> Settled:
     model = with_levels_as_stated(model)
     if model.nuisance.drives and not _helps(model, model.nuisance.of_drives):
         model = model.without_drives()
-    model = held_links(model, asked, off) if _links_help(model) else model.without_links()
+    model = held_links(model, asked, off, most) if _links_help(model) else model.without_links()
     # Holding levels moves what is left.
     return Settled(model.admissible(), tuple(findings), alike)
 
@@ -127,9 +128,8 @@ def _unbent(model: Model, joint: int, asked: Field) -> Model | None:
     rest = tuple(choice for choice in model.chosen if choice not in bends)
     held = build_model(model.gap, model.nuisance.without_level(joint), rest)
     trials = contenders(held, in_place_of_levels(model.gap, joint)) if bends else []
-    whole = model.gap.rms(model.heldout_residual()[:, joint], joint)
     for trial in passing(trials, chances_in(asked)):
-        if left_with(held, trial, joint) < AS_GOOD * whole:
+        if leaves_as_little(with_one_more(held, trial), model, [joint]):
             return build_model(held.gap, held.nuisance, (*rest, trial.chosen))
     return None
 
@@ -182,7 +182,7 @@ def _unmoved(model: Model, held: Model, own: Trial) -> tuple[Model, Trial]:
     # With levels held, others' shapes move to make up for them, as a step to the begin of the log.  Where levels do
     # less beside these than where the shapes were, they are to be compared there.
     joint = own.chosen.site.joint
-    if left_with(held, own, joint) < AS_GOOD * model.gap.rms(model.heldout_residual()[:, joint], joint):
+    if leaves_as_little(with_one_more(held, own), model, [joint]):
         return held, own
     there = build_model(model.gap, model.nuisance.without_level(joint), model.chosen)
     trial = try_out(there, own.chosen)
@@ -197,7 +197,8 @@ def _simpler(held: Model, own: Trial, asked: Field) -> Chosen | None:
     if best is None:
         return None
     # At the joint whose levels are asked for: what takes more off others' errors is no reason to leave its own.
-    return best.chosen if left_with(held, best, joint) < AS_GOOD * left_with(held, own, joint) else None
+    as_good = leaves_as_little(with_one_more(held, best), with_one_more(held, own), [joint])
+    return best.chosen if as_good else None
 
 
 def _links_help(model: Model) -> bool:

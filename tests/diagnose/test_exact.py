@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import exact, stated
+from mjfriction.diagnose import exact, held_links, stated
 from mjfriction.diagnose.causes.links import LoneLink
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.exact import level_changes
@@ -69,7 +69,7 @@ def test_so_is_one_that_is_lighter_and_elsewhere(tmp_path: Path, monkeypatch: py
         own = told[f"{name}.elbow_joint"]
         assert abs(own.value - value) < 2.0 * (own.high - own.value), name
     # Neither half alone leaves as little, so that all would be refitted along.
-    monkeypatch.setattr(exact, "LoneWholeLink", LoneLink)
+    monkeypatch.setattr(held_links, "LoneWholeLink", LoneLink)
     assert diagnosed(tmp_path / "halves", 0.0, changed).findings == ()
 
 
@@ -86,9 +86,9 @@ def test_one_cause_is_as_good_as_all_links_by_what_is_left_or_by_what_is_taken(l
     alone, links, bare = (
         SimpleNamespace(gap=gap, heldout_residual=lambda size=size: np.full((4, 1), size)) for size in (left, 0.9, 10.0)
     )
-    assert exact._as_good(alone, links, bare) is good  # type: ignore[arg-type]
+    assert held_links._as_good(alone, links, bare) is good  # type: ignore[arg-type]
     small = SimpleNamespace(gap=gap, heldout_residual=lambda: np.full((4, 1), 1.0))
-    assert not exact._as_good(alone, links, small)  # type: ignore[arg-type]
+    assert not held_links._as_good(alone, links, small)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(("needed", "help_"), [(0.06, True), (0.03, False)])

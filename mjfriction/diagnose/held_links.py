@@ -1,0 +1,68 @@
+"""Links as stated and one cause more, where all else is stated exactly: what links seem off by is then a cause."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from mjfriction.diagnose.as_little import AS_GOOD
+from mjfriction.diagnose.causes.links import LEAST_ALONE, LinkScale, LoneLink, LoneWholeLink
+from mjfriction.diagnose.exact import EXACT, OUTLYING, typical, untouched
+from mjfriction.diagnose.field import Field, chances_in
+from mjfriction.diagnose.model import Model, build_model, without_contained
+from mjfriction.diagnose.short_list import contenders, fairly, passing
+from mjfriction.diagnose.tangent import straightened
+from mjfriction.diagnose.trial import FEWEST_JOINTS
+
+NEARLY_ALL = 0.99  # of the mean square that refitted links take off any joint's error, that one cause may take instead
+
+
+def held_links(model: Model, field: Field, off: Mapping[int, float], most: Mapping[int, float]) -> Model:
+    """Return the model with all links as stated and one cause more, where the rest is stated exactly and that leaves as
+    little at every joint.
+
+    Links may be a few percent off beside friction levels that are; beside levels that are right to a percent, what
+    one link or payload does alone was not done by two dozen small errors.  ``off`` is what friction is off by for sure
+    (:func:`~mjfriction.diagnose.exact.least_off`), ``most`` what it may be
+    (:func:`~mjfriction.diagnose.exact.may_be_off`), by joint, before any was held as stated: one that could not be told
+    is no level that is right.  Where noise leaves levels uncertain, a link has to stand out from that.
+    """
+    if not model.nuisance.links or len(off) < FEWEST_JOINTS:
+        return model
+    if typical(list(off.values())) > EXACT:
+        return model
+    held = model.without_links()
+    links = tuple(one for one in field if isinstance(one.cause, LinkScale))
+    asked = tuple(one for one in field if one not in links)
+    # A link's four numbers beside a tilt, or another link's, can be nearly anything.
+    whole = not any(choice.cause.of_body for choice in model.chosen)
+    lone = (LoneLink(), LoneWholeLink()) if whole else (LoneLink(),)
+    asked += tuple(replace(one, cause=cause) for one in links for cause in lone)
+    able = passing(contenders(held, asked), chances_in(asked))
+    if not able:
+        return model
+    best = max(fairly(held, able), key=lambda trial: trial.merit)
+    rest = without_contained(held.chosen, best.chosen)
+    alone = straightened(build_model(held.gap, held.nuisance, (*rest, best.chosen)))
+    # Of two columns that are alike, one may be all that the other is not.
+    possible = alone.admissible() is alone and _stands_out(alone, most)
+    return alone if possible and _as_good(alone, model, held) else model
+
+
+def _stands_out(alone: Model, most: Mapping[int, float]) -> bool:
+    # Whether the last cause were a finding still, if it was smaller by as much as levels may be off.
+    bare = [most[joint] for joint in untouched(alone) if joint in most] or list(most.values())
+    times = max(1.0, OUTLYING * typical(bare) / LEAST_ALONE)
+    last = alone.chosen[-1]
+    return last.cause.noteworthy(alone.gap, last.site, alone.strengths[alone.places[-1]] / times)
+
+
+def _as_good(alone: Model, model: Model, bare: Model) -> bool:
+    # At every joint: by what is left, or by what is taken off the error that there is with links as stated.
+    gap = model.gap
+    lefts = [one.heldout_residual() for one in (alone, model, bare)]
+    for joint in gap.examined:
+        left, least, whole = (gap.rms(one[:, joint], joint) ** 2 for one in lefts)
+        if left > max(AS_GOOD**2 * least, least + (1.0 - NEARLY_ALL) * (whole - least)):
+            return False
+    return True

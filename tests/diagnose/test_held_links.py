@@ -1,0 +1,83 @@
+"""One cause in the place of all links: it is one that nature allows, and stands out from what levels may be off by."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from mjfriction.diagnose.causes.catalog import STRUCTURAL
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.gravity_direction import GravityDirection
+from mjfriction.diagnose.exact import least_off, level_changes, may_be_off
+from mjfriction.diagnose.field import make_field
+from mjfriction.diagnose.held_links import held_links
+from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.nuisance import make_nuisance
+from mjfriction.diagnose.tangent import straightened
+from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import Machine, write_case
+
+TILTED = (-9.785, -0.26, 0.65)  # m/s², of an arm on a wall
+
+
+def tilted_and_off(model: mujoco.MjModel) -> None:
+    model.opt.gravity[:] = TILTED
+    scale = 1.0 + 0.02 * np.random.default_rng(5).standard_normal(model.nbody)
+    model.body_mass *= scale
+    model.body_inertia *= scale[:, None]
+
+
+def on_a_wall(folder: Path) -> Gap:
+    log, robot = write_case(folder, Machine(change=tilted_and_off, noise=0.1), seed=5)
+    robot.write_text("gravity = [-9.81, 0.0, 0.0]\n" + robot.read_text())
+    return measure_gap(read_log(log), read_robot(robot))
+
+
+def test_a_zero_that_turns_gravity_as_a_tilt_does_stands_for_no_links(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # The first joint of an arm on a wall turns about an axis that is level: its zero is one of the tilt's two numbers.
+    gap = on_a_wall(tmp_path)
+    tilt = Chosen(GravityDirection(), Site(0))
+    model = straightened(build_model(gap, make_nuisance(gap), (tilt,)))
+    zero = tuple(
+        one for one in make_field(gap, STRUCTURAL) if (one.cause.name, one.joint) == ("sensor.encoder_offset", 0)
+    )
+    right = dict.fromkeys(gap.examined, 0.0)
+    assert held_links(model, zero, right, right) is model
+    # Without that a zero many turns off was told, and a gravity of 250 m/s² against it.
+    monkeypatch.setattr(Model, "admissible", lambda self: self)
+    alone = held_links(model, zero, right, right)
+    assert [choice.cause.name for choice in alone.chosen] == ["body.gravity_direction", "sensor.encoder_offset"]
+    assert abs(alone.strengths[alone.places[1]][0]) > 2.0 * np.pi
+
+
+def heavier(model: mujoco.MjModel) -> None:
+    body = model.body("forearm_link").id
+    model.body_mass[body] *= 1.045
+    model.body_inertia[body] *= 1.045
+
+
+@pytest.mark.parametrize(("most", "named"), [(0.002, True), (0.013, True), (0.02, False)])
+def test_a_link_stands_out_from_what_levels_may_be_off_by(tmp_path: Path, most: float, *, named: bool) -> None:
+    log, robot = write_case(tmp_path, Machine(change=heavier, noise=0.1), seed=5)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    model = build_model(gap, make_nuisance(gap), ())
+    right = dict.fromkeys(gap.examined, 0.0)
+    held = held_links(model, make_field(gap, STRUCTURAL), right, dict.fromkeys(gap.examined, most))
+    assert [choice.cause.name for choice in held.chosen] == (["body.link_inertia"] if named else [])
+
+
+def test_what_noise_leaves_open_may_be_off(tmp_path: Path) -> None:
+    log, robot = write_case(tmp_path, Machine(noise=0.6), seed=9, seconds=14.0, rate=100.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    model = build_model(gap, make_nuisance(gap), ())
+    least, seeming, most = least_off(model), level_changes(model), may_be_off(model)
+    for joint in gap.examined:
+        assert least[joint] <= seeming[joint] <= most[joint]
+    assert max(most.values()) > 0.01 > float(np.median(list(least.values())))
