@@ -20,6 +20,7 @@ FEWEST_REPEATED = 8  # rows, different ones, alike in every column, that no chan
 LONGEST_SINGLE = 2  # samples of a glitch
 WILD = 25.0  # times the usual departure from its neighbours' median from which on a sample is wild
 COMES_BACK = 0.3  # of a wild sample's height, that its neighbours may differ by
+FORESEEN = 0.8  # of that height, that it must depart by from a straight course up to it
 WILD_SHARE = 0.02  # of a channel's range that it must depart by besides
 LEAST_WILD = 1e-9  # in any unit: less is the rounding of a simulation
 SHORTEST_STUCK = 20  # samples
@@ -127,12 +128,17 @@ def glitches(values: Floats) -> Mask:
 
 
 def _there_and_back(values: Floats, start: int, stop: int) -> bool:
-    # A wild sample stands out from both neighbours, which are alike; a step or a swing does not come back.
+    # A wild sample stands out from both neighbours, which are alike; a step or a swing does not come back.  Nor does a
+    # straight course up to it foresee it, from either side: that turns there.
     if start == 0 or stop == values.size:
         return True
     before, after = values[start - 1], values[stop]
     height = np.min(np.abs(values[start:stop] - 0.5 * (before + after)))
-    return bool(abs(after - before) < COMES_BACK * height)
+    if abs(after - before) >= COMES_BACK * height:
+        return False
+    foreseen = [2.0 * before - values[max(start - 2, 0)], 2.0 * after - values[min(stop + 1, values.size - 1)]]
+    beyond = np.abs(np.array(foreseen) - values[[start, stop - 1]])
+    return bool(np.all(beyond > FORESEEN * height))
 
 
 def stuck(values: Floats, speed: Floats, piece: Integers | None = None, effort: Floats | None = None) -> Mask:
