@@ -132,11 +132,12 @@ def stretches_at(gap: Gap, robot: Robot, cuts: Cuts) -> Stretches:
 
 
 def _around(motion: Motion, cuts: Cuts) -> tuple[Motion, Integers]:
-    # The motion of the stretches and a little around them, and where in it they begin.
+    # The motion of the stretches and a little around them, within the pieces that they lie in, and where they begin.
     margin = int(np.ceil(BEFORE * motion.rate))
     wanted = np.zeros(motion.time.size, dtype=bool)
     for begin in cuts.begins.tolist():
-        wanted[max(begin - margin, 0) : begin + cuts.length + 1 + margin] = True
+        near = slice(max(begin - margin, 0), begin + cuts.length + 1 + margin)
+        wanted[near] |= motion.piece[near] == motion.piece[begin]
     kept = np.flatnonzero(wanted)
     apart = (np.diff(kept) > 1) | (np.diff(motion.piece[kept]) != 0)
     part = replace(motion.part(kept), piece=np.append(0, np.cumsum(apart)))

@@ -51,8 +51,10 @@ def _ran_on(log: Log, row: int, ordinary: float) -> bool:
     for joint in log.joints:
         position = log.columns[f"{POSITION}.{joint}"]
         sides = [position[rows] for rows in (before, after)]
-        travel = float(np.mean([abs(side[-1] - side[0]) for side in sides]))
-        if travel < MOVED * _noise(position):
+        travel, known = float(np.mean([abs(side[-1] - side[0]) for side in sides])), MOVED * _noise(position)
+        if travel < known:
+            # One that rests on both sides, but elsewhere, went there in between.
+            off += max(abs(position[row + 1] - position[row]) - known, 0.0)
             continue
         speed = float(np.mean([side[-1] - side[0] for side in sides])) / AROUND
         off += abs(position[row + 1] - position[row] - speed)

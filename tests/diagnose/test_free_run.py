@@ -15,8 +15,9 @@ from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.free_run import SECONDS
 from mjfriction.diagnose.model import Model
 from mjfriction.diagnose.outcome import Verdict
+from mjfriction.identify import stretches
 from mjfriction.identify.gap import Gap, gap_of, measure_gap
-from mjfriction.identify.stretches import Cuts, Stretches, simulated_error
+from mjfriction.identify.stretches import Cuts, Stretches, simulated_error, stretches_at
 from mjfriction.record.log import Floats, Log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.report.result import make_report
@@ -126,3 +127,18 @@ def test_an_arm_that_cannot_be_driven_is_diagnosed_all_the_same() -> None:
     assert report.simulation is None
     assert report.driven == f"Not driven in MuJoCo: {report.not_simulated}."
     assert f"the efforts of all joints, and {lost} has none" in report.driven
+
+
+def test_what_lies_around_a_stretch_ends_with_its_segment() -> None:
+    # One sample of the segment before, by itself, has no derivatives: the simulation had no end to begin from.
+    case = make_case(7, SETTING, (draw_of("drive.elasticity"),), 6.0)
+    log = log_of(case)
+    gap = measure_gap(replace(log, segment=(log.time > 12.0).astype(np.int64)), case.machine)
+    first = int(np.flatnonzero(gap.motion.piece == 1)[0])
+    margin = int(np.ceil(stretches.BEFORE * gap.motion.rate))
+    begins = np.array([first + margin - 1])
+    there = stretches_at(gap, case.machine, Cuts(begins, 20))
+    assert np.all(np.isfinite(there.reported))
+    around, at = stretches._around(gap.motion, Cuts(begins, 20))
+    assert len(around.pieces) == 1
+    np.testing.assert_array_equal(around.position[at], gap.motion.position[begins])

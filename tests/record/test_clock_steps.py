@@ -58,3 +58,16 @@ def test_a_pause_of_the_recording_while_nothing_moves_is_a_gap() -> None:
     log = log_of(true + np.where(np.arange(COUNT) > AT, 1.13, 0.0), still=STEP * (AT - 200))
     assert "data.clock" not in {fault.kind for fault in log.faults}
     assert len(read_clock(log).gaps) == 1
+
+
+@pytest.mark.parametrize(("elsewhere", "set_"), [(0.0, True), (1.2, False)])
+def test_one_joint_that_goes_on_says_nothing_where_another_rests_elsewhere(elsewhere: float, set_: bool) -> None:
+    # A transition that was left out: one joint happens to be where it was, the other went from pose to pose.
+    true = STEP * np.arange(COUNT)
+    later = np.arange(COUNT) > AT
+    noise = 1e-5 * np.random.default_rng(0).normal(size=(2, COUNT))
+    going, resting = np.sin(1.3 * true) + noise[0], np.where(later, elsewhere, 0.0) + noise[1]
+    columns = {"position.axis": going, "position.other": resting, "effort.axis": going, "effort.other": noise[1]}
+    log = log_from_table(pa.table({"time": true + np.where(later, 4.6, 0.0), **columns}), "log")
+    assert ("data.clock" in {fault.kind for fault in log.faults}) is set_
+    assert bool(read_clock(log).gaps) is not set_
