@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+import numpy as np
+
 from mjfriction.diagnose.as_little import AS_GOOD
-from mjfriction.diagnose.causes.links import LEAST_ALONE, LinkScale, LoneLink, LoneWholeLink
+from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOVED_ALONE, LinkScale, LoneLink, LoneWholeLink
+from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.exact import EXACT, OUTLYING, typical, untouched
 from mjfriction.diagnose.field import Field, chances_in
 from mjfriction.diagnose.model import Model, build_model, without_contained
@@ -25,7 +28,7 @@ def held_links(model: Model, field: Field, off: Mapping[int, float], most: Mappi
     one link or payload does alone was not done by two dozen small errors.  ``off`` is what friction is off by for sure
     (:func:`~mjfriction.diagnose.exact.least_off`), ``most`` what it may be
     (:func:`~mjfriction.diagnose.exact.may_be_off`), by joint, before any was held as stated: one that could not be told
-    is no level that is right.  Where noise leaves levels uncertain, a link has to stand out from that.
+    is no level that is right.  Links have to be off by more than levels may be.
     """
     if not model.nuisance.links or len(off) < FEWEST_JOINTS:
         return model
@@ -45,15 +48,19 @@ def held_links(model: Model, field: Field, off: Mapping[int, float], most: Mappi
     rest = without_contained(held.chosen, best.chosen)
     alone = straightened(build_model(held.gap, held.nuisance, (*rest, best.chosen)))
     # Of two columns that are alike, one may be all that the other is not.
-    possible = alone.admissible() is alone and _stands_out(alone, most)
+    possible = alone.admissible() is alone and _stand_out(model, alone, most)
     return alone if possible and _as_good(alone, model, held) else model
 
 
-def _stands_out(alone: Model, most: Mapping[int, float]) -> bool:
-    # Whether the last cause were a finding still, if it was smaller by as much as levels may be off.
+def _stand_out(model: Model, alone: Model, most: Mapping[int, float]) -> bool:
+    # Whether links are off by more than levels may be: where each is off by no more, none of them did it alone.  What
+    # is no link, nor as good as one, stands out by itself.
     bare = [most[joint] for joint in untouched(alone) if joint in most] or list(most.values())
-    times = max(1.0, OUTLYING * typical(bare) / LEAST_ALONE)
-    last = alone.chosen[-1]
+    usual, last = OUTLYING * typical(bare), alone.chosen[-1]
+    if isinstance(last.cause, LoneLink | LoneWholeLink | Payload):
+        scales, moved = np.abs(model.link_changes[:, 0]), np.linalg.norm(model.link_changes[:, 1:], axis=1)
+        return bool(np.max(scales) > usual or np.max(moved) > LEAST_MOVED_ALONE * usual / LEAST_ALONE)
+    times = max(1.0, usual / LEAST_ALONE)
     return last.cause.noteworthy(alone.gap, last.site, alone.strengths[alone.places[-1]] / times)
 
 
