@@ -129,6 +129,20 @@ def may_be_off(model: Model) -> dict[int, float]:
     }
 
 
+def levels_off(model: Model) -> float:
+    """Return by how much levels and dampings are off one by one, relative to what is stated (RMS), short of noise, at
+    joints that no cause touches; those held as stated are right.
+    """
+    reported, covariances, asked = _as_reported(model), _covariances(model), untouched(model)
+    squares = []
+    for joint, change in reported.items():
+        stated = np.array(stated_levels(model.gap.robot.table.joint[joint]))
+        there = (stated > 0.0) & (joint in asked)
+        squares.extend((np.square(change) - np.diag(covariances[joint]))[there] / np.square(stated[there]))
+    held = 2 * sum(joint not in reported for joint in asked)
+    return float(np.sqrt(max(np.sum(squares), 0.0) / max(len(squares) + held, 1)))
+
+
 def _covariances(model: Model) -> dict[int, Floats]:
     # Of each joint's level and damping, (2, 2).
     nuisance, joints = model.nuisance, [level.site.joint for level in model.nuisance.levels]

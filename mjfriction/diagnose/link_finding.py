@@ -11,6 +11,7 @@ from mjfriction.diagnose.base_changes import base_changes
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LEAST_NOTED, LinkScale
 from mjfriction.diagnose.causes.payload import Payload
+from mjfriction.diagnose.exact import OUTLYING, levels_off
 from mjfriction.diagnose.field import Field
 from mjfriction.diagnose.intervals import HalfWidths
 from mjfriction.diagnose.links_off import links_far_off
@@ -22,6 +23,7 @@ from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.proof import gain_at
 
 SURELY = 0.05  # of a link's stated mass and inertia, that the whole interval of its change must be off by
+NOTED = 0.09  # of a link's mass, from which on it is a finding however far off friction is
 MOST_LISTED = 12  # combinations of inertias, that a finding lists
 
 
@@ -65,7 +67,8 @@ def _scaled(model: Model, widths: HalfWidths, field: Field) -> _Off | None:
     # The links whose scale is off.
     nuisance, changes = model.nuisance, model.link_changes[:, 0]
     half = widths.nuisance[nuisance.of_links].reshape(-1, PER_LINK)[:, 0]
-    noted = (np.abs(changes) > LEAST_NOTED) & (np.abs(changes) - half > SURELY)
+    least = min(max(LEAST_NOTED, OUTLYING * levels_off(model)), NOTED)
+    noted = (np.abs(changes) > least) & (np.abs(changes) - half > SURELY)
     if not np.any(noted):
         return None
     scales = tuple(

@@ -157,3 +157,20 @@ def test_what_noise_makes_of_a_fit_is_no_inexactness(off: float, tmp_path: Path,
     model = build_model(gap, make_nuisance(gap), ())
     assert exact.typical(list(level_changes(model).values())) > exact.EXACT
     assert (exact.typical(list(exact.least_off(model).values())) < exact.EXACT) is exactly
+
+
+@pytest.mark.parametrize("off", [0.0, 0.04])
+def test_by_how_much_levels_are_off_one_by_one(off: float, tmp_path: Path) -> None:
+    # Of a level up and a damping down little is left in a joint's friction, but both are off.
+    log, robot = write_case(tmp_path, Machine(noise=0.1), seed=5)
+    text = robot.read_text()
+    for coulomb, viscous in zip(UR5_COULOMB, UR5_VISCOUS, strict=True):
+        own = f"coulomb = {coulomb}, viscous = {viscous}"
+        assert own in text
+        text = text.replace(own, f"coulomb = {coulomb * (1.0 + off)}, viscous = {viscous * (1.0 - off)}")
+    robot.write_text(text)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    model = build_model(gap, make_nuisance(gap), ())
+    assert exact.levels_off(model) == pytest.approx(off, abs=0.006)
+    if off:
+        assert max(level_changes(model).values()) < 0.6 * off

@@ -8,12 +8,15 @@ import mujoco
 import numpy as np
 import pytest
 
+from mjfriction.diagnose import link_finding
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.gravity_direction import GravityDirection
+from mjfriction.diagnose.causes.links import LEAST_NOTED
 from mjfriction.diagnose.exact import least_off, level_changes, may_be_off
 from mjfriction.diagnose.field import make_field
 from mjfriction.diagnose.held_links import held_links
+from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.tangent import straightened
@@ -81,3 +84,21 @@ def test_what_noise_leaves_open_may_be_off(tmp_path: Path) -> None:
     for joint in gap.examined:
         assert least[joint] <= seeming[joint] <= most[joint]
     assert max(most.values()) > 0.01 > float(np.median(list(least.values())))
+
+
+@pytest.mark.parametrize(("off", "named"), [(0.0, True), (0.02, True), (0.03, False)])
+def test_a_link_is_off_by_more_than_levels_are(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, off: float, *, named: bool
+) -> None:
+    def stouter(model: mujoco.MjModel) -> None:
+        body = model.body("upper_arm_link").id
+        model.body_mass[body] *= 1.09
+        model.body_inertia[body] *= 1.09
+
+    log, robot = write_case(tmp_path, Machine(change=stouter, noise=0.1), seed=5)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    model = build_model(gap, make_nuisance(gap), ())
+    assert LEAST_NOTED < float(np.max(np.abs(model.link_changes[:, 0]))) < link_finding.NOTED
+    monkeypatch.setattr(link_finding, "levels_off", lambda _: off)
+    found = link_finding._scaled(model, half_widths(model), make_field(gap, STRUCTURAL))
+    assert (found is not None) is named
