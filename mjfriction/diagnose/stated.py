@@ -135,9 +135,20 @@ def _unbent(model: Model, joint: int, asked: Field) -> Model | None:
 
 
 def _own(model: Model, level: Level, change: float, bar: float) -> bool:
-    # Whether levels that are off are so by themselves: not as a bend's basis, nor at another time than that of the log.
+    # Whether levels that are off are so by themselves: not as a bend's basis, nor at another time than that of the log,
+    # nor as what rises or falls from one end of the stroke to the other goes on from.
     bent = _bent(model, level.site.joint) and change < AS_MUCH and not _off_beyond_a_bend(model, level, bar)
-    return not bent and not _of_another_time(model, level, bar)
+    return not bent and not _rising(model, level.site.joint) and not _of_another_time(model, level, bar)
+
+
+def _rising(model: Model, joint: int) -> bool:
+    stroke = float(np.ptp(model.gap.motion.position[:, joint]))
+    return any(
+        choice.site.joint == joint
+        and isinstance(choice.cause, PositionFriction)
+        and 2.0 * np.pi / choice.site.shape[0] > stroke
+        for choice in model.chosen
+    )
 
 
 def _off_beyond_a_bend(model: Model, level: Level, bar: float) -> bool:

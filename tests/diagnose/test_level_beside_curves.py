@@ -53,3 +53,21 @@ def test_they_are_told_beside_directions_that_differ(tmp_path: Path, monkeypatch
     assert found() == {"friction.asymmetry", "friction.coulomb_viscous"}
     monkeypatch.setattr(stated, "WITH_LEVELS", stated.WITH_LEVELS | {"friction.asymmetry"})
     assert found() == {"friction.asymmetry"}
+
+
+def rising(at: Instant) -> np.ndarray:
+    along = (at.q - np.min(at.q)) / np.ptp(at.q)
+    return 4.0 * UR5_COULOMB[ELBOW] * along * np.sign(at.v)
+
+
+def test_what_rises_from_one_end_to_the_other_has_no_level_of_its_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: rising}, noise=0.1), seed=4)
+
+    def found() -> list[str]:
+        return [finding.cause for finding in diagnose_log(read_log(log), read_robot(robot)).findings]
+
+    assert found() == ["friction.position"]
+    monkeypatch.setattr(stated, "_rising", lambda *_: False)
+    assert found() == ["friction.position", "friction.coulomb_viscous"]
