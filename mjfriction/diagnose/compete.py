@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from mjfriction.diagnose.as_known import as_known
+from mjfriction.diagnose.courses import as_courses
 from mjfriction.diagnose.exchange import Kinds, exchanged
 from mjfriction.diagnose.field import Chances, Field, chances_in
 from mjfriction.diagnose.kin import fulfilled, plainer, with_kin
@@ -75,7 +76,8 @@ def compete(
         if hopeless or not no_causes:
             for choice in no_causes:
                 model = model.without(choice)
-            return straightened(with_kin(enriched(fulfilled(model), field), field)), asked
+            model = as_courses(enriched(fulfilled(model), field))
+            return straightened(with_kin(_pruned(model, chances), field)), asked
         begin = tuple(choice for choice in begin if choice.key not in {one.key for one in no_causes})
 
 

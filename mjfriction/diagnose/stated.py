@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from mjfriction.diagnose.as_little import leaves_as_little, with_one_more
+from mjfriction.diagnose.causes.along_stroke import FrictionAlongStroke
 from mjfriction.diagnose.causes.asymmetry import Asymmetry
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.stribeck import Stribeck
@@ -144,10 +145,10 @@ def _own(model: Model, level: Level, change: float, bar: float) -> bool:
 def _rising(model: Model, joint: int) -> bool:
     stroke = float(np.ptp(model.gap.motion.position[:, joint]))
     return any(
-        choice.site.joint == joint
-        and isinstance(choice.cause, PositionFriction)
-        and 2.0 * np.pi / choice.site.shape[0] > stroke
+        isinstance(choice.cause, FrictionAlongStroke)
+        or (isinstance(choice.cause, PositionFriction) and 2.0 * np.pi / choice.site.shape[0] > stroke)
         for choice in model.chosen
+        if choice.site.joint == joint
     )
 
 

@@ -1,0 +1,137 @@
+"""Any course along the stroke: of the friction level (friction.position), or of a torque that does not turn with the
+direction of motion (body.spring).
+
+They do not compete: they take the place of waves, a spot or a spring that only begin to tell the course.  A robot file
+holds them as waves, the longest twice as long as the stroke.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import ClassVar, final
+
+import numpy as np
+
+from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site
+from mjfriction.identify.gap import Gap
+from mjfriction.parameter import Parameter
+from mjfriction.record.log import Floats
+from mjfriction.robot.friction import with_friction_wave
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.schema import Joint
+from mjfriction.robot.table import Wave
+
+FINEST = 8  # half waves over the stroke, up to which a course is told
+PLACES = 5  # along the stroke, that a person is told of
+PRELOAD = Parameter("preload", "{force}", "torque at position zero")
+HALF_WAVES = tuple(
+    Parameter(f"half_waves_{m}", "{force}", "amplitude of the cosine of which so many half waves are on the stroke")
+    for m in range(1, FINEST + 1)
+)
+
+
+class AlongStroke(JointCause):
+    """Σ c_m·cos(m·π·(q − q₀)/s), m = 1 … 8, over a stroke s from its end q₀: the series of an even function.
+
+    The shape is q₀ and s, which are not searched.
+    """
+
+    covariate = "position"
+    of_unevenness = True
+    what: ClassVar[str]  # takes that course
+
+    def along(self, gap: Gap, joint: int) -> Site:
+        """Return the stroke of a joint that was travelled."""
+        position = gap.motion.position[:, joint]
+        return Site(joint, (float(np.min(position)), float(np.ptp(position))))
+
+    def shape_steps(self, gap: Gap, site: Site) -> tuple[float, ...]:
+        """The stroke is as it is."""
+        return ()
+
+    @abstractmethod
+    def course(self, site: Site, position: Floats) -> Floats:
+        """Return what each strength makes at positions (n,), (n, strengths)."""
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give the course at some places."""
+        force, length = ("N", "m") if gap.body.sliding[site.joint] else ("N·m", "rad")
+        low, stroke = site.shape
+        places = low + np.linspace(0.0, stroke, PLACES)
+        course = self.course(site, places) @ strengths
+        told = ", ".join(f"{value:+.3g} at {place:.3g}" for value, place in zip(course, places, strict=True))
+        return f"{self.what} takes a course of its own along the stroke: {told} ({force}, {length})"
+
+
+def half_waves(site: Site, position: Floats) -> Floats:
+    """Return the half waves along a site's stroke at positions (n,), (n, 8)."""
+    low, stroke = site.shape
+    return np.asarray(np.cos(np.outer((position - low) * (np.pi / stroke), np.arange(1, FINEST + 1))))
+
+
+def _as_waves(table: Joint, site: Site, strengths: Floats) -> list[Wave]:
+    # Drawn along what the sensor reads, they are stated along where the joint is.
+    low, stroke = site.shape
+    start, numbers = low - table.position_sensor.offset, np.arange(1, FINEST + 1) * (np.pi / stroke)
+    return [
+        Wave(wavenumber=float(k), cosine=float(c * np.cos(k * start)), sine=float(c * np.sin(k * start)))
+        for k, c in zip(numbers, strengths, strict=True)
+    ]
+
+
+@final
+class FrictionAlongStroke(AlongStroke):
+    """The friction level: a rail that is tight at its ends, a screw that was bent."""
+
+    name = "friction.position"
+    least_of_friction = 0.05  # no machine's friction is more even than that along its stroke
+    picture = "turned"
+    what = "the friction level, against the motion in both directions,"
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """The half waves, in the direction of motion, (n, 8)."""
+        return self.course(site, gap.motion.position[:, site.joint]) * gap.forward(site.joint)[:, None]
+
+    def course(self, site: Site, position: Floats) -> Floats:
+        """The half waves."""
+        return half_waves(site, position)
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """Their amplitudes."""
+        return tuple(Quantity(own) for own in HALF_WAVES)
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """Add waves to the joint's friction level."""
+        name = robot.joints[site.joint]
+        for wave in _as_waves(robot.joint(name), site, strengths):
+            robot = with_friction_wave(robot, name, wave)
+        return robot
+
+
+@final
+class TorqueAlongStroke(AlongStroke):
+    """A torque in q: a hose that pulls from one place on, a cable, a soft stop.  A constant comes first."""
+
+    name = "body.spring"
+    contains = ("drive.offset",)
+    what = "a torque that follows position alone, whichever way the joint moves,"
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """The constant and the half waves, (n, 9)."""
+        return self.course(site, gap.motion.position[:, site.joint])
+
+    def course(self, site: Site, position: Floats) -> Floats:
+        """One, and the half waves."""
+        return np.column_stack([np.ones_like(position), half_waves(site, position)])
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """The preload beyond what is stated there, and the amplitudes."""
+        stated = gap.robot.table.joint[site.joint].spring.preload
+        return (Quantity(PRELOAD, shift=stated), *(Quantity(own) for own in HALF_WAVES))
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """Add to the joint's spring, and waves that do not turn with the direction of motion."""
+        table = robot.table.joint[site.joint]
+        spring = table.spring.model_copy(update={"preload": table.spring.preload + float(strengths[0])})
+        cogging = (*table.cogging, *_as_waves(table, site, strengths[1:]))
+        return robot.with_joint(table.model_copy(update={"spring": spring, "cogging": cogging}))

@@ -1,0 +1,56 @@
+"""Waves, spots and springs that only spell a course along the stroke, and that course in their place."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mjfriction.diagnose.as_little import leaves_as_little
+from mjfriction.diagnose.causes.along_stroke import AlongStroke, FrictionAlongStroke, TorqueAlongStroke
+from mjfriction.diagnose.model import Chosen, Key, Model, build_model
+from mjfriction.diagnose.refusal import proved
+from mjfriction.diagnose.richer import PAYS
+from mjfriction.diagnose.stroke_curve import stroke_curves, vague_waves
+from mjfriction.diagnose.trial import try_out
+
+
+def as_courses(model: Model) -> Model:
+    """Return the model with a course along the stroke in the place of what only spells it.
+
+    Of friction, where that pays for its names, or no period of several waves is known and it leaves as little; of a
+    torque, where waves and a spring are there that one smooth curve does as well as, and it leaves as little.
+    """
+    vague = {joint for _, joint, _ in vague_waves(model)}
+    for joint in model.gap.examined:
+        own = frozenset(
+            choice.key
+            for choice in model.chosen
+            if (choice.cause.name, choice.site.joint) == (FrictionAlongStroke.name, joint)
+        )
+        there = _with_course(model, joint, own, FrictionAlongStroke()) if own else None
+        if there is not None and (_pays(there, model) or (joint in vague and leaves_as_little(there, model, [joint]))):
+            model = there
+    for curve in stroke_curves(model, model.heldout_residual()):
+        joint = model.gap.robot.joints.index(curve.structure.joint)
+        there = _with_course(model, joint, curve.keys, TorqueAlongStroke())
+        if there is not None and leaves_as_little(there, model, [joint]):
+            model = there
+    return model
+
+
+def _with_course(model: Model, joint: int, keys: frozenset[Key], course: AlongStroke) -> Model | None:
+    rest = tuple(choice for choice in model.chosen if choice.key not in keys)
+    whole, without = Chosen(course, course.along(model.gap, joint)), build_model(model.gap, model.nuisance, rest)
+    if try_out(without, whole) is None:
+        return None
+    there = build_model(model.gap, model.nuisance, (*rest, whole))
+    return there if proved(there, whole) else None
+
+
+def _pays(there: Model, model: Model) -> bool:
+    gain = float(np.sum(model.heldout_errors) - np.sum(there.heldout_errors))
+    more = _freedoms(there) - _freedoms(model)
+    return gain - more * float(np.log(model.gap.blocks.count)) > PAYS
+
+
+def _freedoms(model: Model) -> int:
+    return model.system.normal.precision.size + sum(len(choice.site.shape) for choice in model.chosen)
