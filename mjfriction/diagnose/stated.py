@@ -137,9 +137,24 @@ def _unbent(model: Model, joint: int, asked: Field) -> Model | None:
 
 def _own(model: Model, level: Level, change: float, bar: float) -> bool:
     # Whether levels that are off are so by themselves: not as a bend's basis, nor at another time than that of the log,
-    # nor as what rises or falls from one end of the stroke to the other goes on from.
-    bent = _bent(model, level.site.joint) and change < AS_MUCH and not _off_beyond_a_bend(model, level, bar)
-    return not bent and not _rising(model, level.site.joint) and not _of_another_time(model, level, bar)
+    # nor as what rises or falls from one end of the stroke to the other goes on from, nor in one direction only.
+    joint = level.site.joint
+    bent = _bent(model, joint) and change < AS_MUCH and not _off_beyond_a_bend(model, level, bar)
+    elsewhere = _rising(model, joint) or _of_one_direction(model, level, bar) or _of_another_time(model, level, bar)
+    return not bent and not elsewhere
+
+
+def _of_one_direction(model: Model, level: Level, bar: float) -> bool:
+    # Where directions differ, and friction is as stated in one of them, it is the other's that is off.
+    gap, joint = model.gap, level.site.joint
+    change = model.strengths[model.nuisance.of_level(joint)]
+    differing = [
+        float(model.strengths[place][0])
+        for choice, place in zip(model.chosen, model.places, strict=True)
+        if isinstance(choice.cause, Asymmetry) and choice.site.joint == joint
+    ]
+    ways = [change + np.array([0.0, way * half]) for half in differing for way in (-1.0, 1.0)]
+    return any(relative_change(gap, level.site, way) <= bar for way in ways)
 
 
 def _rising(model: Model, joint: int) -> bool:

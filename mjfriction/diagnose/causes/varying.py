@@ -122,7 +122,7 @@ class Warming(Varying):
 
 @final
 class WarmUpDrift(Varying):
-    """Friction settles with running time; asked where no temperature was logged."""
+    """Friction settles with running time, be it that no temperature was logged or that it follows none that was."""
 
     name = "friction.temperature"
     shape_parameters = (TIME_CONSTANT,)
@@ -133,9 +133,8 @@ class WarmUpDrift(Varying):
         if np.any(np.diff(gap.motion.time) < 0.0):
             return []
         grid = np.geomspace(TIME_CONSTANTS[0] * duration, TIME_CONSTANTS[1] * duration, 5)
-        joints = [site for site in super().sites(gap) if _temperature(gap, site.joint) is None]
         begin = float(gap.motion.time[0])
-        return [replace(site, shape=(float(tau),), begin=begin) for site in joints for tau in grid]
+        return [replace(site, shape=(float(tau),), begin=begin) for site in super().sites(gap) for tau in grid]
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
         """Faster is an event, slower a straight line."""

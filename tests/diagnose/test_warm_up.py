@@ -1,0 +1,34 @@
+"""Friction that settles with running time, though a temperature was logged that goes another way."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mjfriction.diagnose.causes.varying import WarmUpDrift
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import UR5_VISCOUS, Instant, Machine, write_case
+
+ELBOW, TIME_CONSTANT = 2, 9.0
+
+
+def settling(at: Instant) -> np.ndarray:
+    return 0.8 * UR5_VISCOUS[ELBOW] * np.exp(-at.time / TIME_CONSTANT) * at.v
+
+
+def test_it_settles_with_running_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # The sensor sits where the air from a fan goes.
+    ambient = {"temperature.elbow_joint": lambda time: 24.0 + 3.0 * np.sin(0.2 * time)}
+    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: settling}, noise=0.1, ambient=ambient), seed=4)
+    (found,) = diagnose_log(read_log(log), read_robot(robot)).findings
+    assert (found.cause, found.joint) == ("friction.temperature", "elbow_joint")
+    (constant,) = [value for value in found.parameters if value.name == "time_constant"]
+    assert constant.low < TIME_CONSTANT < constant.high
+    assert constant.high - constant.low < TIME_CONSTANT
+    monkeypatch.setattr(WarmUpDrift, "sites", lambda *_: [])
+    findings = diagnose_log(read_log(log), read_robot(robot)).findings
+    assert "friction.temperature" not in {one.cause for one in findings}
