@@ -23,6 +23,7 @@ UNLIKE = 0.6  # and under which it is not
 FEWEST_ROWS = 50  # in clear motion, that a joint's effort is judged by
 SAMPLES = 1500  # of a log that positions are judged by
 POOR = 0.25  # of an effort's variance left unexplained, past which columns may be misplaced
+MUCH = 0.1  # the same beside another that is past that
 MENDED = 0.3  # of that, which may be left at one joint at least once they are in their places
 NOTHING, MENDED_FROM_NOTHING = 0.9, 0.5  # the same where as good as nothing is explained as it is
 NO_WORSE = 0.03  # of an effort's variance, that any joint may be explained less well by then
@@ -245,8 +246,11 @@ def find_misplaced(gap: Gap, span: Span = EVER) -> list[Fault]:
 def _mended(as_logged: Floats, left: Floats) -> bool:
     # Joints with little but friction to do leave much however they are read: what counts is that none gets worse.
     poor = as_logged > POOR
-    enough = np.where(as_logged > NOTHING, MENDED_FROM_NOTHING, MENDED)
-    return bool(np.any(left[poor] < (enough * as_logged)[poor]) and np.all(left < as_logged + NO_WORSE))
+    enough = np.where(as_logged > NOTHING, MENDED_FROM_NOTHING, MENDED) * as_logged
+    own = np.any(left[poor] < enough[poor])
+    # One that has noise besides is mended by half, and another beside it as a joint is whose column was wrong.
+    together = np.any((as_logged > MUCH) & (left < enough)) and np.sum(left) < HALF * np.sum(as_logged)
+    return bool((own or together) and np.all(left < as_logged + NO_WORSE))
 
 
 def _all_mended(as_logged: Floats, left: Floats) -> bool:

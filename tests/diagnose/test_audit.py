@@ -304,3 +304,18 @@ def test_a_joint_that_rests_in_one_of_two_logs_is_not_judged_there(case: tuple[P
     gap = measure_gap(read_logs(paths, robot.joints, None, None), robot)
     assert robot.joints.index("wrist_1_joint") in gap.examined
     assert find_faults(gap) == []
+
+
+@pytest.mark.parametrize(
+    ("as_logged", "left", "mended"),
+    [
+        # A slide that was counted the other way round, and the joint that carries it, whose effort is noisy.
+        ((0.087, 0.39, 0.128), (0.069, 0.199, 0.02), True),
+        ((0.087, 0.39, 0.128), (0.069, 0.30, 0.02), False),
+        ((0.087, 0.39, 0.128), (0.13, 0.199, 0.02), False),
+        ((0.087, 0.39, 0.04), (0.069, 0.199, 0.002), False),
+        ((0.02, 0.8, 0.01), (0.02, 0.2, 0.01), True),
+    ],
+)
+def test_what_mends_a_log(as_logged: tuple[float, ...], left: tuple[float, ...], *, mended: bool) -> None:
+    assert audit._mended(np.array(as_logged), np.array(left)) is mended
