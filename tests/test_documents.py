@@ -11,6 +11,7 @@ from pathlib import Path
 from mjfriction.control.observe import OBSERVERS
 from mjfriction.diagnose import free_run
 from mjfriction.diagnose.alike import AT_THE_BAR, MOST_CONFIDENT, ROOM
+from mjfriction.diagnose.causes.along_stroke import FINEST
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.coupling import RATIOS
 from mjfriction.diagnose.causes.elasticity import RESONANCE_BAND
@@ -24,12 +25,13 @@ from mjfriction.diagnose.causes.stribeck import GONE_BY, UNFINISHED
 from mjfriction.diagnose.causes.varying import EDGE, Step
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.compete import KEPT, MOST_CAUSES
-from mjfriction.diagnose.exact import EXACT, MOST_JOINTS, NEARLY_ALL
+from mjfriction.diagnose.exact import EXACT, MOST_JOINTS
 from mjfriction.diagnose.exchange import MOST_EXCHANGED
 from mjfriction.diagnose.findings import FAINTEST, ONE_OF_MANY
 from mjfriction.diagnose.free_links import BAR, FEWEST_GAINING, LEAST_GAINED, MANY, STRAINED
+from mjfriction.diagnose.held_links import NEARLY_ALL
 from mjfriction.diagnose.kin import LEAST_KIN_EFFECT
-from mjfriction.diagnose.link_finding import SURELY
+from mjfriction.diagnose.link_finding import NOTED, SURELY
 from mjfriction.diagnose.nuisance import CONSTANT, FARTHEST, LET_GO, LINK_SCALE, LINK_SHIFT, ROTOR
 from mjfriction.diagnose.oscillations import INSTEAD, LEAST_TOLD, NEAR, QUIETER, RESONANT
 from mjfriction.diagnose.refusal import ON_THE_WAY
@@ -206,7 +208,9 @@ def test_the_pages_build_without_a_warning(tmp_path: Path) -> None:
 
 def test_how_it_decides_tells_how_far_links_are_off() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
-    assert f"more than {100 * LEAST_NOTED:g} %, and by more than {100 * SURELY:g} %" in told
+    assert f"more than {100 * LEAST_NOTED:g} % (or three times" in told
+    assert f"up to {100 * NOTED:g} %), and by more than {100 * SURELY:g} %" in told
+    assert f"a series of {FINEST} half waves" in told
     assert f"lies more than {100 * LEAST_MOVED:g} cm off" in told
     alone = f"{100 * LEAST_ALONE:g} %"
     assert f"one cause, a link {alone} off, a payload that makes the last link {alone} heavier" in told

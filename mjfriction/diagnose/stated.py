@@ -14,6 +14,7 @@ from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.causes.varying import Step, Warming, WarmUpDrift
 from mjfriction.diagnose.causes.waves import PositionFriction
+from mjfriction.diagnose.courses import as_courses
 from mjfriction.diagnose.exact import (
     EXACT,
     FEWEST_OTHERS,
@@ -107,8 +108,8 @@ def settle(model: Model, asked: Field) -> Settled:
     if model.nuisance.drives and not _helps(model, model.nuisance.of_drives):
         model = model.without_drives()
     model = held_links(model, asked, off, most) if _links_help(model) else model.without_links()
-    # Holding levels moves what is left.
-    return Settled(model.admissible(), tuple(findings), alike)
+    # Holding levels moves what is left, and what a smooth curve does as well as.
+    return Settled(as_courses(model.admissible()), tuple(findings), alike)
 
 
 def _bent(model: Model, joint: int) -> bool:

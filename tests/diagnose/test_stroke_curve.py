@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import compete, stroke_curve
+from mjfriction.diagnose import compete, stated, stroke_curve
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.diagnosis import diagnose_log
@@ -52,7 +52,8 @@ def test_a_course_along_the_stroke_is_told_whole(
     gap = found.gap
     left = gap.rms((gap.measured - gap.predicted(found.robot))[:, PAN], PAN)
     assert left == pytest.approx(pan.rms_after, rel=1e-3)
-    monkeypatch.setattr(compete, "as_courses", lambda model: model)
+    for place in (compete, stated):
+        monkeypatch.setattr(place, "as_courses", lambda model: model)
     without = diagnosed(tmp_path / "without", effect)
     if cause == "friction.position":
         (worse,) = [error for error in without.joints if error.joint == "shoulder_pan_joint"]
@@ -101,7 +102,8 @@ def test_waves_of_a_gear_beside_a_spring_stay_what_they_are(tmp_path: Path) -> N
 def test_waves_of_which_the_period_is_not_known_are_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # A stop so steep that no smooth curve follows it; what the curve says is left aside here, and that it may be told
     # whole.
-    monkeypatch.setattr(compete, "as_courses", lambda model: model)
+    for place in (compete, stated):
+        monkeypatch.setattr(place, "as_courses", lambda model: model)
 
     def stop(i):  # type: ignore[no-untyped-def]
         return 25.0 * np.maximum(i.q - np.max(i.q) + 0.2 * np.ptp(i.q), 0.0)

@@ -23,6 +23,7 @@ from mjfriction.diagnose.causes.pressure import PistonPressure, Pressure
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.causes.saturating_viscous import SaturatingViscous
 from mjfriction.diagnose.causes.spring import BentSpring, Spring
+from mjfriction.diagnose.causes.steepening_viscous import SteepeningViscous
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.causes.varying import Step, Warming, WarmUpDrift
@@ -36,6 +37,7 @@ STRUCTURAL: tuple[Cause, ...] = (
     Stribeck(),
     ViscousNonlinear(),
     SaturatingViscous(),
+    SteepeningViscous(),
     Asymmetry(),
     Load(),
     DriveLoad(),

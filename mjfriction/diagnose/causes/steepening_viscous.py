@@ -1,0 +1,60 @@
+"""friction.viscous_nonlinear: damping that grows with another power of speed than its square."""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+
+from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
+from mjfriction.identify.gap import Gap
+from mjfriction.laws.power_viscous import POWER_VISCOUS
+from mjfriction.record.log import Floats
+from mjfriction.robot.friction import with_term
+from mjfriction.robot.robot import Robot
+
+POWERS = (2.2, 4.0)  # below, a quadratic term says it
+GRID = (2.5, 3.0, 3.5)
+
+
+@final
+class SteepeningViscous(JointCause):
+    """F_p·|v|^n·sgn v with F_p > 0 and a power n above two."""
+
+    name = "friction.viscous_nonlinear"
+    shape_parameters = (POWER_VISCOUS.parameter("power"),)
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """Every moving joint, at some powers."""
+        return [site.shaped((power,)) for site in super().sites(gap) for power in GRID]
+
+    def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
+        """Powers that damping goes with."""
+        return [POWERS]
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """The power of speed in the direction of motion, (n, 1)."""
+        velocity = gap.motion.velocity[:, site.joint]
+        return column(np.sign(velocity) * np.abs(velocity) ** site.shape[0])
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """The coefficient."""
+        return (Quantity(POWER_VISCOUS.parameter("power_coefficient")),)
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """It stands against the motion."""
+        return bool(strengths[0] > 0.0)
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """Add a law that holds only that power."""
+        parameters = {"coulomb": 0.0, "power_coefficient": float(strengths[0]), "power": site.shape[0]}
+        return with_term(robot, robot.joints[site.joint], POWER_VISCOUS.name, parameters)
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give the power, and what it makes at top speed."""
+        speed, sliding = float(gap.motion.top_speed[site.joint]), gap.body.sliding[site.joint]
+        return (
+            f"friction grows with the power {site.shape[0]:.3g} of speed besides: at {speed:.3g} "
+            f"{'m/s' if sliding else 'rad/s'} that makes {strengths[0] * speed ** site.shape[0]:+.3g} "
+            f"{'N' if sliding else 'N·m'}"
+        )
