@@ -11,6 +11,7 @@ from pathlib import Path
 from mjfriction.control.observe import OBSERVERS
 from mjfriction.diagnose import free_run
 from mjfriction.diagnose.alike import AT_THE_BAR, MOST_CONFIDENT, ROOM
+from mjfriction.diagnose.as_little import AS_GOOD
 from mjfriction.diagnose.causes.along_stroke import FINEST
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.coupling import RATIOS
@@ -21,6 +22,7 @@ from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOVED, LEAST_MOV
 from mjfriction.diagnose.causes.load import LEAST_ROTOR
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.presliding import LEAST_PART, SLIPS
+from mjfriction.diagnose.causes.steepening_viscous import POWERS
 from mjfriction.diagnose.causes.stribeck import GONE_BY, UNFINISHED
 from mjfriction.diagnose.causes.varying import EDGE, Step
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
@@ -35,6 +37,7 @@ from mjfriction.diagnose.link_finding import NOTED, SURELY
 from mjfriction.diagnose.nuisance import CONSTANT, FARTHEST, LET_GO, LINK_SCALE, LINK_SHIFT, ROTOR
 from mjfriction.diagnose.oscillations import INSTEAD, LEAST_TOLD, NEAR, QUIETER, RESONANT
 from mjfriction.diagnose.refusal import ON_THE_WAY
+from mjfriction.diagnose.richer import PAYS
 from mjfriction.diagnose.short_list import NEAR_BEST
 from mjfriction.diagnose.stated import FADED, OUTLYING
 from mjfriction.diagnose.trial import EVENEST, FALSE_ALARM, FEWEST_JOINTS, LEAST_EFFECT, UNEVEN
@@ -211,6 +214,8 @@ def test_how_it_decides_tells_how_far_links_are_off() -> None:
     assert f"more than {100 * LEAST_NOTED:g} % (or three times" in told
     assert f"up to {100 * NOTED:g} %), and by more than {100 * SURELY:g} %" in told
     assert f"a series of {FINEST} half waves" in told
+    assert f"by {PAYS:g} of merit, or leaves as little (within {100 * (AS_GOOD - 1.0):g} %)" in told
+    assert f"a power of speed between {POWERS[0]:g} and {POWERS[1]:g}" in told
     assert f"lies more than {100 * LEAST_MOVED:g} cm off" in told
     alone = f"{100 * LEAST_ALONE:g} %"
     assert f"one cause, a link {alone} off, a payload that makes the last link {alone} heavier" in told

@@ -11,7 +11,7 @@ from mjfriction.diagnose.as_known import as_known
 from mjfriction.diagnose.courses import as_courses
 from mjfriction.diagnose.exchange import Kinds, exchanged
 from mjfriction.diagnose.field import Chances, Field, chances_in
-from mjfriction.diagnose.kin import fulfilled, plainer, with_kin
+from mjfriction.diagnose.kin import by_temperature, fulfilled, plainer, with_kin
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, same_columns
 from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.oscillations import new_oscillations
@@ -48,13 +48,14 @@ def compete(
 
     Forward: of the candidates whose strengths are beyond chance (Wald's test with block-clustered covariance, at a
     level divided by the number of candidates) and that take away a share of the error on motion not fitted, the one
-    that takes most is chosen, until none is left.  Backward: causes that the later ones have made needless are dropped.
+    that takes most is chosen, until none is left. Backward: causes that the later ones have made needless are dropped.
     Proof: where a steady tone or a load that swings is heard, all compete anew beside it; what
-    :func:`~mjfriction.diagnose.refusal.refused` names is refused, and the others compete anew without it.  Where
-    nothing competes, nothing is listened for.  Of a search that was broken off, having come to more causes than can be
-    true, little is believed: it is made anew once at most, beside what was heard, and what is refused is dropped.
-    Causes that were found already may be there from the ``begin``; as soon as a model is ``enough`` it is returned as
-    it is.
+    :func:`~mjfriction.diagnose.refusal.refused` names is refused, and the others compete anew without it. Where nothing
+    competes, nothing is listened for. Last, richer forms and courses along strokes take the place of what only begins
+    to tell them, and what they make needless is dropped. Of a search that was broken off, having come to more causes
+    than can be true, little is believed: it is made anew once at most, beside what was heard, and what is refused is
+    dropped. Causes that were found already may be there from the ``begin``; as soon as a model is ``enough`` it is
+    returned as it is.
     """
     if not field:
         return build_model(gap, nuisance, ()), field
@@ -76,7 +77,7 @@ def compete(
         if hopeless or not no_causes:
             for choice in no_causes:
                 model = model.without(choice)
-            model = as_courses(enriched(fulfilled(model), field))
+            model = as_courses(by_temperature(enriched(fulfilled(model), field), field))
             return straightened(with_kin(_pruned(model, chances), field)), asked
         begin = tuple(choice for choice in begin if choice.key not in {one.key for one in no_causes})
 

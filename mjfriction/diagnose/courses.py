@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from mjfriction.diagnose.as_little import leaves_as_little
-from mjfriction.diagnose.causes.along_stroke import AlongStroke, FrictionAlongStroke, TorqueAlongStroke
-from mjfriction.diagnose.model import Chosen, Key, Model, build_model
+from mjfriction.diagnose.causes.along_stroke import AlongStroke, FrictionAlongStroke, TorqueAlongStroke, travelled
+from mjfriction.diagnose.model import Chosen, Key, Model, build_model, without_contained
 from mjfriction.diagnose.refusal import proved
 from mjfriction.diagnose.richer import PAYS
 from mjfriction.diagnose.stroke_curve import stroke_curves, vague_waves
@@ -38,8 +38,12 @@ def as_courses(model: Model) -> Model:
 
 
 def _with_course(model: Model, joint: int, keys: frozenset[Key], course: AlongStroke) -> Model | None:
-    rest = tuple(choice for choice in model.chosen if choice.key not in keys)
-    whole, without = Chosen(course, course.along(model.gap, joint)), build_model(model.gap, model.nuisance, rest)
+    if not travelled(model.gap, joint):
+        return None
+    whole = Chosen(course, course.along(model.gap, joint))
+    others = (choice for choice in model.chosen if choice.key not in keys | {whole.key})
+    rest = without_contained(others, whole)
+    without = build_model(model.gap, model.nuisance, rest)
     if try_out(without, whole) is None:
         return None
     there = build_model(model.gap, model.nuisance, (*rest, whole))
@@ -47,10 +51,13 @@ def _with_course(model: Model, joint: int, keys: frozenset[Key], course: AlongSt
 
 
 def _pays(there: Model, model: Model) -> bool:
-    gain = float(np.sum(model.heldout_errors) - np.sum(there.heldout_errors))
-    more = _freedoms(there) - _freedoms(model)
+    held = model.with_others(there.chosen).heldout_errors(model.gap.blocks.folds)
+    gain = float(np.sum(model.heldout_errors) - np.sum(held))
+    more = _numbers(there) - _numbers(model)
     return gain - more * float(np.log(model.gap.blocks.count)) > PAYS
 
 
-def _freedoms(model: Model) -> int:
-    return model.system.normal.precision.size + sum(len(choice.site.shape) for choice in model.chosen)
+def _numbers(model: Model) -> int:
+    # Strengths, and shapes that were searched.
+    searched = (len(choice.cause.shape_bounds(model.gap, choice.site)) for choice in model.chosen)
+    return model.system.normal.precision.size + sum(searched)

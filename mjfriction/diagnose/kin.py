@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.stats import t as student
 
+from mjfriction.diagnose.as_little import with_one_more
+from mjfriction.diagnose.causes.varying import Warming, WarmUpDrift
 from mjfriction.diagnose.field import Field, present
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.trial import try_out
@@ -13,6 +15,7 @@ from mjfriction.diagnose.trial import try_out
 # data speaks for their values yet.
 KIN_CHANCE = 0.05  # at which a cause's other half is taken along: that of its 95 % interval leaving out zero
 LEAST_KIN = 0.02  # of its partner's effort that a cause's other half must reach
+NEARLY_AS_MUCH = 0.95  # of the mean square that running time takes off, that the logged temperature takes off too
 LEAST_KIN_EFFECT = 0.002  # and of the joint's effort
 
 
@@ -48,6 +51,28 @@ def plainer(model: Model, field: Field) -> Model:
             plain = try_out(without, Chosen(entrant.cause, entrant.sites[0]))
             if plain is not None and plain.merit > own.merit and not present(model, entrant):
                 model = build_model(model.gap, model.nuisance, (*without.chosen, plain.chosen))
+    return model
+
+
+def by_temperature(model: Model, field: Field) -> Model:
+    """Return the model with friction that follows the logged temperature in the place of what settles with running
+    time, where that takes nearly as much off: a sensor that reads whole degrees does not make it time that counts.
+    """
+    warming = {entrant.joint: entrant for entrant in field if isinstance(entrant.cause, Warming)}
+    for choice in model.chosen:
+        joint = choice.site.joint
+        if not isinstance(choice.cause, WarmUpDrift) or joint not in warming:
+            continue
+        without = model.without(choice)
+        trial = try_out(without, Chosen(warming[joint].cause, warming[joint].sites[0]))
+        if trial is None:
+            continue
+        warmed = with_one_more(without, trial)
+        none, own, other = (
+            model.gap.rms(one.heldout_residual()[:, joint], joint) ** 2 for one in (without, model, warmed)
+        )
+        if none - other > NEARLY_AS_MUCH * (none - own):
+            model = warmed
     return model
 
 

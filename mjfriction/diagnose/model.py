@@ -192,8 +192,11 @@ class Model:
         """Return the normal equations with another cause in a straight one's place, its strengths last, rows weighed as
         they are.
         """
-        rest = (one for one in self.chosen if one.key != choice.key)
-        return self._normal(self.system.rows, (*rest, other))
+        return self.with_others((*(one for one in self.chosen if one.key != choice.key), other))
+
+    def with_others(self, chosen: tuple[Chosen, ...]) -> Normal:
+        """Return the normal equations with other causes than the model's, rows weighed as they are."""
+        return self._normal(self.system.rows, chosen)
 
     def _normal(self, rows: Rows, chosen: tuple[Chosen, ...]) -> Normal:
         blocks = [cause_block(self.gap, own) for own in chosen]

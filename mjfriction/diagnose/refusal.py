@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from mjfriction.diagnose.causes.along_stroke import FrictionAlongStroke
 from mjfriction.diagnose.causes.delay import JointDelay, late
 from mjfriction.diagnose.causes.friction_spot import FrictionSpot
 from mjfriction.diagnose.causes.play import Play
@@ -92,8 +91,7 @@ def _of_landings(model: Model) -> list[Chosen]:
 
 def _among_waves(model: Model) -> list[Chosen]:
     # A spot and waves spell nearly anything along a stroke: waves by themselves, which fewer do, come before that.
-    courses = (PositionFriction, FrictionAlongStroke)
-    waving = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, courses)}
+    waving = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, PositionFriction)}
     return [choice for choice in model.chosen if isinstance(choice.cause, FrictionSpot) and choice.site.joint in waving]
 
 

@@ -71,7 +71,8 @@ def settle(model: Model, asked: Field) -> Settled:
     other joints are a little off too, or a quarter in any case; where friction follows temperature or settles, none of
     this at any moment of that course.  Where another cause does as much with fewer freedoms, that takes its place and
     the level stays as stated; and where both levels are off by one factor, the torque constant that is so too does.
-    Refitted links are held where one cause does as well and all else is stated exactly.
+    Refitted links are held where one cause does as well and all else is stated exactly.  Last, courses along strokes
+    take the place of what only spells them.
     """
     field_size = len(model.nuisance.levels)
     model = with_levels_as_stated(model)
@@ -108,8 +109,10 @@ def settle(model: Model, asked: Field) -> Settled:
     if model.nuisance.drives and not _helps(model, model.nuisance.of_drives):
         model = model.without_drives()
     model = held_links(model, asked, off, most) if _links_help(model) else model.without_links()
-    # Holding levels moves what is left, and what a smooth curve does as well as.
-    return Settled(as_courses(model.admissible()), tuple(findings), alike)
+    # Holding levels moves what is left, and so what only spells a course along a stroke.
+    model = as_courses(model.admissible())
+    findings = [level for level in findings if not _rising(model, level.site.joint)]
+    return Settled(model, tuple(findings), alike)
 
 
 def _bent(model: Model, joint: int) -> bool:

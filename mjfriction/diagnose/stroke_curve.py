@@ -1,4 +1,4 @@
-"""Waves and a spring that only spell out a curve along the stroke, which no cause is: a soft stop, say."""
+"""Waves and a spring that only spell out a curve along the stroke: of a hose that pulls from one place on, say."""
 
 from __future__ import annotations
 

@@ -121,24 +121,26 @@ def glitches(values: Floats) -> Mask:
     usual = float(np.quantile(departure, 0.99)) + 1e-300
     spread = float(np.quantile(values, 0.99) - np.quantile(values, 0.01))
     wild = departure > max(WILD * usual, WILD_SHARE * spread, QUANTA * _count(values), LEAST_WILD)
+    out = wild.copy()
     for start, stop in _runs(wild.astype(np.int64)):
-        if wild[start] and (stop - start > LONGEST_SINGLE or not _there_and_back(values, start, stop)):
-            wild[start:stop] = False
-    return wild
+        if wild[start] and (stop - start > LONGEST_SINGLE or not _there_and_back(values, wild, start, stop)):
+            out[start:stop] = False
+    return out
 
 
-def _there_and_back(values: Floats, start: int, stop: int) -> bool:
+def _there_and_back(values: Floats, wild: Mask, start: int, stop: int) -> bool:
     # A wild sample stands out from both neighbours, which are alike; a step or a swing does not come back.  Nor does a
-    # straight course up to it foresee it, from either side: that turns there.
+    # straight course up to it foresee it, from either side: that turns there.  Two samples on that side make a course,
+    # if neither is wild itself.
     if start == 0 or stop == values.size:
         return True
     before, after = values[start - 1], values[stop]
     height = np.min(np.abs(values[start:stop] - 0.5 * (before + after)))
     if abs(after - before) >= COMES_BACK * height:
         return False
-    foreseen = [2.0 * before - values[max(start - 2, 0)], 2.0 * after - values[min(stop + 1, values.size - 1)]]
-    beyond = np.abs(np.array(foreseen) - values[[start, stop - 1]])
-    return bool(np.all(beyond > FORESEEN * height))
+    sides = ((start - 1, start - 2, start), (stop, stop + 1, stop - 1))
+    courses = [own for own in sides if 0 <= own[1] < values.size and not wild[own[1]]]
+    return all(abs(2.0 * values[a] - values[b] - values[at]) > FORESEEN * height for a, b, at in courses)
 
 
 def stuck(values: Floats, speed: Floats, piece: Integers | None = None, effort: Floats | None = None) -> Mask:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mjfriction.diagnose import compete
 from mjfriction.diagnose.causes.varying import WarmUpDrift
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.record.readers import read_log
@@ -32,3 +33,23 @@ def test_it_settles_with_running_time(tmp_path: Path, monkeypatch: pytest.Monkey
     monkeypatch.setattr(WarmUpDrift, "sites", lambda *_: [])
     findings = diagnose_log(read_log(log), read_robot(robot)).findings
     assert "friction.temperature" not in {one.cause for one in findings}
+
+
+def test_a_sensor_of_whole_degrees_is_followed_all_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def warm(time: np.ndarray) -> np.ndarray:
+        return 12.0 * (1.0 - np.exp(-time / 14.0))
+
+    def warming(at: Instant) -> np.ndarray:
+        return 0.3 * warm(at.time) * np.sign(at.v)
+
+    ambient = {"temperature.elbow_joint": lambda time: np.round(24.0 + warm(time))}
+    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: warming}, noise=0.1, ambient=ambient), seed=4)
+
+    def parameters() -> set[str]:
+        (found,) = diagnose_log(read_log(log), read_robot(robot)).findings
+        assert (found.cause, found.joint) == ("friction.temperature", "elbow_joint")
+        return {value.name for value in found.parameters}
+
+    assert "coulomb_per_kelvin" in parameters()
+    monkeypatch.setattr(compete, "by_temperature", lambda model, _: model)
+    assert "time_constant" in parameters()

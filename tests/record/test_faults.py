@@ -276,6 +276,13 @@ def test_a_joint_that_is_pushed_back_at_once_has_no_glitch(monkeypatch: pytest.M
     assert np.flatnonzero(glitches(velocity)).tolist() == [1005, 1006]
 
 
+def test_two_opposite_glitches_around_one_good_sample_are_two() -> None:
+    values = np.sin(np.linspace(0.0, 6.0, 2000)) + 1e-4 * np.random.default_rng(0).normal(size=2000)
+    values[500] += 5.0
+    values[502] -= 5.0
+    assert np.flatnonzero(glitches(values)).tolist() == [500, 502]
+
+
 def test_a_held_joint_that_gives_by_a_few_counts_is_no_stuck_sensor() -> None:
     time = np.arange(0.0, 20.0, 0.002)
     count = 5e-8

@@ -23,7 +23,7 @@ from mjfriction.robot.table import Wave
 
 FINEST = 8  # half waves over the stroke, up to which a course is told
 PLACES = 5  # along the stroke, that a person is told of
-PRELOAD = Parameter("preload", "{force}", "torque at position zero")
+MEAN = Parameter("mean", "{force}", "mean of the torque over the stroke")
 HALF_WAVES = tuple(
     Parameter(f"half_waves_{m}", "{force}", "amplitude of the cosine of which so many half waves are on the stroke")
     for m in range(1, FINEST + 1)
@@ -38,7 +38,7 @@ class AlongStroke(JointCause):
 
     covariate = "position"
     of_unevenness = True
-    what: ClassVar[str]  # takes that course
+    what: ClassVar[str]  # goes so
 
     def along(self, gap: Gap, joint: int) -> Site:
         """Return the stroke of a joint that was travelled."""
@@ -60,7 +60,16 @@ class AlongStroke(JointCause):
         places = low + np.linspace(0.0, stroke, PLACES)
         course = self.course(site, places) @ strengths
         told = ", ".join(f"{value:+.3g} at {place:.3g}" for value, place in zip(course, places, strict=True))
-        return f"{self.what} takes a course of its own along the stroke: {told} ({force}, {length})"
+        series = f"{FINEST} half waves over {stroke:.4g} {length} from {low:.4g} {length}"
+        return f"{self.what} along the stroke: {told} ({force}, {length}; {series})"
+
+
+def travelled(gap: Gap, joint: int) -> bool:
+    """Return whether a joint moved everywhere along its stroke: where it never was a course may be anything."""
+    position = gap.at_rows("position")[gap.clear[:, joint], joint]
+    stroke = gap.motion.position[:, joint]
+    count, _ = np.histogram(position, bins=FINEST, range=(float(np.min(stroke)), float(np.max(stroke))))
+    return bool(np.all(count > 0))
 
 
 def half_waves(site: Site, position: Floats) -> Floats:
@@ -86,7 +95,7 @@ class FrictionAlongStroke(AlongStroke):
     name = "friction.position"
     least_of_friction = 0.05  # no machine's friction is more even than that along its stroke
     picture = "turned"
-    what = "the friction level, against the motion in both directions,"
+    what = "against the motion in both directions, friction differs from its level"
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The half waves, in the direction of motion, (n, 8)."""
@@ -114,7 +123,7 @@ class TorqueAlongStroke(AlongStroke):
 
     name = "body.spring"
     contains = ("drive.offset",)
-    what = "a torque that follows position alone, whichever way the joint moves,"
+    what = "a torque follows position alone, whichever way the joint moves,"
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The constant and the half waves, (n, 9)."""
@@ -125,9 +134,8 @@ class TorqueAlongStroke(AlongStroke):
         return np.column_stack([np.ones_like(position), half_waves(site, position)])
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """The preload beyond what is stated there, and the amplitudes."""
-        stated = gap.robot.table.joint[site.joint].spring.preload
-        return (Quantity(PRELOAD, shift=stated), *(Quantity(own) for own in HALF_WAVES))
+        """The mean, and the amplitudes."""
+        return (Quantity(MEAN), *(Quantity(own) for own in HALF_WAVES))
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Add to the joint's spring, and waves that do not turn with the direction of motion."""

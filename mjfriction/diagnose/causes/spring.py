@@ -8,7 +8,6 @@ from typing import ClassVar, final
 import numpy as np
 from numpy.polynomial import polynomial
 
-from mjfriction.diagnose.causes.along_stroke import PRELOAD
 from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site
 from mjfriction.identify.gap import Gap
 from mjfriction.parameter import Parameter
@@ -16,6 +15,7 @@ from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.spring import coefficients
 
+PRELOAD = Parameter("preload", "{force}", "torque at position zero")
 STIFFNESS = Parameter("stiffness", "{force}/{length}", "torque per position")
 QUADRATIC = Parameter("quadratic", "{force}/{length}²", "torque per position squared")
 CUBIC = Parameter("cubic", "{force}/{length}³", "torque per position cubed")

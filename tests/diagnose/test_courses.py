@@ -1,0 +1,86 @@
+"""Courses along the stroke: stated where the joint is, once, with the offset they contain, and where it travelled."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from mjfriction.diagnose import courses
+from mjfriction.diagnose.causes.along_stroke import AlongStroke, FrictionAlongStroke, TorqueAlongStroke, travelled
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.offset import Offset
+from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
+from mjfriction.diagnose.courses import as_courses
+from mjfriction.diagnose.model import Chosen, build_model
+from mjfriction.diagnose.nuisance import make_nuisance
+from mjfriction.diagnose.stroke_curve import StrokeCurve
+from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.structure import Structure
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import UR5_JOINTS, Effect, Instant, Machine, write_case
+
+PAN = 0
+
+
+def gap_of(folder: Path, effect: Effect, offset: float = 0.0) -> Gap:
+    log, path = write_case(folder, Machine(hidden={PAN: effect}, noise=0.05), seed=21)
+    robot = read_robot(path)
+    table = robot.joint(UR5_JOINTS[PAN])
+    sensor = table.position_sensor.model_copy(update={"offset": offset})
+    return measure_gap(read_log(log), robot.with_joint(table.model_copy(update={"position_sensor": sensor})))
+
+
+def hose(i: Instant) -> np.ndarray:
+    return 2.0 + 8.0 * np.maximum(i.q - np.mean(i.q), 0.0)
+
+
+@pytest.mark.parametrize("course", [FrictionAlongStroke(), TorqueAlongStroke()])
+def test_the_robot_file_holds_it_where_the_joint_is(tmp_path: Path, course: AlongStroke) -> None:
+    # The first joint of an arm stands upright: its zero is no matter but for what is stated along the stroke.
+    gap = gap_of(tmp_path, hose, offset=0.4)
+    choice = Chosen(course, course.along(gap, PAN))
+    model = build_model(gap, make_nuisance(gap), (choice,))
+    strengths = model.strengths[model.places[0]]
+    extended = course.extend(gap.robot, choice.site, strengths)
+    made = gap.predicted(extended)[:, PAN] - gap.predicted(gap.robot)[:, PAN]
+    told = course.columns(gap, choice.site)[PAN] @ strengths
+    assert gap.rms(told, PAN) > 0.1
+    assert gap.rms(made - told, PAN) < 1e-3 * gap.rms(told, PAN)
+
+
+def test_it_takes_the_place_of_its_own_kind_and_of_its_offset(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    gap = gap_of(tmp_path, hose)
+    torque = TorqueAlongStroke()
+    waves = [Chosen(Cogging(), Site(PAN, (k,), order=order)) for order, k in enumerate((5.0, 9.0))]
+    chosen = (Chosen(torque, torque.along(gap, PAN)), Chosen(Offset(), Site(PAN)), *waves)
+    model = build_model(gap, make_nuisance(gap), chosen)
+    curve = StrokeCurve(frozenset(one.key for one in waves), Structure(UR5_JOINTS[PAN], "a curve", 0.5))
+    monkeypatch.setattr(courses, "stroke_curves", lambda *_: [curve])
+    (only,) = as_courses(model).chosen
+    assert isinstance(only.cause, TorqueAlongStroke)
+
+
+def test_one_wave_stays_a_wave(tmp_path: Path) -> None:
+    gap = gap_of(tmp_path, lambda i: 2.5 * np.cos(6.0 * i.q) * np.sign(i.v))
+    model = build_model(gap, make_nuisance(gap), (Chosen(PositionFriction(), Site(PAN, (6.0,))),))
+    assert as_courses(model) is model
+    # Against a wave that is none it pays.
+    other = build_model(gap, make_nuisance(gap), (Chosen(PositionFriction(), Site(PAN, (3.0,))),))
+    (course,) = as_courses(other).chosen
+    assert isinstance(course.cause, FrictionAlongStroke)
+
+
+@pytest.mark.parametrize(("middle", "whole"), [(True, True), (False, False)])
+def test_a_joint_that_was_not_everywhere_has_no_course(middle: bool, whole: bool) -> None:
+    ends = np.concatenate([np.linspace(0.0, 0.3, 200), np.linspace(0.7, 1.0, 200)])
+    position = np.sort(np.append(ends, np.linspace(0.3, 0.7, 200) if middle else []))[:, None]
+    gap = SimpleNamespace(
+        motion=SimpleNamespace(position=position),
+        at_rows=lambda _: position,
+        clear=np.ones(position.shape, dtype=bool),
+    )
+    assert travelled(gap, 0) is whole  # type: ignore[arg-type]
