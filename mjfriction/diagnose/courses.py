@@ -21,12 +21,14 @@ def as_courses(model: Model) -> Model:
     """
     vague = {joint for _, joint, _ in vague_waves(model)}
     for joint in model.gap.examined:
-        own = frozenset(
-            choice.key
+        own = [
+            choice
             for choice in model.chosen
             if (choice.cause.name, choice.site.joint) == (FrictionAlongStroke.name, joint)
-        )
-        there = _with_course(model, joint, own, FrictionAlongStroke()) if own else None
+        ]
+        if all(isinstance(choice.cause, FrictionAlongStroke) for choice in own):
+            continue
+        there = _with_course(model, joint, frozenset(choice.key for choice in own), FrictionAlongStroke())
         if there is not None and (_pays(there, model) or (joint in vague and leaves_as_little(there, model, [joint]))):
             model = there
     for curve in stroke_curves(model, model.heldout_residual()):

@@ -38,7 +38,7 @@ class AlongStroke(JointCause):
 
     covariate = "position"
     of_unevenness = True
-    what: ClassVar[str]  # goes so
+    what: ClassVar[str]  # how its evidence begins
 
     def along(self, gap: Gap, joint: int) -> Site:
         """Return the stroke of a joint that was travelled."""
