@@ -62,7 +62,7 @@ def one_way(at: Instant) -> np.ndarray:
 def test_levels_that_are_off_in_one_direction_only_are_that_direction_s(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: one_way}, noise=0.1), seed=4)
+    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: one_way}, noise=0.1), seed=4, seconds=22.0)
 
     def found() -> set[str]:
         return {finding.cause for finding in diagnose_log(read_log(log), read_robot(robot)).findings}
@@ -80,7 +80,7 @@ def rising(at: Instant) -> np.ndarray:
 def test_what_rises_from_one_end_to_the_other_has_no_level_of_its_own(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: rising}, noise=0.1), seed=4)
+    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: rising}, noise=0.1), seed=4, seconds=22.0)
 
     def found() -> set[str]:
         return {finding.cause for finding in diagnose_log(read_log(log), read_robot(robot)).findings}

@@ -24,7 +24,9 @@ def settling(at: Instant) -> np.ndarray:
 def test_it_settles_with_running_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # The sensor sits where the air from a fan goes.
     ambient = {"temperature.elbow_joint": lambda time: 24.0 + 3.0 * np.sin(0.2 * time)}
-    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: settling}, noise=0.1, ambient=ambient), seed=4)
+    log, robot = write_case(
+        tmp_path, Machine(hidden={ELBOW: settling}, noise=0.1, ambient=ambient), seed=4, seconds=30.0
+    )
     (found,) = diagnose_log(read_log(log), read_robot(robot)).findings
     assert (found.cause, found.joint) == ("friction.temperature", "elbow_joint")
     (constant,) = [value for value in found.parameters if value.name == "time_constant"]
@@ -43,7 +45,9 @@ def test_a_sensor_of_whole_degrees_is_followed_all_the_same(tmp_path: Path, monk
         return 0.3 * warm(at.time) * np.sign(at.v)
 
     ambient = {"temperature.elbow_joint": lambda time: np.round(24.0 + warm(time))}
-    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: warming}, noise=0.1, ambient=ambient), seed=4)
+    log, robot = write_case(
+        tmp_path, Machine(hidden={ELBOW: warming}, noise=0.1, ambient=ambient), seed=4, seconds=30.0
+    )
 
     def parameters() -> set[str]:
         (found,) = diagnose_log(read_log(log), read_robot(robot)).findings
