@@ -31,7 +31,8 @@ that adds less than {faint} of the noise ({drawn} were drawn here) is asked of n
 effects are the plant's own parts, but friction laws and rigid bodies are the ones that the diagnosis knows: logs of
 other physics will be harder.
 
-*Exact*: just what was hidden was found, and what no cause fits was left open. *Hit*: every hidden cause is, at its
+*Exact*: just what was hidden was found, and what no cause fits was left open (or, of a soft stop, told as the
+`body.spring` that a torque in position is by definition). *Hit*: every hidden cause is, at its
 joint, a finding or an alternative of one. *Named*: the share of the hidden causes that are. *False alarm*: a finding
 of something else that has nothing hidden among its alternatives, changed friction levels aside. *Open in vain*: of
 the logs with nothing outside all causes, those of which it was said that something remains which none explains.

@@ -33,7 +33,7 @@ from mjfriction.diagnose.findings import FAINTEST, ONE_OF_MANY
 from mjfriction.diagnose.free_links import BAR, FEWEST_GAINING, LEAST_GAINED, MANY, STRAINED
 from mjfriction.diagnose.held_links import NEARLY_ALL
 from mjfriction.diagnose.kin import LEAST_KIN_EFFECT
-from mjfriction.diagnose.link_finding import NOTED, SURELY
+from mjfriction.diagnose.link_finding import ALWAYS_NOTED, SURELY
 from mjfriction.diagnose.nuisance import CONSTANT, FARTHEST, LET_GO, LINK_SCALE, LINK_SHIFT, ROTOR
 from mjfriction.diagnose.oscillations import INSTEAD, LEAST_TOLD, NEAR, QUIETER, RESONANT
 from mjfriction.diagnose.refusal import ON_THE_WAY
@@ -212,7 +212,7 @@ def test_the_pages_build_without_a_warning(tmp_path: Path) -> None:
 def test_how_it_decides_tells_how_far_links_are_off() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"more than {100 * LEAST_NOTED:g} % (or three times" in told
-    assert f"up to {100 * NOTED:g} %), and by more than {100 * SURELY:g} %" in told
+    assert f"up to {100 * ALWAYS_NOTED:g} %), and by more than {100 * SURELY:g} %" in told
     assert f"a series of {FINEST} half waves" in told
     assert f"by {PAYS:g} of merit, or leaves as little (within {100 * (AS_GOOD - 1.0):g} %)" in told
     assert f"a power of speed between {POWERS[0]:g} and {POWERS[1]:g}" in told

@@ -12,6 +12,8 @@ Named = tuple[str, str | None]
 UNEXPLAINED = "unexplained"
 AVOIDABLE = 0.02  # of the error as stated, relative to the machine's own, below which there was nothing to remove
 BINS = 5
+# A torque in position is a spring by definition, though no spring has a stop's form: told as one it is right as well.
+MAY_BE_TOLD_AS = {"outside.soft_stop": "body.spring"}
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,8 @@ class Outcome:
     there was none), and the seconds it took.
 
     ``faint`` was hidden too, but adds so little to the log that it is asked of no tool, and held against none.
-    ``outside`` is what was hidden and is none of the causes: the verdict should be that structure is left.
+    ``outside`` is what was hidden and is none of the causes: the verdict should be that structure is left, but for what
+    one of the causes is by definition.
     """
 
     hidden: tuple[Named, ...]
@@ -60,19 +63,33 @@ class Outcome:
     @property
     def exact(self) -> bool:
         """Whether just what was hidden was found, and what no cause fits was left open."""
-        if self.outside and not self.left_open:
+        found = {(finding.cause, finding.joint) for finding in self.found}
+        if not self.left_open and not self._allowed <= found:
             return False
-        return set(self.hidden) == {(finding.cause, finding.joint) for finding in self.found} - set(self.faint)
+        return set(self.hidden) == found - {*self.faint, *self._allowed}
+
+    @property
+    def _allowed(self) -> set[Named]:
+        # What an effect outside all causes may be told as, and be neither asked for nor a false alarm.
+        return {self._told_as(*named) for named in self.outside}
+
+    @staticmethod
+    def _told_as(cause: str, joint: str | None) -> Named:
+        return MAY_BE_TOLD_AS.get(cause, cause), joint
 
     @property
     def hit(self) -> bool:
         """Whether every hidden cause is, at its joint, a finding or an alternative of one."""
         return all(any(f.names(*named) for f in self.found) for named in self.hidden)
 
+    def is_right(self, finding: Finding) -> bool:
+        """Whether a finding is something that was hidden, faint or not."""
+        return (finding.cause, finding.joint) in {*self.hidden, *self.faint, *self._allowed}
+
     @property
     def false_alarms(self) -> tuple[Finding, ...]:
         """Findings of what was not hidden, nor is an alternative; the stated levels of friction aside."""
-        there = {*self.hidden, *self.faint}
+        there = {*self.hidden, *self.faint, *self._allowed}
         return tuple(
             f
             for f in self.found
@@ -116,7 +133,7 @@ def score(outcomes: Sequence[Outcome]) -> Score:
 
 def reliability(outcomes: Sequence[Outcome]) -> list[tuple[float, float, int]]:
     """Return mean confidence, share of right findings and their number in bins of confidence."""
-    pairs = [(f.confidence, (f.cause, f.joint) in {*one.hidden, *one.faint}) for one in outcomes for f in one.found]
+    pairs = [(f.confidence, one.is_right(f)) for one in outcomes for f in one.found]
     out = []
     for k in range(BINS):
         low, high = k / BINS, (k + 1) / BINS + 1e-9 * (k == BINS - 1)

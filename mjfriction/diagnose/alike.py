@@ -97,7 +97,7 @@ def _beside_others_anew(model: Model, without: Model, own: Trial, rival: Trial) 
     # causes that are drawn beside the rival.
     if not rival.chosen.cause.curved or not NEAR_BEST * own.merit < rival.merit < own.merit:
         return rival
-    there = straightened(build_model(without.gap, without.nuisance, (*without.chosen, rival.chosen)))
+    there = straightened(without.with_also(rival.chosen))
     weight = model.system.rows.weight
     left, theirs = (
         float(np.sum(np.square(np.nan_to_num(one.heldout_residual()) * weight))) + strain(one, one.strengths)
@@ -128,13 +128,13 @@ def _has_room(without: Model, target: Chosen, wider: Entrant) -> bool:
     # A cause that contains the chosen one always fits at least as well.  It is a rival where the motion leaves room for
     # what it has besides: a stiffness that would make up for much of the offset, over a stroke too short to tell.
     other = Chosen(wider.cause, wider.sites[0])
-    model = build_model(without.gap, without.nuisance, (*without.chosen, other))
+    model = without.with_also(other)
     strengths, half = model.strengths[model.places[-1]], half_widths(model).causes[-1]
     own, columns = (cause_block(without.gap, one)[0][target.site.joint] for one in (target, other))
     beyond = columns - own @ np.linalg.lstsq(own, columns, rcond=None)[0]
     besides = np.linalg.norm(beyond, axis=0) > SHARED * np.linalg.norm(columns, axis=0)
     most = np.linalg.norm(columns, axis=0) * (np.abs(strengths) + half[: strengths.size]) * besides
-    strength = build_model(without.gap, without.nuisance, (*without.chosen, target)).strengths[-own.shape[1] :]
+    strength = without.with_also(target).strengths[-own.shape[1] :]
     return bool(np.max(most) > ROOM * np.linalg.norm(own @ strength))
 
 

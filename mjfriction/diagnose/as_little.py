@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from mjfriction.diagnose.model import Model, build_model
-from mjfriction.diagnose.trial import Trial
+from mjfriction.diagnose.model import Model
 
 AS_GOOD = 1.02  # of what a model leaves at a joint on motion not fitted, that another may leave and be as good
 
@@ -15,8 +14,3 @@ def leaves_as_little(model: Model, than: Model, joints: Iterable[int] | None = N
     gap, own, other = model.gap, model.heldout_residual(), than.heldout_residual()
     asked = gap.examined if joints is None else joints
     return all(gap.rms(own[:, joint], joint) <= AS_GOOD * gap.rms(other[:, joint], joint) for joint in asked)
-
-
-def with_one_more(model: Model, trial: Trial) -> Model:
-    """Return a model with the cause of a trial beside those that it has."""
-    return build_model(model.gap, model.nuisance, (*model.chosen, trial.chosen))

@@ -121,7 +121,7 @@ def _one_more(model: Model, field: Field, chances: Chances) -> tuple[Model | Non
         trials = fairly(model, able)
         while trials:
             best = _best(model, field, trials)
-            more = build_model(model.gap, model.nuisance, (*model.chosen, best.chosen))
+            more = model.with_also(best.chosen)
             if proved(more, best.chosen):
                 return _richer(model, best) or more, field
             trials.remove(best)
@@ -194,7 +194,7 @@ def _stands_for_less(model: Model, trial: Trial, tried: list[Trial], chances: Ch
         number = chances.among(other.chosen.cause)
         if other.passes(number) or not other.beyond_chance(number):
             continue
-        beside = build_model(model.gap, model.nuisance, (*model.chosen, other.chosen))
+        beside = model.with_also(other.chosen)
         again = try_out(beside, trial.chosen)
         if again is None or not again.passes(chances.among(trial.chosen.cause)):
             return True

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from mjfriction.diagnose.as_little import leaves_as_little
 from mjfriction.diagnose.causes.along_stroke import AlongStroke, FrictionAlongStroke, TorqueAlongStroke, travelled
 from mjfriction.diagnose.model import Chosen, Key, Model, build_model, without_contained
 from mjfriction.diagnose.refusal import proved
-from mjfriction.diagnose.richer import PAYS
+from mjfriction.diagnose.richer import PAYS, paid_gain
 from mjfriction.diagnose.stroke_curve import stroke_curves, vague_waves
 from mjfriction.diagnose.trial import try_out
 
@@ -29,7 +27,9 @@ def as_courses(model: Model) -> Model:
         if all(isinstance(choice.cause, FrictionAlongStroke) for choice in own):
             continue
         there = _with_course(model, joint, frozenset(choice.key for choice in own), FrictionAlongStroke())
-        if there is not None and (_pays(there, model) or (joint in vague and leaves_as_little(there, model, [joint]))):
+        if there is not None and (
+            paid_gain(model, there.chosen) > PAYS or (joint in vague and leaves_as_little(there, model, [joint]))
+        ):
             model = there
     for curve in stroke_curves(model, model.heldout_residual()):
         joint = model.gap.robot.joints.index(curve.structure.joint)
@@ -48,18 +48,5 @@ def _with_course(model: Model, joint: int, keys: frozenset[Key], course: AlongSt
     without = build_model(model.gap, model.nuisance, rest)
     if try_out(without, whole) is None:
         return None
-    there = build_model(model.gap, model.nuisance, (*rest, whole))
+    there = without.with_also(whole)
     return there if proved(there, whole) else None
-
-
-def _pays(there: Model, model: Model) -> bool:
-    held = model.with_others(there.chosen).heldout_errors(model.gap.blocks.folds)
-    gain = float(np.sum(model.heldout_errors) - np.sum(held))
-    more = _numbers(there) - _numbers(model)
-    return gain - more * float(np.log(model.gap.blocks.count)) > PAYS
-
-
-def _numbers(model: Model) -> int:
-    # Strengths, and shapes that were searched.
-    searched = (len(choice.cause.shape_bounds(model.gap, choice.site)) for choice in model.chosen)
-    return model.system.normal.precision.size + sum(searched)

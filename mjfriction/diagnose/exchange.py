@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from mjfriction.diagnose.causes.cause import Cause
 from mjfriction.diagnose.field import Chances, Entrant, Field
-from mjfriction.diagnose.model import Chosen, Model, build_model, partners
+from mjfriction.diagnose.model import Chosen, Model, partners
 from mjfriction.diagnose.refusal import proved
 from mjfriction.diagnose.short_list import contenders, fairly, passing
 from mjfriction.diagnose.trial import Trial, try_out
@@ -71,7 +71,7 @@ def exchanged(
             kinds = (_kind(choice), _kind(rival.chosen))
             if kinds in made:
                 continue
-            other = build_model(without.gap, without.nuisance, (*without.chosen, rival.chosen))
+            other = without.with_also(rival.chosen)
             if proved(other, rival.chosen):
                 return Exchange(other, kinds)
     return None

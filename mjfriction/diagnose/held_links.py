@@ -20,19 +20,19 @@ from mjfriction.diagnose.trial import FEWEST_JOINTS
 NEARLY_ALL = 0.99  # of the mean square that refitted links take off any joint's error, that one cause may take instead
 
 
-def held_links(model: Model, field: Field, off: Mapping[int, float], most: Mapping[int, float]) -> Model:
+def held_links(model: Model, field: Field, surely_off: Mapping[int, float], maybe_off: Mapping[int, float]) -> Model:
     """Return the model with all links as stated and one cause more, where the rest is stated exactly and that leaves as
     little at every joint.
 
     Links may be a few percent off beside friction levels that are; beside levels that are right to a percent, what
-    one link or payload does alone was not done by two dozen small errors.  ``off`` is what friction is off by for sure
-    (:func:`~mjfriction.diagnose.exact.least_off`), ``most`` what it may be
+    one link or payload does alone was not done by two dozen small errors.  ``surely_off`` is what friction is off by
+    for sure (:func:`~mjfriction.diagnose.exact.least_off`), ``maybe_off`` what it may be
     (:func:`~mjfriction.diagnose.exact.may_be_off`), by joint, before any was held as stated: one that could not be told
     is no level that is right.  Links have to be off by more than levels may be.
     """
-    if not model.nuisance.links or len(off) < FEWEST_JOINTS:
+    if not model.nuisance.links or len(surely_off) < FEWEST_JOINTS:
         return model
-    if typical(list(off.values())) > EXACT:
+    if typical(list(surely_off.values())) > EXACT:
         return model
     held = model.without_links()
     links = tuple(one for one in field if isinstance(one.cause, LinkScale))
@@ -48,14 +48,14 @@ def held_links(model: Model, field: Field, off: Mapping[int, float], most: Mappi
     rest = without_contained(held.chosen, best.chosen)
     alone = straightened(build_model(held.gap, held.nuisance, (*rest, best.chosen)))
     # Of two columns that are alike, one may be all that the other is not.
-    possible = alone.admissible() is alone and _stand_out(model, alone, most)
+    possible = alone.admissible() is alone and _stand_out(model, alone, maybe_off)
     return alone if possible and _as_good(alone, model, held) else model
 
 
-def _stand_out(model: Model, alone: Model, most: Mapping[int, float]) -> bool:
+def _stand_out(model: Model, alone: Model, maybe_off: Mapping[int, float]) -> bool:
     # Whether links are off by more than levels may be: where each is off by no more, none of them did it alone.  What
     # is no link, nor as good as one, stands out by itself.
-    bare = [most[joint] for joint in untouched(alone) if joint in most] or list(most.values())
+    bare = [maybe_off[joint] for joint in untouched(alone) if joint in maybe_off] or list(maybe_off.values())
     usual, last = OUTLYING * typical(bare), alone.chosen[-1]
     if isinstance(last.cause, LoneLink | LoneWholeLink | Payload):
         scales, moved = np.abs(model.link_changes[:, 0]), np.linalg.norm(model.link_changes[:, 1:], axis=1)

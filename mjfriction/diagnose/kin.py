@@ -5,18 +5,17 @@ from __future__ import annotations
 import numpy as np
 from scipy.stats import t as student
 
-from mjfriction.diagnose.as_little import with_one_more
 from mjfriction.diagnose.causes.varying import Warming, WarmUpDrift
 from mjfriction.diagnose.field import Field, present
-from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.model import Chosen, Model
 from mjfriction.diagnose.trial import try_out
 
 # These two were loosened (from 0.01 and 0.03) with the EMPS log in hand, whose offset stands at their edge; no other
 # data speaks for their values yet.
 KIN_CHANCE = 0.05  # at which a cause's other half is taken along: that of its 95 % interval leaving out zero
 LEAST_KIN = 0.02  # of its partner's effort that a cause's other half must reach
-NEARLY_AS_MUCH = 0.95  # of the mean square that running time takes off, that the logged temperature takes off too
 LEAST_KIN_EFFECT = 0.002  # and of the joint's effort
+NEARLY_AS_MUCH = 0.95  # of the mean square that running time takes off, that the logged temperature takes off too
 
 
 def fulfilled(model: Model) -> Model:
@@ -33,7 +32,7 @@ def fulfilled(model: Model) -> Model:
         errors = [float(np.sum(normal.heldout_errors(blocks.folds))) for normal in (plain, full)]
         count = len(whole.cause.quantities(model.gap, whole.site))
         if sure and errors[1] < errors[0] and whole.cause.admissible(model.gap, whole.site, strengths[-count:]):
-            model = build_model(model.gap, model.nuisance, (*without.chosen, whole))
+            model = without.with_also(whole)
     return model
 
 
@@ -50,7 +49,7 @@ def plainer(model: Model, field: Field) -> Model:
                 continue
             plain = try_out(without, Chosen(entrant.cause, entrant.sites[0]))
             if plain is not None and plain.merit > own.merit and not present(model, entrant):
-                model = build_model(model.gap, model.nuisance, (*without.chosen, plain.chosen))
+                model = without.with_also(plain.chosen)
     return model
 
 
@@ -67,7 +66,7 @@ def by_temperature(model: Model, field: Field) -> Model:
         trial = try_out(without, Chosen(warming[joint].cause, warming[joint].sites[0]))
         if trial is None:
             continue
-        warmed = with_one_more(without, trial)
+        warmed = without.with_also(trial.chosen)
         none, own, other = (
             model.gap.rms(one.heldout_residual()[:, joint], joint) ** 2 for one in (without, model, warmed)
         )
@@ -94,5 +93,5 @@ def with_kin(model: Model, field: Field) -> Model:
             if not trial or not own or trial.chance > KIN_CHANCE:
                 continue
             if trial.effect > max(LEAST_KIN * own.effect, LEAST_KIN_EFFECT):
-                model = build_model(model.gap, model.nuisance, (*model.chosen, other))
+                model = model.with_also(other)
     return model

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from mjfriction.diagnose.as_little import leaves_as_little, with_one_more
+from mjfriction.diagnose.as_little import leaves_as_little
 from mjfriction.diagnose.exchange import for_place_of
 from mjfriction.diagnose.field import Field, chances_in
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, without_contained
@@ -57,7 +57,9 @@ def one_for_both(model: Model, joint: int, field: Field) -> Model | None:
             continue
         held = build_model(gap, kept, model.without(choice).chosen)
         rivals = fairly(held, contenders(held, for_place_of(choice, field)))
-        able = [one for one in passing(rivals, chances_in(field)) if leaves_as_little(with_one_more(held, one), model)]
+        able = [
+            one for one in passing(rivals, chances_in(field)) if leaves_as_little(held.with_also(one.chosen), model)
+        ]
         if able:
             best = max(able, key=lambda trial: trial.merit).chosen
             return build_model(gap, kept, (*without_contained(held.chosen, best), best))

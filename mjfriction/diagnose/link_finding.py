@@ -23,7 +23,7 @@ from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.proof import gain_at
 
 SURELY = 0.05  # of a link's stated mass and inertia, that the whole interval of its change must be off by
-NOTED = 0.09  # of a link's mass, from which on it is a finding however far off friction is
+ALWAYS_NOTED = 0.09  # of a link's mass, from which on it is a finding however far off friction is
 MOST_LISTED = 12  # combinations of inertias, that a finding lists
 
 
@@ -67,7 +67,7 @@ def _scaled(model: Model, widths: HalfWidths, field: Field) -> _Off | None:
     # The links whose scale is off.
     nuisance, changes = model.nuisance, model.link_changes[:, 0]
     half = widths.nuisance[nuisance.of_links].reshape(-1, PER_LINK)[:, 0]
-    least = min(max(LEAST_NOTED, OUTLYING * levels_off(model)), NOTED)
+    least = min(max(LEAST_NOTED, OUTLYING * levels_off(model)), ALWAYS_NOTED)
     noted = (np.abs(changes) > least) & (np.abs(changes) - half > SURELY)
     if not np.any(noted):
         return None

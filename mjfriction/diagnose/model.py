@@ -160,6 +160,10 @@ class Model:
             strengths[self.nuisance.of_oscillations] = 0.0
         return self.system.residual(strengths)
 
+    def with_also(self, choice: Chosen) -> Model:
+        """Return the model with one cause more."""
+        return build_model(self.gap, self.nuisance, (*self.chosen, choice))
+
     def without(self, target: Chosen) -> Model:
         """Return the model with one cause taken out."""
         rest = tuple(choice for choice in self.chosen if choice.key != target.key)
@@ -187,12 +191,6 @@ class Model:
             return self.system.extended(columns, precision)
         rows = replace(self.system.rows, target=self.system.rows.target - choice.tangent.bend)
         return self._normal(rows, (*self.chosen, choice))
-
-    def with_instead(self, choice: Chosen, other: Chosen) -> Normal:
-        """Return the normal equations with another cause in a straight one's place, its strengths last, rows weighed as
-        they are.
-        """
-        return self.with_others((*(one for one in self.chosen if one.key != choice.key), other))
 
     def with_others(self, chosen: tuple[Chosen, ...]) -> Normal:
         """Return the normal equations with other causes than the model's, rows weighed as they are."""

@@ -45,7 +45,7 @@ def scaled_levels(model: Model, held: Model, own: Trial, change: dict[int, float
     factor, rotor = Chosen(TorqueConstant(), Site(joint)), (RotorInertia.name, joint, 0)
     if factor.key in {choice.key for choice in model.chosen}:
         return None
-    free = build_model(held.gap, held.nuisance, (*held.chosen, own.chosen))
+    free = held.with_also(own.chosen)
     spread = _spread(change, joint)
     # A rotor that is off by the same factor is one number more that it does away with.
     fewer = tuple(choice for choice in held.chosen if choice.key != rotor)
@@ -81,7 +81,7 @@ def with_factor(model: Model, joint: int, spread: float) -> Model:
     stated.
     """
     factor = Chosen(TorqueConstant(), Site(joint))
-    return _near(build_model(model.gap, model.nuisance, (*model.chosen, factor)), joint, spread)[0]
+    return _near(model.with_also(factor), joint, spread)[0]
 
 
 def _spread(change: dict[int, float], joint: int) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mjfriction.diagnose.field import Field
-from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.model import Chosen, Model
 from mjfriction.diagnose.refusal import proved
 from mjfriction.diagnose.shapes import best_shape
 from mjfriction.diagnose.trial import try_out
@@ -28,18 +28,27 @@ def in_richer_form(model: Model, choice: Chosen, plain: Chosen) -> Richer | None
     nature does not allow it or motion does not show it.
     """
     assert plain.cause.richer is not None, "asked of causes that have one"
-    gap, without = model.gap, model.without(choice)
+    without = model.without(choice)
     whole = best_shape(without, Chosen(plain.cause.richer(), plain.site))
     if try_out(without, whole) is None:
         return None
-    normal = model.with_instead(choice, whole)
-    freedoms = normal.precision.size - model.system.normal.precision.size
-    freedoms += len(whole.site.shape) - len(choice.site.shape)
-    gain = float(np.sum(model.heldout_errors) - np.sum(normal.heldout_errors(gap.blocks.folds)))
-    richer = build_model(gap, model.nuisance, (*without.chosen, whole))
-    if not proved(richer, whole):
-        return None
-    return Richer(richer, gain - freedoms * float(np.log(gap.blocks.count)))
+    richer = without.with_also(whole)
+    return Richer(richer, paid_gain(model, richer.chosen)) if proved(richer, whole) else None
+
+
+def paid_gain(model: Model, chosen: tuple[Chosen, ...]) -> float:
+    """Return what other causes than a model's gain over it on motion not fitted, rows weighed as they are, less what
+    their further freedoms, searched shapes included, are worth on noise alone.
+    """
+    blocks, normal = model.gap.blocks, model.with_others(chosen)
+    more = normal.precision.size - model.system.normal.precision.size
+    more += _searched(model, chosen) - _searched(model, model.chosen)
+    gain = float(np.sum(model.heldout_errors) - np.sum(normal.heldout_errors(blocks.folds)))
+    return gain - more * float(np.log(blocks.count))
+
+
+def _searched(model: Model, chosen: tuple[Chosen, ...]) -> int:
+    return sum(len(choice.cause.shape_bounds(model.gap, choice.site)) for choice in chosen)
 
 
 def enriched(model: Model, field: Field) -> Model:

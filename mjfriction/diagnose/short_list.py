@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from mjfriction.diagnose.field import Chances, Entrant, Field, present
-from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.model import Chosen, Model
 from mjfriction.diagnose.shapes import apart, best_shape
 from mjfriction.diagnose.tangent import straightened
 from mjfriction.diagnose.trial import Trial, try_out
@@ -80,7 +80,7 @@ def _bent(model: Model, trial: Trial) -> Trial:
     if not trial.chosen.cause.curved:
         return trial
     # What the curved causes chosen before have come to is left as it was: only the newcomer bends.
-    fitted = straightened(build_model(model.gap, model.nuisance, (*model.chosen, trial.chosen)), trial.chosen)
+    fitted = straightened(model.with_also(trial.chosen), trial.chosen)
     return try_out(model, fitted.chosen[-1]) or trial
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from mjfriction.diagnose.as_little import leaves_as_little, with_one_more
+from mjfriction.diagnose.as_little import leaves_as_little
 from mjfriction.diagnose.causes.along_stroke import FrictionAlongStroke
 from mjfriction.diagnose.causes.asymmetry import Asymmetry
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
@@ -134,7 +134,7 @@ def _unbent(model: Model, joint: int, asked: Field) -> Model | None:
     held = build_model(model.gap, model.nuisance.without_level(joint), rest)
     trials = contenders(held, in_place_of_levels(model.gap, joint)) if bends else []
     for trial in passing(trials, chances_in(asked)):
-        if leaves_as_little(with_one_more(held, trial), model, [joint]):
+        if leaves_as_little(held.with_also(trial.chosen), model, [joint]):
             return build_model(held.gap, held.nuisance, (*rest, trial.chosen))
     return None
 
@@ -213,7 +213,7 @@ def _unmoved(model: Model, held: Model, own: Trial) -> tuple[Model, Trial]:
     # With levels held, others' shapes move to make up for them, as a step to the begin of the log.  Where levels do
     # less beside these than where the shapes were, they are to be compared there.
     joint = own.chosen.site.joint
-    if leaves_as_little(with_one_more(held, own), model, [joint]):
+    if leaves_as_little(held.with_also(own.chosen), model, [joint]):
         return held, own
     there = build_model(model.gap, model.nuisance.without_level(joint), model.chosen)
     trial = try_out(there, own.chosen)
@@ -228,7 +228,7 @@ def _simpler(held: Model, own: Trial, asked: Field) -> Chosen | None:
     if best is None:
         return None
     # At the joint whose levels are asked for: what takes more off others' errors is no reason to leave its own.
-    as_good = leaves_as_little(with_one_more(held, best), with_one_more(held, own), [joint])
+    as_good = leaves_as_little(held.with_also(best.chosen), held.with_also(own.chosen), [joint])
     return best.chosen if as_good else None
 
 

@@ -206,6 +206,22 @@ def test_what_no_cause_is_must_be_left_open() -> None:
     assert not Outcome((), (), "explained", None, 1.0, outside=hum).exact
 
 
+@pytest.mark.parametrize(
+    ("cause", "joint", "exact"),
+    [("body.spring", "elbow", True), ("body.spring", "wrist", False), ("hum", "elbow", False)],
+)
+def test_a_stop_told_as_the_spring_that_it_is_by_definition_is_right(cause: str, joint: str, *, exact: bool) -> None:
+    stop = (("outside.soft_stop", "elbow"),)
+    told = Outcome((), (Finding(cause, joint, 0.9),), "explained", None, 1.0, outside=stop)
+    assert told.exact is exact
+    assert bool(told.false_alarms) is not exact
+    # Left open it is right too; a tone that is told as a spring never is.
+    assert Outcome((), (), "unexplained", None, 1.0, outside=stop).exact
+    tone = Outcome((), told.found, "explained", None, 1.0, outside=(("outside.hum", "elbow"),))
+    assert not tone.exact
+    assert tone.false_alarms
+
+
 def test_what_is_left_open_though_nothing_is_outside_all_causes_was_so_in_vain() -> None:
     hum = (("outside.hum", "elbow"),)
     right = Outcome((), (), "unexplained", None, 1.0, outside=hum)

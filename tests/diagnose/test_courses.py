@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import courses
+from mjfriction.diagnose import courses, stated
 from mjfriction.diagnose.causes.along_stroke import AlongStroke, FrictionAlongStroke, TorqueAlongStroke, travelled
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.offset import Offset
@@ -72,6 +72,14 @@ def test_one_wave_stays_a_wave(tmp_path: Path) -> None:
     other = build_model(gap, make_nuisance(gap), (Chosen(PositionFriction(), Site(PAN, (3.0,))),))
     (course,) = as_courses(other).chosen
     assert isinstance(course.cause, FrictionAlongStroke)
+
+
+@pytest.mark.parametrize(("wavenumber", "rising"), [(2.0, True), (8.0, False)])
+def test_a_wave_longer_than_the_stroke_rises_along_it(wavenumber: float, *, rising: bool) -> None:
+    wave = Chosen(PositionFriction(), Site(PAN, (wavenumber,)))
+    motion = SimpleNamespace(position=np.linspace(-1.0, 1.0, 50)[:, None])
+    model = SimpleNamespace(gap=SimpleNamespace(motion=motion), chosen=(wave,))
+    assert stated._rising(model, PAN) is rising  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(("middle", "whole"), [(True, True), (False, False)])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import mujoco
 import numpy as np
@@ -12,9 +13,10 @@ from mjfriction.diagnose import link_finding
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.gravity_direction import GravityDirection
-from mjfriction.diagnose.causes.links import LEAST_NOTED
+from mjfriction.diagnose.causes.links import LEAST_NOTED, LinkCentre, LoneWholeLink
 from mjfriction.diagnose.exact import least_off, level_changes, may_be_off
 from mjfriction.diagnose.field import make_field
+from mjfriction.diagnose.held_links import _stand_out as stand_out
 from mjfriction.diagnose.held_links import held_links
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, build_model
@@ -98,7 +100,36 @@ def test_a_link_is_off_by_more_than_levels_are(
     log, robot = write_case(tmp_path, Machine(change=stouter, noise=0.1), seed=5)
     gap = measure_gap(read_log(log), read_robot(robot))
     model = build_model(gap, make_nuisance(gap), ())
-    assert LEAST_NOTED < float(np.max(np.abs(model.link_changes[:, 0]))) < link_finding.NOTED
+    assert LEAST_NOTED < float(np.max(np.abs(model.link_changes[:, 0]))) < link_finding.ALWAYS_NOTED
     monkeypatch.setattr(link_finding, "levels_off", lambda _: off)
     found = link_finding._scaled(model, half_widths(model), make_field(gap, STRUCTURAL))
     assert (found is not None) is named
+
+
+@pytest.mark.parametrize(
+    ("scale", "moved", "most", "stands"),
+    [
+        (0.03, 0.0, 0.005, True),
+        (0.01, 0.0, 0.005, False),
+        (0.0, 0.004, 0.005, True),
+        (0.0, 0.002, 0.005, False),
+    ],
+)
+def test_scale_or_centre_is_enough_for_links_to_stand_out(
+    scale: float, moved: float, most: float, *, stands: bool
+) -> None:
+    links = SimpleNamespace(link_changes=np.array([[0.0, 0.0, 0.0, 0.0], [scale, 0.0, moved, 0.0]]))
+    alone = SimpleNamespace(chosen=(Chosen(LoneWholeLink(), Site(1)),), gap=SimpleNamespace(examined=(0, 1, 2)))
+    assert stand_out(links, alone, dict.fromkeys(range(3), most)) is stands  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("most", "stands"), [(0.002, True), (0.05, False)])
+def test_a_centre_far_off_stands_out_by_itself(most: float, *, stands: bool) -> None:
+    centre = Chosen(LinkCentre(), Site(1))
+    alone = SimpleNamespace(
+        chosen=(centre,),
+        gap=SimpleNamespace(examined=(0, 1, 2)),
+        strengths=np.array([0.03, 0.0, 0.0]),
+        places=[slice(3)],
+    )
+    assert stand_out(None, alone, dict.fromkeys(range(3), most)) is stands  # type: ignore[arg-type]

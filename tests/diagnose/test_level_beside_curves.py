@@ -13,7 +13,7 @@ from mjfriction.diagnose import stated
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
-from tests.hidden.machine import UR5_COULOMB, UR5_VISCOUS, Instant, Machine, write_case
+from tests.hidden.machine import UR5_COULOMB, UR5_VISCOUS, Effect, Instant, Machine, write_case
 
 ELBOW = 2
 EXCESS, HIGHER, STRIBECK_VELOCITY = 0.8 * UR5_COULOMB[ELBOW], 0.6 * UR5_COULOMB[ELBOW], 0.06
@@ -59,32 +59,24 @@ def one_way(at: Instant) -> np.ndarray:
     return 1.2 * UR5_VISCOUS[ELBOW] * np.maximum(at.v, 0.0)
 
 
-def test_levels_that_are_off_in_one_direction_only_are_that_direction_s(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: one_way}, noise=0.1), seed=4, seconds=22.0)
-
-    def found() -> set[str]:
-        return {finding.cause for finding in diagnose_log(read_log(log), read_robot(robot)).findings}
-
-    assert found() == {"friction.asymmetry"}
-    monkeypatch.setattr(stated, "_of_one_direction", lambda *_: False)
-    assert found() == {"friction.asymmetry", "friction.coulomb_viscous"}
-
-
 def rising(at: Instant) -> np.ndarray:
     along = (at.q - np.min(at.q)) / np.ptp(at.q)
     return 4.0 * UR5_COULOMB[ELBOW] * along * np.sign(at.v)
 
 
-def test_what_rises_from_one_end_to_the_other_has_no_level_of_its_own(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("hidden", "cause", "rule"),
+    [(one_way, "friction.asymmetry", "_of_one_direction"), (rising, "friction.position", "_rising")],
+)
+def test_levels_that_are_a_part_of_something_else_are_none_of_their_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, hidden: Effect, cause: str, rule: str
 ) -> None:
-    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: rising}, noise=0.1), seed=4, seconds=22.0)
+    # Damping that is off in one direction only, and friction that rises from one end of the stroke to the other.
+    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: hidden}, noise=0.1), seed=4, seconds=22.0)
 
     def found() -> set[str]:
         return {finding.cause for finding in diagnose_log(read_log(log), read_robot(robot)).findings}
 
-    assert found() == {"friction.position"}
-    monkeypatch.setattr(stated, "_rising", lambda *_: False)
-    assert found() == {"friction.position", "friction.coulomb_viscous"}
+    assert found() == {cause}
+    monkeypatch.setattr(stated, rule, lambda *_: False)
+    assert found() == {cause, "friction.coulomb_viscous"}

@@ -6,7 +6,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from mjfriction.diagnose import stated
+from mjfriction.diagnose import levels_kept, stated
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
@@ -56,6 +56,13 @@ def test_a_link_that_is_off_stands_for_a_constant_and_for_levels() -> None:
     assert one.nuisance.levels == ()
     left = [own.gap.rms(own.heldout_residual()[:, 0], 0) for own in (one, model)]
     assert left[0] < 1.02 * left[1]
+
+
+def test_it_has_to_leave_as_little_everywhere(monkeypatch: pytest.MonkeyPatch) -> None:
+    model, field = model_of(scaled_link(STATED, "axis", SCALE))
+    # As good at the joint itself, and worse at another.
+    monkeypatch.setattr(levels_kept, "leaves_as_little", lambda _model, _than, joints=None: joints is not None)
+    assert one_for_both(model, 0, field) is None
 
 
 def test_so_it_is_settled(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,6 +13,8 @@ from typing import ClassVar, final
 import numpy as np
 
 from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site
+from mjfriction.diagnose.causes.spring import Spring
+from mjfriction.diagnose.causes.waves import PositionFriction, as_stated
 from mjfriction.identify.gap import Gap
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
@@ -79,21 +81,17 @@ def half_waves(site: Site, position: Floats) -> Floats:
 
 
 def _as_waves(table: Joint, site: Site, strengths: Floats) -> list[Wave]:
-    # Drawn along what the sensor reads, they are stated along where the joint is.
     low, stroke = site.shape
-    start, numbers = low - table.position_sensor.offset, np.arange(1, FINEST + 1) * (np.pi / stroke)
-    return [
-        Wave(wavenumber=float(k), cosine=float(c * np.cos(k * start)), sine=float(c * np.sin(k * start)))
-        for k, c in zip(numbers, strengths, strict=True)
-    ]
+    numbers = (np.arange(1, FINEST + 1) * (np.pi / stroke)).tolist()
+    return [as_stated(table, k, complex(c * np.exp(1j * k * low))) for k, c in zip(numbers, strengths, strict=True)]
 
 
 @final
 class FrictionAlongStroke(AlongStroke):
     """The friction level: a rail that is tight at its ends, a screw that was bent."""
 
-    name = "friction.position"
-    least_of_friction = 0.05  # no machine's friction is more even than that along its stroke
+    name = PositionFriction.name
+    least_of_friction = PositionFriction.least_of_friction
     picture = "turned"
     what = "against the motion in both directions, friction differs from its level"
 
@@ -121,8 +119,8 @@ class FrictionAlongStroke(AlongStroke):
 class TorqueAlongStroke(AlongStroke):
     """A torque in q: a hose that pulls from one place on, a cable, a soft stop.  A constant comes first."""
 
-    name = "body.spring"
-    contains = ("drive.offset",)
+    name = Spring.name
+    contains = Spring.contains
     what = "a torque follows position alone, whichever way the joint moves,"
 
     def samples(self, gap: Gap, site: Site) -> Floats:

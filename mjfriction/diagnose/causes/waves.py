@@ -7,7 +7,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import JointCause, Quantity, Shape, Site
+from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.identify.stroke_waves import (
@@ -76,12 +76,12 @@ class _Waves(JointCause):
         return (Quantity(COSINE), Quantity(SINE))
 
 
-def _wave(table: Joint, strengths: Floats, shape: Shape) -> Wave:
-    # Drawn along what the sensor reads, it is stated along where the joint is.
-    phase = shape[0] * table.position_sensor.offset
-    cosine = strengths[0] * np.cos(phase) + strengths[1] * np.sin(phase)
-    sine = strengths[1] * np.cos(phase) - strengths[0] * np.sin(phase)
-    return Wave(wavenumber=shape[0], cosine=float(cosine), sine=float(sine))
+def as_stated(table: Joint, wavenumber: float, read: complex) -> Wave:
+    """Return a wave along what a joint's sensor reads, cosine and sine ``read``'s real and imaginary part, as it is
+    stated along where the joint is.
+    """
+    there = read * np.exp(-1j * wavenumber * table.position_sensor.offset)
+    return Wave(wavenumber=wavenumber, cosine=float(there.real), sine=float(there.imag))
 
 
 def _period(gap: Gap, site: Site) -> str:
@@ -102,7 +102,7 @@ class Cogging(_Waves):
         """Add a wave to the joint's cogging."""
         joint = robot.joints[site.joint]
         table = robot.joint(joint)
-        wave = _wave(table, strengths, site.shape)
+        wave = as_stated(table, site.shape[0], complex(*strengths))
         return robot.with_joint(table.model_copy(update={"cogging": (*table.cogging, wave)}))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
@@ -127,7 +127,7 @@ class PositionFriction(_Waves):
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Add a wave to the joint's friction level."""
         name = robot.joints[site.joint]
-        return with_friction_wave(robot, name, _wave(robot.joint(name), strengths, site.shape))
+        return with_friction_wave(robot, name, as_stated(robot.joint(name), site.shape[0], complex(*strengths)))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give amplitude and period."""
