@@ -15,7 +15,7 @@ from mjfriction.diagnose.field import Chances
 from mjfriction.diagnose.model import Chosen
 
 CHANCES = Chances(100, {})
-MODEL: Any = SimpleNamespace(gap=None, nuisance=None, chosen=())
+MODEL: Any = SimpleNamespace(gap=None, nuisance=None, chosen=(), with_also=lambda _: MODEL)
 
 
 def trial(cause: Any, merit: float, *, large: bool = True, beyond: bool = True, joint: int = 0) -> Any:
@@ -31,7 +31,6 @@ def trial(cause: Any, merit: float, *, large: bool = True, beyond: bool = True, 
 def beside(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     """What a cause does once the better one is in the model."""
     out: dict[str, Any] = {"again": None}
-    monkeypatch.setattr(compete, "build_model", lambda *_: MODEL)
     monkeypatch.setattr(compete, "try_out", lambda *_: out["again"])
     return out
 
