@@ -9,12 +9,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
-from scipy.signal import butter, sosfiltfilt
+from scipy.signal import sosfiltfilt
 
 from mjfriction.body.inverse import motion_derivatives
 from mjfriction.body.model import Body
 from mjfriction.identify.rows import Chain
 from mjfriction.record.log import Floats
+from mjfriction.record.low_pass import butterworth
 from mjfriction.record.motion import Motion
 
 BLOW_BAND = 0.2  # of the position filter's cutoff: what is slower is motion
@@ -50,7 +51,7 @@ def quick_accelerations(motion: Motion, doubt_speed: Floats) -> Floats:
 
 def _blows_of(motion: Motion, joint: int, still: float) -> Floats:
     # The acceleration of a joint's blows, (n,), 0 elsewhere.
-    slow = butter(2, BLOW_BAND * motion.cutoff, fs=motion.rate, output="sos")
+    slow = butterworth(2, BLOW_BAND * motion.cutoff, motion.rate)
     course, velocity = motion.acceleration[:, joint], motion.velocity[:, joint]
     wanted = np.concatenate([sosfiltfilt(slow, course[own]) for own in motion.pieces])
     quick = course - wanted

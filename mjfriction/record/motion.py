@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
-from scipy.signal import butter, sosfiltfilt
+from scipy.signal import sosfiltfilt
 
 from mjfriction.errors import LogError
 from mjfriction.record.log import CURRENT, EFFORT, POSITION, VELOCITY, Floats, Integers, Log
-from mjfriction.record.low_pass import low_passed
+from mjfriction.record.low_pass import butterworth, low_passed
 from mjfriction.record.noise import noise_level
 from mjfriction.record.resample import Clock, Grid, even_grid, grid_segments, onto_grid, read_clock
 
@@ -147,10 +147,10 @@ class Motion:
         return replace(part, rate=self.rate / every, grids=tuple(grids))
 
     def differentiated(self, values: Floats) -> Floats:
-        """Return the derivative of values (n,) along the motion, each piece by central differences."""
+        """Return the derivative of values (n, …) along the motion, each piece by central differences."""
         out = np.empty_like(values)
         for own in self.pieces:
-            out[own] = np.gradient(values[own]) * self.rate
+            out[own] = np.gradient(values[own], axis=0) * self.rate
         return out
 
     def low_passed(self, values: Floats, band: float) -> Floats:
@@ -189,7 +189,7 @@ def estimate_motion(log: Log, joints: Sequence[str], cutoff: float) -> Motion:
         )
     rate = 1.0 / clock.step
     cutoff = min(cutoff, 0.45 * rate)
-    sos = butter(FILTER_ORDER, cutoff, fs=rate, output="sos")
+    sos = butterworth(FILTER_ORDER, cutoff, rate)
 
     def on_clock(values: Floats, *, smooth: bool) -> list[Floats]:
         return [onto_grid(values, log.time, grid, smooth=smooth) for grid in grids]
@@ -287,7 +287,7 @@ def _compared_slowly(log: Log, joint: str, cutoff: float, clock: Clock) -> tuple
     if position is None or velocity is None or not grids:
         return None
     rate = 1.0 / clock.step
-    slow = butter(FILTER_ORDER, SLOWLY * min(cutoff, 0.45 * rate), fs=rate, output="sos")
+    slow = butterworth(FILTER_ORDER, SLOWLY * min(cutoff, 0.45 * rate), rate)
     smooth = [
         [sosfiltfilt(slow, onto_grid(values, log.time, grid, smooth=True), padlen=0) for grid in grids]
         for values in (position, velocity)
@@ -312,7 +312,7 @@ def smooth_derivatives(motion: Motion, values: Floats, share: float = 1.0) -> li
     that the values carry themselves.
     """
     cutoff = share * motion.cutoff
-    sos = butter(FILTER_ORDER, cutoff, fs=motion.rate, output="sos")
+    sos = butterworth(FILTER_ORDER, cutoff, motion.rate)
     edge = int(EDGE_PERIODS * motion.rate / cutoff) + 12
     out = [np.empty_like(values) for _ in range(3)]
     for own in motion.pieces:

@@ -9,6 +9,7 @@ their offsets, less what the transmissions give.
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -40,7 +41,7 @@ class Loads:
     rigid: Floats
     rotor: Floats
 
-    @property
+    @functools.cached_property
     def load(self) -> Floats:
         """What passes the transmissions to the links, (n, joints): the load that friction may grow with."""
         return self.rigid - self.rotor

@@ -48,20 +48,23 @@ def crossing(load: Floats, within: float) -> Floats:
     return np.asarray(np.tanh(load / within) if within > 0.0 else np.sign(load))
 
 
-def natural_frequency(inertia: Floats, compliance: float) -> Floats:
+def natural_frequency(inertia: Floats, compliance: float | Floats) -> Floats:
     """Return the frequency (rad/s, (n,)) at which a link of an ``inertia`` (n,) swings on its transmission, the motor
-    held.
+    held; of compliances (k,) beside one another with inertia (n, 1), (n, k).
     """
     return 1.0 / np.sqrt(compliance * np.maximum(inertia, LEAST_INERTIA))
 
 
-def swinging(motion: Motion, following: Floats, inertia: Floats, compliance: float, damping_ratio: float) -> Floats:
+def swinging(
+    motion: Motion, following: Floats, inertia: Floats, compliance: float | Floats, damping_ratio: float
+) -> Floats:
     """Return how far a link that swings on its transmission is behind the motor, (n,).
 
     compliance·(inertia·s̈ + damping·ṡ) + s = compliance·following, damped by a share of what is critical, pieces apart.
+    Of many compliances (k,), beside one another, all but motion and damping have shape (n, k) or one that spreads to it.
     """
+    following, frequency = np.broadcast_arrays(following, natural_frequency(inertia, compliance))
     out = np.empty_like(following)
-    frequency = natural_frequency(inertia, compliance)
     finer = int(np.ceil(FLIGHT_RATE / motion.rate))
     for own in motion.pieces:
         step = 1.0 / (finer * motion.rate)

@@ -1,4 +1,4 @@
-"""A mass on a spring whose foot is moved: how far it lags behind."""
+"""Masses on springs whose feet are moved: how far they lag behind."""
 
 from __future__ import annotations
 
@@ -14,37 +14,43 @@ from mjfriction.laws.law import Floats
 
 
 def ringing(aim: Floats, frequency: Floats, damping: float, step: float, finer: int = 1) -> Floats:
-    """Return where it is, (n,), that swings about a place ``aim`` (n,) at a ``frequency`` (n,) rad/s.
+    """Return where masses are, (n,) or (n, k), that swing about places ``aim`` at a ``frequency`` in rad/s, both alike.
 
     s̈ = ω²·(aim − s) − 2·``damping``·ω·ṡ, by steps of ``step`` s at constant average acceleration (Newmark, J. Eng.
-    Mech. 85, 1959: β = 1/4, γ = 1/2), aim and frequency being straight between what is given, every ``finer`` steps; it
-    begins at rest at its aim.
+    Mech. 85, 1959: β = 1/4, γ = 1/2), aim and frequency being straight between what is given, every ``finer`` steps;
+    they begin at rest at their aims.
     """
-    return _compiled()(np.ascontiguousarray(aim), np.ascontiguousarray(frequency), damping, step, finer)
+    many = aim.reshape(aim.shape[0], -1), frequency.reshape(aim.shape[0], -1)
+    place = _compiled()(*map(np.ascontiguousarray, many), damping, step, finer)
+    return place.reshape(aim.shape)
 
 
 @functools.cache
 def _compiled() -> Callable[[Floats, Floats, float, float, int], Floats]:
-    array, number = types.float64[::1], types.float64
+    # Divided as numpy divides, without a check for zero, so that masses beside each other are moved at once.
+    array, number = types.float64[:, ::1], types.float64
     signature = array(array, array, number, number, types.int64)
-    return cast(Callable[[Floats, Floats, float, float, int], Floats], numba.njit(signature, cache=True)(_along))
+    compiled = numba.njit(signature, cache=True, error_model="numpy")(_along)
+    return cast(Callable[[Floats, Floats, float, float, int], Floats], compiled)
 
 
 def _along(aim: Floats, frequency: Floats, damping: float, step: float, finer: int) -> Floats:
     out = np.empty_like(aim)
-    place, speed, pull = aim[0], 0.0, 0.0
+    place = aim[0].copy()
+    speed, pull = np.zeros_like(place), np.zeros_like(place)
     out[0] = place
-    for k in range(1, aim.size):
+    for k in range(1, aim.shape[0]):
         for part in range(1, finer + 1):
             share = part / finer
-            goal = aim[k - 1] + share * (aim[k] - aim[k - 1])
-            omega = frequency[k - 1] + share * (frequency[k] - frequency[k - 1])
-            coasted = place + step * speed + 0.25 * step * step * pull
-            drifted = speed + 0.5 * step * pull
-            after = omega * omega * (goal - coasted) - 2.0 * damping * omega * drifted
-            after /= 1.0 + damping * omega * step + 0.25 * (omega * step) ** 2
-            place = coasted + 0.25 * step * step * after
-            speed = drifted + 0.5 * step * after
-            pull = after
+            for i in range(place.size):
+                goal = aim[k - 1, i] + share * (aim[k, i] - aim[k - 1, i])
+                omega = frequency[k - 1, i] + share * (frequency[k, i] - frequency[k - 1, i])
+                coasted = place[i] + step * speed[i] + 0.25 * step * step * pull[i]
+                drifted = speed[i] + 0.5 * step * pull[i]
+                after = omega * omega * (goal - coasted) - 2.0 * damping * omega * drifted
+                after /= 1.0 + damping * omega * step + 0.25 * (omega * step) ** 2
+                place[i] = coasted + 0.25 * step * step * after
+                speed[i] = drifted + 0.5 * step * after
+                pull[i] = after
         out[k] = place
     return out

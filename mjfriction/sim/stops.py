@@ -36,7 +36,11 @@ def _along(pull: Floats, step: float, caught: int, finer: int) -> Floats:
     before = pull[0]
     for k in range(pull.size):
         slope = (pull[k] - before) / finer
-        for part in range(1 if k > 0 else finer, finer + 1):
+        first = 1 if k > 0 else finer
+        if speed == 0.0 and abs(place) == 1.0 and min(before * place, pull[k] * place) >= 0.0:
+            held -= finer + 1 - first
+            first = finer + 1  # it stays on its stop all the while
+        for part in range(first, finer + 1):
             held -= 1
             if held <= 0:
                 speed += (before + slope * part) * step

@@ -41,25 +41,27 @@ class Backlash(Play):
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
         """What the joint itself feels, without the position's filter: many plays, each for little."""
-        return felt_by_itself(gap, sites, self._behind, every)
+        return felt_by_itself(gap, sites[0].joint, self._behind(gap, sites), every)
 
-    def _behind(self, gap: Gap, site: Site) -> Floats:
-        # How far the link is behind per unit of play, (n,).
-        load = gap.known.effort.load[:, site.joint]
-        if site.around == 0.0:
+    def _behind(self, gap: Gap, sites: Sequence[Site]) -> Floats:
+        # How far the link is behind per unit of play, at many sites of a joint, (n, sites).
+        joint, plays = sites[0].joint, np.array([site.around for site in sites])
+        load = gap.known.effort.load[:, [joint]]
+        if not np.all(plays):
             return 0.5 * np.sign(load)  # no play to coast across: whether any would be felt
-        stiffness, damping, inertia = own_slopes(gap, site.joint)
-        following = load
+        stiffness, damping, inertia = (slope[:, None] for slope in own_slopes(gap, joint))
+        following = np.repeat(load, plays.size, axis=1)
         for _ in range(ROUNDS):
             # What a link would need to follow the motor from where it is.
-            behind = 0.5 * coasting(gap.motion, following, inertia, site.around)
-            moved = stiffness * behind + damping * gap.motion.differentiated(behind)
-            following = load - site.around * moved
+            pairs = zip(following.T, plays.tolist(), strict=True)
+            place = [coasting(gap.motion, own, inertia[:, 0], play) for own, play in pairs]
+            behind = 0.5 * np.column_stack(place)
+            following = load - plays * (stiffness * behind + damping * gap.motion.differentiated(behind))
         return behind
 
     def shift(self, gap: Gap, site: Site) -> list[Floats]:
         """Half the place of the link in its play, through the position's filter, and its derivatives."""
-        return smooth_derivatives(gap.motion, self._behind(gap, site))
+        return smooth_derivatives(gap.motion, self._behind(gap, [site])[:, 0])
 
     def around_sites(self, gap: Gap, site: Site) -> list[Site]:
         """To the neighbours on the grid."""

@@ -44,7 +44,8 @@ class CrossedPlay(Play):
         return [(0.5 * SHARES[0] * most, 2.0 * SHARES[-1] * most)]
 
     def _load(self, gap: Gap, joint: int) -> Floats:
-        return slow_load(gap.motion, gap.known.effort.load[:, joint])
+        key = f"slow load {joint}"
+        return gap.kept.recall(key, lambda: {joint: slow_load(gap.motion, gap.known.effort.load[:, joint])})[joint]
 
     def _most(self, gap: Gap, joint: int) -> float:
         return float(np.max(np.abs(self._load(gap, joint))))

@@ -114,21 +114,23 @@ class SwingingElasticity(_Elasticity):
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
         """What the joint itself feels, without the position's filter."""
-        return felt_by_itself(gap, sites, self._behind, every)
+        return felt_by_itself(gap, sites[0].joint, self._behind(gap, sites), every)
 
-    def _behind(self, gap: Gap, site: Site) -> Floats:
-        # How far the link is behind per unit of compliance, (n,).
-        load = self.load(gap, site.joint)
-        stiffness, damping, inertia = own_slopes(gap, site.joint)
+    def _behind(self, gap: Gap, sites: Sequence[Site]) -> Floats:
+        # How far the link is behind per unit of compliance, at many sites of a joint damped alike, (n, sites).
+        joint, (damped,) = sites[0].joint, sites[0].shape
+        compliances = np.array([site.around for site in sites])
+        load = self.load(gap, joint)[:, None]
+        stiffness, damping, inertia = (slope[:, None] for slope in own_slopes(gap, joint))
         following = load
         for _ in range(ROUNDS):
-            behind = swinging(gap.motion, following, inertia, site.around, site.shape[0])
+            behind = swinging(gap.motion, following, inertia, compliances, damped)
             following = load - stiffness * behind - damping * gap.motion.differentiated(behind)
-        return behind / site.around
+        return np.asarray(behind / compliances)
 
     def shift(self, gap: Gap, site: Site) -> list[Floats]:
         """Where the link is, through the position's filter, and its derivatives."""
-        return smooth_derivatives(gap.motion, self._behind(gap, site))
+        return smooth_derivatives(gap.motion, self._behind(gap, [site])[:, 0])
 
     def own_shape(self, gap: Gap, site: Site) -> bool:
         """What is damped as much as is tried does not swing: a blow, say, that a link gives its neighbours."""

@@ -49,8 +49,8 @@ class FrictionSpot(JointCause):
             low, stroke = float(np.min(position)), float(np.ptp(position))
             for share in WIDTHS:
                 width = share * stroke
-                centres = np.arange(low, low + stroke + 0.5 * width, width)
-                shaped = [site.shaped((float(centre), width)) for centre in centres]
+                centres = np.arange(low, low + stroke + 0.5 * width, width).tolist()
+                shaped = [Site(site.joint, (centre, width)) for centre in centres]
                 out += [own for own in shaped if self.own_shape(gap, own)]
         return out
 

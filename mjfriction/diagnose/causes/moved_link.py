@@ -5,7 +5,6 @@ has play.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -68,18 +67,14 @@ def own_slopes(gap: Gap, joint: int) -> tuple[Floats, ...]:
     return tuple(derivative[:, joint, joint] for derivative in gap.derivatives)
 
 
-def felt_by_itself(gap: Gap, sites: Sequence[Site], behind: Callable[[Gap, Site], Floats], every: int) -> Columns:
-    """Return what the joint itself feels of a link that is ``behind``, without the position's filter, of each
-    ``every``-th row: good enough to rank many sites.
+def felt_by_itself(gap: Gap, joint: int, behind: Floats, every: int) -> Columns:
+    """Return what the joint itself feels of its link being ``behind``, at many sites (n, sites), without the position's
+    filter, of each ``every``-th row: good enough to rank them.
     """
-    joint = sites[0].joint
-    torques = np.empty((gap.motion.time.size, len(sites), 1))
-    for k, site in enumerate(sites):
-        parts = [behind(gap, site)]
-        for _ in range(2):
-            parts.append(gap.motion.differentiated(parts[-1]))
-        torques[:, k, 0] = -sum(own * part for own, part in zip(own_slopes(gap, joint), parts, strict=True))
-    return {joint: gap.reported(joint, torques)[::every]}
+    stiffness, damping, inertia = (slope[:, None] for slope in own_slopes(gap, joint))
+    moving = gap.motion.differentiated(behind)
+    torques = -(stiffness * behind + damping * moving + inertia * gap.motion.differentiated(moving))
+    return {joint: gap.reported(joint, torques[:, :, None])[::every]}
 
 
 def changed(robot: Robot, site: Site, **changes: object) -> Robot:

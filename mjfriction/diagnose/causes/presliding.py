@@ -10,6 +10,7 @@ import numpy as np
 from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
 from mjfriction.identify.doubt import DOUBT_PERIODS, YIELDING
 from mjfriction.identify.gap import Gap
+from mjfriction.identify.regression import Columns
 from mjfriction.laws.ambient import ambient
 from mjfriction.laws.dahl import DAHL
 from mjfriction.laws.law import Law
@@ -84,12 +85,16 @@ class _Bristle(JointCause):
     def bristle(self, gap: Gap, site: Site) -> Floats:
         """Return z, the share of the level that has built up, −1 to 1, (n,)."""
         motion, joint = gap.motion, site.joint
-        packed = DAHL.pack(_dahl(1.0, site.shape[0]))
-        bristle = np.empty_like(motion.time)
-        for own in motion.pieces:
-            velocity = motion.velocity[own, joint]
-            bristle[own] = DAHL.follow(velocity, ambient(velocity.size), 1.0 / motion.rate, packed)[0]
-        return bristle
+
+        def made() -> Columns:
+            packed = DAHL.pack(_dahl(1.0, site.shape[0]))
+            bristle = np.empty_like(motion.time)
+            for own in motion.pieces:
+                velocity = motion.velocity[own, joint]
+                bristle[own] = DAHL.follow(velocity, ambient(velocity.size), 1.0 / motion.rate, packed)[0]
+            return {joint: bristle}
+
+        return gap.kept.recall(f"bristle {joint} {site.shape}", made)[joint]
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """Friction that builds up stands against the motion, and is no trace of what there is nor more than that."""

@@ -40,7 +40,7 @@ class _Waves(JointCause):
     def sites(self, gap: Gap) -> list[Site]:
         """Every moving joint, with wavenumbers as fine as its stroke can tell apart."""
         own = {site: wavenumbers(gap, site.joint, turns=self.turns) for site in super().sites(gap)}
-        return [site.shaped((float(k),)) for site, numbers in own.items() for k in numbers]
+        return [Site(site.joint, (k,)) for site, numbers in own.items() for k in numbers.tolist()]
 
     def chances(self, sites: Sequence[Site]) -> int:
         """As many as differ by a period over the stroke."""
