@@ -29,9 +29,9 @@ def base_changes(model: Model, widths: HalfWidths) -> BaseChanges:
     if inertias is None:
         return BaseChanges((), 0)
     normal = model.system.normal
-    gram = normal.gram.sum(axis=(0, 1))[place, place]
+    gram = normal.products.whole[0][place, place]
     # What is known beforehand draws links to what is stated, by as much as that is off: no noise shows it.
-    drawn = normal.white_covariance(np.zeros(normal.gram.shape[0]))
+    drawn = normal.white_covariance(np.zeros(normal.joints))
     covariance = (widths.covariance + drawn[: model.nuisance.count, : model.nuisance.count])[place, place]
     stated, fitted = (
         inertias.fitted(one, gram, covariance, widths.quantile)

@@ -146,7 +146,7 @@ def levels_off(model: Model) -> float:
 def _covariances(model: Model) -> dict[int, Floats]:
     # Of each joint's level and damping, (2, 2).
     nuisance, joints = model.nuisance, [level.site.joint for level in model.nuisance.levels]
-    covariance = model.system.normal.covariance(model.strengths, model.gap.blocks.group)
+    covariance = model.system.normal.covariance(model.gap.blocks.group)
     return {joint: covariance[nuisance.of_level(joint), nuisance.of_level(joint)] for joint in joints}
 
 

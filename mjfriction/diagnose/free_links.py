@@ -18,7 +18,8 @@ from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.unevenness import with_unevenness
 from mjfriction.diagnose.yielding import yielding
 from mjfriction.identify.gap import Gap
-from mjfriction.identify.regression import Normal, System
+from mjfriction.identify.normal import Normal
+from mjfriction.identify.regression import System
 from mjfriction.progress import Tell, silently
 from mjfriction.record.log import Floats
 
@@ -104,7 +105,7 @@ def _left(model: Model) -> Floats:
 
 def _freedoms(normal: Normal) -> float:
     # What is held near a value is less than a freedom: the trace of what turns rows into their fit.
-    gram = normal.gram.sum(axis=(0, 1))
+    gram, _ = normal.products.whole
     held = gram + np.diag(normal.precision) + CORRECTED * np.diag(np.diag(gram))
     held[np.diag_indices_from(held)] += np.where(np.diag(held) > 0.0, 0.0, 1.0)
     return float(np.trace(np.linalg.solve(held, gram)))

@@ -46,8 +46,7 @@ def half_widths(model: Model) -> HalfWidths:
         precisions = [*precisions, np.concatenate([precision, tangent_precision])]
         sizes.append(precision.size + tangent_precision.size)
     full = System(model.system.rows, columns, precisions).normal
-    fitted = full.strengths(np.ones(gap.blocks.count, dtype=bool))
-    covariance, quantile = full.covariance(fitted, gap.blocks.group), float(student.ppf(0.975, gap.blocks.groups - 1))
+    covariance, quantile = full.covariance(gap.blocks.group), float(student.ppf(0.975, gap.blocks.groups - 1))
     half = quantile * np.sqrt(np.maximum(np.diag(covariance), 0.0))
     ends = nuisance.count + np.cumsum([0, *sizes])
     for choice, end in zip(model.chosen, ends[1:], strict=True):

@@ -26,8 +26,8 @@ def fulfilled(model: Model) -> Model:
         blocks, without = model.gap.blocks, model.without(choice)
         whole = Chosen(choice.cause.fuller(), choice.site)
         plain, full = without.with_candidate(choice), without.with_candidate(whole)
-        strengths = full.strengths(np.ones(blocks.count, dtype=bool))
-        deviation = float(np.sqrt(full.covariance(strengths, blocks.group)[-1, -1]))
+        strengths = full.fitted
+        deviation = float(np.sqrt(full.covariance(blocks.group)[-1, -1]))
         sure = abs(strengths[-1]) > student.ppf(1.0 - 0.5 * KIN_CHANCE, blocks.groups - 1) * deviation
         errors = [float(np.sum(normal.heldout_errors(blocks.folds))) for normal in (plain, full)]
         count = len(whole.cause.quantities(model.gap, whole.site))

@@ -33,7 +33,7 @@ def links_far_off(model: Model) -> bool:
     blocks += [cause_block(gap, choice) for choice in others]
     columns, precisions = zip((links.columns, links.precision), *blocks, strict=True)
     system = System(rows, list(columns), list(precisions))
-    strengths = system.normal.strengths(np.ones(gap.blocks.count, dtype=bool))[: links.precision.size]
+    strengths = system.normal.fitted[: links.precision.size]
     changes = np.array([symmetric(own) for own in strengths.reshape(-1, PER_LINK)])
     turned = np.swapaxes(links.factor, 1, 2)
     stated, fitted = (links.factor @ own @ turned for own in (links.stated, links.stated + changes))

@@ -14,7 +14,8 @@ from mjfriction.diagnose.causes.cause import Cause, Site
 from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.link_inertias import nearest_physical
-from mjfriction.identify.regression import UNSEEN, Columns, Normal, Rows, System
+from mjfriction.identify.normal import Normal
+from mjfriction.identify.regression import UNSEEN, Columns, Rows, System
 from mjfriction.identify.row_noise import least_noise, row_noise
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_levels, stribeck_excess
@@ -68,7 +69,7 @@ class Model:
     @property
     def strengths(self) -> Floats:
         """The strengths fitted on everything: the nuisances', then the causes'."""
-        return self.system.normal.strengths(np.ones(self.gap.blocks.count, dtype=bool))
+        return self.system.normal.fitted
 
     @property
     def known_of_nuisance(self) -> Floats:
@@ -85,16 +86,15 @@ class Model:
         """The strengths as they can be built into the robot: where links were let go, the nearest of those that bodies
         can have, and what is fitted beside these.
         """
-        return self.built_from(np.ones(self.gap.blocks.count, dtype=bool))
+        return self.built_from()
 
-    def built_from(self, training: NDArray[np.bool_]) -> Floats:
+    def built_from(self, training: NDArray[np.bool_] | None = None) -> Floats:
         """Return the strengths fitted on the blocks marked in ``training`` (blocks,), as :attr:`built` are on all."""
         inertias, place, normal = self.nuisance.inertias, self.nuisance.of_inertias, self.system.normal
-        fitted = normal.strengths(training)
+        fitted = normal.fitted if training is None else normal.strengths(training)
         if inertias is None or inertias.physical(fitted[place]):
             return fitted
-        gram = normal.gram[:, training].sum(axis=(0, 1)) + np.diag(normal.precision)
-        return nearest_physical(gram, normal.moment[:, training].sum(axis=(0, 1)), place, inertias.stated)
+        return nearest_physical(*normal.equations(training), place, inertias.stated)
 
     @property
     def places(self) -> list[slice]:

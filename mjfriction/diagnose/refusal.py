@@ -119,8 +119,8 @@ def _torn(model: Model) -> list[Chosen]:
         delay, friction = float(strengths[0]), gap.known.effort.friction
         own = {joint: gap.reported(joint, late(gap, friction[:, joint], delay)[:, None]) for joint in joints}
         normal = model.system.extended(own, np.zeros(1))
-        strengths = normal.strengths(np.ones(gap.blocks.count, dtype=bool))
-        deviation = float(np.sqrt(normal.covariance(strengths, np.arange(gap.blocks.count))[-1, -1]))
+        strengths = normal.fitted
+        deviation = float(np.sqrt(normal.covariance(np.arange(gap.blocks.count))[-1, -1]))
         rest, beside = float(strengths[place][0]), float(strengths[-1])
         farther = rest * delay > APART * delay**2 and beside * delay > 0.0
         if abs(beside) > max(APART * abs(delay), SURELY_APART * deviation) and not farther:

@@ -8,7 +8,8 @@ import numpy as np
 from scipy.stats import f as fisher
 
 from mjfriction.diagnose.model import Chosen, Model, cause_block
-from mjfriction.identify.regression import Columns, Normal
+from mjfriction.identify.normal import Normal
+from mjfriction.identify.regression import Columns
 from mjfriction.record.log import Floats
 
 FALSE_ALARM = 0.01  # stated chance that a log without any cause yields one, from noise alone
@@ -93,23 +94,23 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
     gap = model.gap
     columns, precision = cause_block(gap, choice)
     normal = model.with_candidate(choice)
-    fitted = normal.strengths(np.ones(gap.blocks.count, dtype=bool))
+    fitted = normal.fitted
     strengths = fitted[-precision.size :]
     touched = list(columns)
     if not choice.cause.admissible(gap, choice.site, strengths):
         return None
     if not model.friction_is_physical(fitted, touched, choice):
         return None
-    before, after = model.heldout_errors[touched], normal.heldout_errors(gap.blocks.folds)[touched]
+    before, after = model.heldout_errors[touched], normal.heldout_errors(gap.blocks.folds, touched)
     gained = dict(zip(touched, (before - after).sum(axis=1).tolist(), strict=True))
     most = max(_feeling(columns), key=lambda joint: gained[joint])
     groups = gap.blocks.group if repeating else np.arange(gap.blocks.count)
-    covariances = [normal.covariance(fitted, groups)]
+    covariances = [normal.covariance(groups)]
     if int(groups[-1]) + 1 == gap.blocks.count:
         # Where few blocks carry most of the information the clustered covariance is too small; where noise is coloured
         # the one for white noise is.  The effect must stand out against both.  (Over repetitions there is no second:
         # white noise would count in what they leave alike.)
-        covariances.append(normal.white_covariance(_left_of_noise(model, normal, fitted)))
+        covariances.append(normal.white_covariance(_left_of_noise(model, normal)))
     own = slice(-precision.size, None)
     walds = [strengths @ np.linalg.pinv(covariance[own, own]) @ strengths for covariance in covariances]
     # What no motion shows, three of a payload's four numbers on a sliding axis, is no freedom.
@@ -192,11 +193,9 @@ def _feeling(columns: Columns) -> list[int]:
     return felt or list(columns)
 
 
-def _left_of_noise(model: Model, normal: Normal, fitted: Floats) -> Floats:
+def _left_of_noise(model: Model, normal: Normal) -> Floats:
     # Rows are weighed by what the model leaves without the candidate: what it explains is no noise, (joints,).
-    everything = np.ones(model.gap.blocks.count, dtype=bool)
-    without, beside = model.system.normal.errors(model.strengths, everything), normal.errors(fitted, everything)
-    without, beside = without.sum(axis=1), beside.sum(axis=1)
+    without, beside = model.system.normal.error(model.strengths), normal.error(normal.fitted)
     return np.asarray(np.divide(beside, without, out=np.ones_like(beside), where=without > 0.0))
 
 

@@ -87,13 +87,12 @@ def balance(
     """
     system = _system(gap, parts, friction, deviation)
     normal = system.normal
-    strengths = normal.strengths(np.ones(gap.blocks.count, dtype=bool))
+    strengths = normal.fitted
     ends = np.cumsum([0, *(part.precision.size for part in parts)]).tolist()
     for part, start in zip(parts, ends, strict=False):
         place = slice(start, start + part.precision.size)
         if isinstance(part, LinkInertias) and not part.physical(strengths[place]):
-            gram = normal.gram.sum(axis=(0, 1)) + np.diag(normal.precision)
-            strengths = nearest_physical(gram, normal.moment.sum(axis=(0, 1)), place, part.stated)
+            strengths = nearest_physical(*normal.equations(), place, part.stated)
     return Balance(tuple(parts), system, strengths, ends[-1])
 
 

@@ -60,9 +60,9 @@ def beside_of(system: System, joint: int, shared: int, strengths: Floats) -> Bes
     The first ``shared`` regressors of ``system`` are felt by many joints; the rest are friction, of one joint each.
     """
     normal = system.normal
-    others = np.arange(normal.gram.shape[0]) != joint
-    gram = normal.gram[others].sum(axis=(0, 1)) + np.diag(normal.precision)
-    moment = normal.moment[others].sum(axis=(0, 1)) - gram @ strengths
+    gram, moment = normal.products.of_joints([other for other in range(normal.joints) if other != joint])
+    gram += np.diag(normal.precision)
+    moment -= gram @ strengths
     friction = np.flatnonzero(np.diag(gram)[shared:] > 0.0) + shared
     known, told = gram[:shared, :shared], moment[:shared]
     if friction.size:

@@ -77,6 +77,6 @@ def choose_law(
 
 def _shows(fit: LawFit) -> bool:
     # A bristle far stiffer than what the motion shows is no bristle but a way to bend the blur of reversals.
-    deviation = np.sqrt(np.diag(fit.normal().white_covariance()))
+    deviation = np.sqrt(np.diag(fit.normal().known_to(1.0)))
     where = [k for k, name in enumerate(fit.coordinates.names) if name == "bristle_stiffness"]
     return all(deviation[k] < SURE_STIFFNESS for k in where)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 from scipy.stats import t as student
@@ -52,7 +51,7 @@ def conclude(
     """
     gap = gap_of(robot, stated)
     system = _taken_together(gap, joints, fits, background)
-    step = system.normal.strengths(np.ones(gap.blocks.count, dtype=bool))
+    step = system.normal.fitted
     covariance = _covariance(system, step, gap)
     quantile = float(student.ppf(0.975, gap.blocks.groups - 1))
     heldout = np.array(gap.residual)
@@ -91,7 +90,7 @@ def conclude(
         )
         laws.append(law)
         errors.append(joint_error(stated, joint, gap.residual, heldout))
-    gram = system.normal.gram.sum(axis=(0, 1))
+    gram, _ = system.normal.products.whole
     beside: list[Fitted] = []
     for part in background:
         own = slice(place, place + part.precision.size)
@@ -141,8 +140,8 @@ def _covariance(system: System, step: Floats, gap: Gap) -> Floats:
     normal, weight = system.normal, system.rows.weight
     left = (system.residual(step) * weight)[weight > 0.0]
     spread = max(float(np.sum(np.square(left))) / max(1, left.size - step.size), 1e-12)
-    clustered = normal.covariance(step, gap.blocks.group)
-    white = replace(normal, gram=normal.gram / spread).white_covariance()
+    clustered = normal.covariance(gap.blocks.group)
+    white = normal.known_to(spread)
     return np.asarray(clustered + np.diag(np.maximum(0.0, np.diag(white) - np.diag(clustered))))
 
 

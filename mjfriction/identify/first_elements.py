@@ -126,11 +126,11 @@ def _grown(
         after = further.normal.heldout_errors(problem.gap.blocks.folds)[0]
         better = held - after
         error = STANDARD_ERRORS * float(np.std(better, ddof=1)) * np.sqrt(better.size)
-        whole = further.normal.strengths(np.ones(better.size, dtype=bool))[-width * (len(chosen) + 1) :]
+        whole = further.normal.fitted[-width * (len(chosen) + 1) :]
         own = whole.reshape(-1, width)
         if np.sum(better) <= max(error, LEAST_GAIN * float(np.sum(held))) or not all(map(allowed, own)):
             break
         chosen, system, held = [*chosen, best], further, after
     count = width * len(chosen)
-    whole = system.normal.strengths(np.ones(held.size, dtype=bool))
+    whole = system.normal.fitted
     return chosen, whole[whole.size - count :].reshape(-1, width)

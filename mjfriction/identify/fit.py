@@ -11,8 +11,9 @@ from scipy.optimize import least_squares
 from mjfriction.identify.coordinates import Coordinates
 from mjfriction.identify.elements import Elements
 from mjfriction.identify.first_elements import first_elements, springs_of
+from mjfriction.identify.normal import Normal
 from mjfriction.identify.problem import Problem
-from mjfriction.identify.regression import Normal, Rows, System
+from mjfriction.identify.regression import Rows, System
 from mjfriction.identify.starts import DYNAMIC, GIVING_TRAVELS, LEFT_AS_DECLARED, starts
 from mjfriction.laws.catalog import find_law
 from mjfriction.laws.law import Law

@@ -16,8 +16,9 @@ HIGHEST = 0.4  # of the rate
 
 @functools.lru_cache(maxsize=64)
 def butterworth(order: int, band: float, rate: float) -> Floats:
-    """Return the sections (k, 6) of a Butterworth low-pass at ``band`` (Hz) for samples at a ``rate`` (Hz); they are kept,
-    and may not be written to.
+    """Return the sections (k, 6) of a Butterworth low-pass at ``band`` (Hz) for samples at a ``rate`` (Hz).
+
+    They are kept, and may not be written to.
     """
     return np.asarray(butter(order, band, fs=rate, output="sos"))
 

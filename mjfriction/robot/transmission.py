@@ -61,7 +61,7 @@ def swinging(
     """Return how far a link that swings on its transmission is behind the motor, (n,).
 
     compliance·(inertia·s̈ + damping·ṡ) + s = compliance·following, damped by a share of what is critical, pieces apart.
-    Of many compliances (k,), beside one another, all but motion and damping have shape (n, k) or one that spreads to it.
+    With many compliances (k,) beside one another, what else there is has shape (n, k), or one that spreads to it.
     """
     following, frequency = np.broadcast_arrays(following, natural_frequency(inertia, compliance))
     out = np.empty_like(following)

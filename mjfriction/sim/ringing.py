@@ -20,9 +20,8 @@ def ringing(aim: Floats, frequency: Floats, damping: float, step: float, finer: 
     Mech. 85, 1959: β = 1/4, γ = 1/2), aim and frequency being straight between what is given, every ``finer`` steps;
     they begin at rest at their aims.
     """
-    many = aim.reshape(aim.shape[0], -1), frequency.reshape(aim.shape[0], -1)
-    place = _compiled()(*map(np.ascontiguousarray, many), damping, step, finer)
-    return place.reshape(aim.shape)
+    aims, frequencies = (np.ascontiguousarray(own.reshape(own.shape[0], -1)) for own in (aim, frequency))
+    return _compiled()(aims, frequencies, damping, step, finer).reshape(aim.shape)
 
 
 @functools.cache

@@ -139,7 +139,7 @@ def held_by(model: Model) -> list[bool]:
     """Return which of the intervals of combinations that are told hold what the machine has."""
     robot, place, inertias = model.gap.robot, model.nuisance.of_inertias, model.nuisance.inertias
     assert inertias is not None
-    gram = model.system.normal.gram.sum(axis=(0, 1))[place, place]
+    gram = model.system.normal.products.whole[0][place, place]
     truth = replace(robot, table=robot.table.model_copy(update={"link_inertia": true_links()}))
     true = {one.name: one.value for one in inertias.fitted(truth, gram, np.zeros_like(gram), 0.0)}
     told = [fitted for _, fitted in base_changes(model, half_widths(model)).off]

@@ -65,7 +65,7 @@ def test_what_it_explains_is_no_noise_to_stand_out_from(tmp_path: Path, monkeypa
     assert told is not None
     assert told.passes(field)
     # As if every row were as uncertain as it is without the level.
-    monkeypatch.setattr(trial, "_left_of_noise", lambda model, normal, fitted: np.ones(normal.gram.shape[0]))
+    monkeypatch.setattr(trial, "_left_of_noise", lambda model, normal: np.ones(normal.joints))
     drowned = try_out(without, level)
     assert drowned is not None
     assert not drowned.passes(field)

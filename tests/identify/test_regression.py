@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from mjfriction.identify.normal import Products
 from mjfriction.identify.regression import Rows, System
 
 JOINTS, ROWS, BLOCKS = 2, 600, 20
@@ -34,15 +35,24 @@ def stacked(rows: Rows, columns: list[dict[int, np.ndarray]], kept: np.ndarray) 
     return np.vstack(left), np.concatenate(right)
 
 
+def assert_same(products: Products, expected: Products) -> None:
+    for own, other in zip(products.parts, expected.parts, strict=True):
+        for name in ("felt", "gram", "moment", "power"):
+            np.testing.assert_allclose(getattr(own, name), getattr(other, name), rtol=1e-12, atol=1e-12)
+    for own_sum, other_sum in zip(products.of_blocks, expected.of_blocks, strict=True):
+        np.testing.assert_allclose(own_sum, other_sum, rtol=1e-12, atol=1e-11)
+
+
 def test_strengths_errors_and_held_out_errors_are_those_of_the_rows() -> None:
     rows, columns, precisions = problem()
     system = System(rows, columns, precisions)
-    every = np.ones(BLOCKS, dtype=bool)
     a, y = stacked(rows, columns, np.ones(ROWS, dtype=bool))
     expected = np.linalg.lstsq(a, y, rcond=None)[0]
-    strengths = system.normal.strengths(every)
+    strengths = system.normal.fitted
     np.testing.assert_allclose(strengths, expected, rtol=1e-6)
-    assert system.normal.errors(strengths, every).sum() == pytest.approx(np.sum((y - a @ expected) ** 2), rel=1e-9)
+    assert system.normal.errors(strengths).sum() == pytest.approx(np.sum((y - a @ expected) ** 2), rel=1e-9)
+    assert system.normal.error(strengths).sum() == pytest.approx(np.sum((y - a @ expected) ** 2), rel=1e-9)
+    np.testing.assert_allclose(system.normal.strengths(np.ones(BLOCKS, dtype=bool)), strengths, rtol=1e-9)
     fold = np.arange(BLOCKS) % 4 == 1
     a, y = stacked(rows, columns, ~fold[rows.block])
     elsewhere = np.linalg.lstsq(a, y, rcond=None)[0]
@@ -57,9 +67,8 @@ def test_rows_that_count_otherwise_make_the_equations_that_they_would_have_made_
     weight[:, 1] *= np.linspace(0.5, 2.0, ROWS)
     anew = System(dataclasses.replace(rows, weight=weight), columns, precisions)
     found = System(rows, columns, precisions).reweighted(weight, [1])
-    for name in ("gram", "moment", "power"):
-        np.testing.assert_allclose(getattr(found.normal, name), getattr(anew.normal, name), rtol=1e-12, atol=1e-12)
-    strengths = found.normal.strengths(np.ones(BLOCKS, dtype=bool))
+    assert_same(found.normal.products, anew.normal.products)
+    strengths = found.normal.fitted
     np.testing.assert_allclose(found.residual(strengths), anew.residual(strengths), rtol=1e-9, atol=1e-12)
     candidate = {1: np.random.default_rng(9).normal(size=(ROWS, 1, 1))}
     np.testing.assert_allclose(found.screen(candidate)[1], anew.screen(candidate)[1], rtol=1e-9)
@@ -70,19 +79,17 @@ def test_screening_and_extending_agree_with_a_fit_of_everything() -> None:
     candidate = {1: np.random.default_rng(9).normal(size=(ROWS, 2))}
     system = System(rows, columns, precisions)
     full = System(rows, [*columns, candidate], [*precisions, np.zeros(2)]).normal
-    every = np.ones(BLOCKS, dtype=bool)
     many = np.stack([candidate[1], 2.0 * candidate[1]], axis=1)
     (strengths, doubled), (gain, same) = system.screen({1: many})
     np.testing.assert_allclose(2.0 * doubled, strengths, rtol=1e-6)
     assert same == pytest.approx(gain, rel=1e-6)
-    np.testing.assert_allclose(strengths, full.strengths(every)[-2:], rtol=1e-6)
-    before = system.normal.errors(system.normal.strengths(every), every).sum()
-    assert gain == pytest.approx(before - full.errors(full.strengths(every), every).sum(), rel=1e-6)
+    np.testing.assert_allclose(strengths, full.fitted[-2:], rtol=1e-6)
+    before = system.normal.error(system.normal.fitted).sum()
+    assert gain == pytest.approx(before - full.error(full.fitted).sum(), rel=1e-6)
     thinned, _ = system.screen({1: many[::3]}, every=3)
     np.testing.assert_allclose(thinned[0], strengths, atol=0.2)
     extended = system.extended(candidate, np.zeros(2))
-    np.testing.assert_allclose(extended.gram, full.gram)
-    np.testing.assert_allclose(extended.moment, full.moment)
+    assert_same(extended.products, full.products)
 
 
 def test_what_the_model_nearly_holds_is_screened_on_the_models_own_rows() -> None:
@@ -97,7 +104,7 @@ def test_what_the_model_nearly_holds_is_screened_on_the_models_own_rows() -> Non
     thin = Rows(rows.target[::3], rows.weight[::3], rows.block[::3])
     thinned = [{joint: values[::3] for joint, values in block.items()} for block in columns]
     alone = System(thin, [*thinned, {0: nearly[::3]}], [*precisions, np.zeros(1)]).normal
-    expected = alone.strengths(np.ones(BLOCKS, dtype=bool))[-1]
+    expected = alone.fitted[-1]
     np.testing.assert_allclose(strength, expected, rtol=1e-3)
     assert gain > 0.0
 
@@ -111,9 +118,8 @@ def test_a_column_the_model_holds_already_gains_nothing() -> None:
 
 def test_a_prior_pulls_towards_zero() -> None:
     rows, columns, _ = problem()
-    every = np.ones(BLOCKS, dtype=bool)
-    free = System(rows, columns, [np.zeros(2), np.zeros(1)]).normal.strengths(every)
-    held = System(rows, columns, [np.zeros(2), np.array([1e9])]).normal.strengths(every)
+    free = System(rows, columns, [np.zeros(2), np.zeros(1)]).normal.fitted
+    held = System(rows, columns, [np.zeros(2), np.array([1e9])]).normal.fitted
     assert abs(held[2]) < 1e-5 * abs(free[2])
 
 
@@ -131,8 +137,8 @@ def covered(coloured: float, draws: int = 400) -> float:
             noise[i] = coloured * noise[i - 1] + white[i]
         rows = Rows(course + noise[:, None], np.ones((1000, 1)), block)
         normal = System(rows, [{0: course}], [np.zeros(1)]).normal
-        strengths = normal.strengths(np.ones(40, dtype=bool))
-        deviation = np.sqrt(normal.covariance(strengths, np.arange(40))[0, 0])
+        strengths = normal.fitted
+        deviation = np.sqrt(normal.covariance(np.arange(40))[0, 0])
         hits += abs(strengths[0] - 1.0) < 2.02 * deviation
     return hits / draws
 
@@ -150,7 +156,6 @@ def test_what_repeats_alike_is_no_noise() -> None:
     misfit = np.tile(np.cos(np.arange(125) * 0.1), 8)[:, None]
     rows = Rows(course + misfit + 0.1 * rng.normal(size=(1000, 1)), np.ones((1000, 1)), block)
     normal = System(rows, [{0: course}], [np.zeros(1)]).normal
-    strengths = normal.strengths(np.ones(40, dtype=bool))
-    repeated = np.sqrt(normal.covariance(strengths, repetition)[0, 0])
+    repeated = np.sqrt(normal.covariance(repetition)[0, 0])
     assert repeated == pytest.approx(0.1 / np.sqrt(np.sum(course**2)), rel=0.6)
-    assert np.sqrt(normal.covariance(strengths, np.arange(40))[0, 0]) > 2.0 * repeated
+    assert np.sqrt(normal.covariance(np.arange(40))[0, 0]) > 2.0 * repeated
