@@ -26,7 +26,8 @@ def inverse_dynamics(body: Body, position: Floats, velocity: Floats, acceleratio
 def motion_derivatives(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> tuple[Floats, ...]:
     """Return how the links' torques change with position, velocity and acceleration, each (n, joints, joints).
 
-    Entry (t, i, k) is what moving joint k adds to the torque of joint i.  Rotors are left out.
+    Entry (t, i, k) is what moving joint k adds to the torque of joint i.  Rotors are left out.  In memory the course of
+    each entry is in one piece.
     """
     model, data = body.model, body.model.createData()
     q = configuration(body, position)
@@ -36,8 +37,9 @@ def motion_derivatives(body: Body, position: Floats, velocity: Floats, accelerat
         pin.computeRNEADerivatives(model, data, q[i], v[i], a[i])
         out[0, i], out[1, i], out[2, i] = data.dtau_dq, data.dtau_dv, data.M
     out[2] -= np.diag(np.array(model.armature))
-    order = list(body.columns)
-    return tuple(out[:, :, order][:, :, :, order])
+    order = np.array(body.columns)
+    courses = np.ascontiguousarray(np.moveaxis(out, 1, -1)[:, order[:, None], order])
+    return tuple(np.moveaxis(courses, -1, 1))
 
 
 def inertia_along(body: Body, position: Floats) -> Floats:

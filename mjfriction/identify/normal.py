@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
+from scipy.linalg import cholesky, solve_triangular
 
 from mjfriction.record.log import Floats, Integers
 
@@ -141,7 +141,7 @@ class Normal:
 
     def equations(self, training: NDArray[np.bool_] | None = None) -> tuple[Floats, Floats]:
         """Return what is to be solved, (p, p) and (p,): that of all joints on the blocks marked in ``training``
-        (blocks,), by default on all, with what is known beforehand.
+        (blocks,), by default on all, with what is known beforehand.  Of several such marks (k, blocks), as many.
         """
         if training is None:
             gram, moment = self.products.whole
@@ -151,7 +151,9 @@ class Normal:
         return gram + np.diag(self.precision), moment
 
     def strengths(self, training: NDArray[np.bool_]) -> Floats:
-        """Return the strengths (p,) fitted on the blocks marked in ``training`` (blocks,)."""
+        """Return the strengths (p,) fitted on the blocks marked in ``training`` (blocks,); of several such marks
+        (k, blocks), (k, p).
+        """
         return solved(*self.equations(training))
 
     def errors(self, strengths: Floats) -> Floats:
@@ -166,10 +168,10 @@ class Normal:
         """Return the squared error (joints, blocks) of some joints, by default of all, each block predicted by a fit
         that has not seen it; one that is in no fold by what is stated.
         """
-        strengths = np.zeros((self.products.parts[0].power.size, self.count))
-        for fold in folds:
-            strengths[fold] = self.strengths(~fold)
-        parts = self.products.parts
+        parts, left_out = self.products.parts, np.array(folds)
+        strengths = np.zeros((parts[0].power.size, self.count))
+        for fold, own in zip(folds, self.strengths(~left_out), strict=True):
+            strengths[fold] = own
         return np.stack([part.errors(strengths) for part in (parts if joints is None else [parts[i] for i in joints])])
 
     def covariance(self, groups: Integers) -> Floats:
@@ -200,7 +202,8 @@ class Normal:
         """Return the covariance (p, p) of strengths that rows with white noise of variance ``spread`` and what is known
         beforehand leave.
         """
-        return solved(self.products.whole[0] / spread + np.diag(self.precision), np.eye(self.count))
+        scaled, scale = _scaled(self.products.whole[0] / spread + np.diag(self.precision))
+        return np.asarray(scale[:, None] * np.linalg.inv(scaled) * scale)
 
     @functools.cached_property
     def _inverse(self) -> Floats:
@@ -231,11 +234,11 @@ class Normal:
 def _scaled(gram: Floats) -> tuple[Floats, Floats]:
     # Columns differ in unit; scaling to unit diagonal makes the relative floor on it mean the same for all.
     # A regressor without any data (a joint that never moves) gets no strength.
-    diagonal = np.diag(gram)
+    diagonal = np.diagonal(gram, axis1=-2, axis2=-1)
     alive = diagonal > 1e-200
     scale = np.where(alive, 1.0 / np.sqrt(np.where(alive, diagonal, 1.0)), 0.0)
-    scaled = gram * scale[:, None] * scale[None, :]
-    scaled[np.diag_indices_from(scaled)] += np.where(alive, 1e-10, 1.0)
+    scaled = gram * scale[..., :, None] * scale[..., None, :]
+    np.einsum("...ii->...i", scaled)[...] += np.where(alive, 1e-10, 1.0)
     return scaled, scale
 
 
@@ -246,9 +249,6 @@ def whitening(gram: Floats) -> Floats:
 
 
 def solved(gram: Floats, right: Floats) -> Floats:
-    """Return gram⁻¹·right, (p,) or (p, k); a regressor of which nothing is known has no strength."""
+    """Return gram⁻¹·right, (p,), or (k, p) of k such (p, p); a regressor of which nothing is known has no strength."""
     scaled, scale = _scaled(gram)
-    factor = cho_factor(scaled)
-    if right.ndim == 1:
-        return np.asarray(scale * cho_solve(factor, scale * right))
-    return np.asarray(scale[:, None] * cho_solve(factor, scale[:, None] * right))
+    return np.asarray(scale * np.linalg.solve(scaled, (scale * right)[..., None])[..., 0])

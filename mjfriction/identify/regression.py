@@ -81,7 +81,7 @@ class System:
     def reweighted(self, weight: Floats, joints: Iterable[int]) -> System:
         """Return the system with the rows of some ``joints`` counted by another ``weight`` (rows, joints)."""
         out = copy(self)
-        out.__dict__.pop("_kept", None)
+        out._forget()
         whole = self.rows.weight.copy()
         out.base, out.target = list(self.base), self.target.copy()
         parts = list(self.normal.products.parts)
@@ -100,8 +100,13 @@ class System:
         """Return the system with some strengths kept within their reach, as those of its equations are."""
         kept = copy(self)
         kept.normal = self.normal.kept_within(place, reach)
-        kept.__dict__.pop("_kept", None)  # what was screened by is of the equations as they were
+        kept._forget()
         return kept
+
+    def _forget(self) -> None:
+        # What is screened by is of the equations as they were.
+        for name in ("_kept", "_kept_of_joints"):
+            self.__dict__.pop(name, None)
 
     def residual(self, strengths: Floats) -> Floats:
         """Return what given strengths leave of the target, unweighted, (rows, joints); 0 where nothing is measured."""
@@ -124,15 +129,13 @@ class System:
         moment = np.zeros((number, count))
         for joint, columns in block.items():
             # Weights go with the model's few columns, or with the products, rather than with those of all candidates.
-            weight = np.sqrt(every) * self.rows.weight[::every, joint]
-            told = np.column_stack([self.base[joint][::every], self.target[::every, joint]])
-            flat = columns.reshape(columns.shape[0], -1)
-            crossed = (np.sqrt(every) * weight[:, None] * told).T @ flat
+            told, counts = self._told(joint, every)
+            crossed = told @ columns.reshape(columns.shape[0], -1)
             cross[self.felt[joint]] += crossed[:-1]
             moment += crossed[-1].reshape(number, count)
             for i in range(count):
                 for k in range(i + 1):
-                    own[:, i, k] += np.square(weight) @ (columns[:, :, i] * columns[:, :, k])
+                    own[:, i, k] += counts @ (columns[:, :, i] * columns[:, :, k])
         for i in range(count):
             own[:, :i, i] = own[:, i, :i]
         whitened, fitted = self._thinned(every)
@@ -162,6 +165,19 @@ class System:
                 moment[felt] += every * thin.T @ self.target[::every, joint]
             self._kept[every] = whitening(gram), solved(gram, moment)
         return self._kept[every]
+
+    def _told(self, joint: int, every: int) -> tuple[Floats, Floats]:
+        # What a joint feels, and its target, (felt + 1, rows/every), and how much its rows count, weighted anew as the
+        # columns are that they are held against.
+        if (joint, every) not in self._kept_of_joints:
+            weight = self.rows.weight[::every, joint]
+            told = np.column_stack([self.base[joint][::every], self.target[::every, joint]])
+            self._kept_of_joints[joint, every] = np.asarray((every * weight[:, None] * told).T), every * weight**2
+        return self._kept_of_joints[joint, every]
+
+    @functools.cached_property
+    def _kept_of_joints(self) -> dict[tuple[int, int], tuple[Floats, Floats]]:
+        return {}
 
     @functools.cached_property
     def _kept(self) -> dict[int, tuple[Floats, Floats]]:

@@ -56,10 +56,10 @@ class MovedLink(Cause):
         return FELT * float(np.sqrt(np.mean(np.square(np.nan_to_num(gap.measured)))))
 
     def _torques(self, gap: Gap, site: Site) -> Floats:
-        out = np.zeros((gap.motion.time.size, len(gap.robot.joints)))
+        out = np.zeros((len(gap.robot.joints), gap.motion.time.size))
         for derivative, part in zip(gap.derivatives, self.shift(gap, site), strict=True):
-            out -= derivative[:, :, site.joint] * part[:, None]
-        return out
+            out -= derivative[:, :, site.joint].T * part
+        return out.T
 
 
 def own_slopes(gap: Gap, joint: int) -> tuple[Floats, ...]:
