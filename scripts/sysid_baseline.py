@@ -122,7 +122,7 @@ def stretches(gap: Gap, model: mujoco.MjModel, every: int, seconds: float = STRE
     A step of the model takes ``every`` samples of the log.
     """
     motion, step = gap.motion, model.opt.timestep
-    longest = min(np.ptp(np.flatnonzero(own)) for own in motion.pieces) / motion.rate - 1.0
+    longest = min(own.stop - 1 - own.start for own in motion.pieces) / motion.rate - 1.0
     steps = round(min(seconds, longest) / step)
     effort = np.nan_to_num(motion.torque * gap.per_reported)
     summed = np.vstack([np.zeros(effort.shape[1]), np.cumsum(0.5 * (effort[1:] + effort[:-1]), axis=0)])
@@ -133,8 +133,7 @@ def stretches(gap: Gap, model: mujoco.MjModel, every: int, seconds: float = STRE
     times = step * np.arange(steps + 1)
     out = []
     for own in motion.pieces:
-        rows = np.flatnonzero(own)
-        for start in range(rows[0] + round(0.5 * motion.rate), rows[-1] - steps * every, steps * every):
+        for start in range(own.start + round(0.5 * motion.rate), own.stop - 1 - steps * every, steps * every):
             at = start + every * np.arange(steps + 1)
             control = np.zeros((steps + 1, model.nu))  # the toolbox never applies the last row
             control[:-1, drives] = (summed[at[1:]] - summed[at[:-1]]) / every

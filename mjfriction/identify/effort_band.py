@@ -47,9 +47,10 @@ def _sure_course(motion: Motion, joint: int, slow: float) -> Floats:
     # joint at rest holds what its drive gives, that may go over slowly, whichever way the sensor's noise points.
     velocity, out = motion.velocity[:, joint], np.zeros(motion.time.size)
     for own in motion.pieces:
-        sure = own & (np.abs(velocity) > slow)
+        time, speed = motion.time[own], velocity[own]
+        sure = np.abs(speed) > slow
         if np.any(sure):
-            out[own] = np.interp(motion.time[own], motion.time[sure], np.sign(velocity[sure]))
+            out[own] = np.interp(time, time[sure], np.sign(speed[sure]))
     return out
 
 

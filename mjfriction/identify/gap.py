@@ -278,7 +278,7 @@ def thinned(gap: Gap) -> Gap:
 
 def thinning(motion: Motion) -> int:
     """Return of how many samples one is enough."""
-    shortest = min(int(np.count_nonzero(own)) for own in motion.pieces)
+    shortest = int(min(own.stop - own.start for own in motion.pieces))
     return max(1, min(int(motion.rate / (ENOUGH_PER_PERIOD * motion.cutoff)), shortest // SHORTEST_PIECE))
 
 

@@ -99,16 +99,15 @@ def _course(pull: Floats, motion: Motion, flights: list[tuple[int, int]]) -> Flo
     # the other stop it went there slowly, with no blow to tell when.
     course = np.zeros_like(pull)
     for own in motion.pieces:
-        rows = np.flatnonzero(own)
-        inside = [flight for flight in flights if rows[0] <= flight[0] <= rows[-1]]
-        rested, stands = int(rows[0]), 0.0
+        inside = [flight for flight in flights if own.start <= flight[0] < own.stop]
+        rested, stands = own.start, 0.0
         for begun, landed in inside:
             flown = _flight(pull, begun, landed, motion.rate)
             side = np.sign(flown[-1])
             course[rested:begun] = _slowly(stands or -side, -side, begun - rested)
             course[begun : landed + 1] = side * (2.0 * flown / flown[-1] - 1.0)
             rested, stands = landed + 1, side
-        course[rested : rows[-1] + 1] = stands
+        course[rested : own.stop] = stands
     return course
 
 

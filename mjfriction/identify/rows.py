@@ -7,6 +7,7 @@ are, so that a sign change blurs alike in data and model, and thinned white nois
 
 from __future__ import annotations
 
+import functools
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -75,10 +76,13 @@ class Chain:
 
     def response(self, frequency: Floats) -> Floats:
         """Return how much of an oscillation of given frequency (Hz, any shape) passes."""
-        grid = np.linspace(0.0, 0.5, 512)
-        half = (self.taps.size - 1) // 2
-        gain = np.cos(2.0 * np.pi * np.outer(grid, np.arange(-half, half + 1))) @ self.taps
-        return np.asarray(np.interp(np.abs(frequency) / self.rate, grid, gain))
+        return np.asarray(np.interp(np.abs(frequency) / self.rate, *self._gains))
+
+    @functools.cached_property
+    def _gains(self) -> tuple[Floats, Floats]:
+        # What passes at frequencies, relative to the rate.
+        grid, half = np.linspace(0.0, 0.5, 512), (self.taps.size - 1) // 2
+        return grid, np.cos(2.0 * np.pi * np.outer(grid, np.arange(-half, half + 1))) @ self.taps
 
     def touched(self, mask: NDArray[np.bool_]) -> Floats:
         """Return how much of each row's window a mask (n,) covers, from 0 to 1."""

@@ -4,7 +4,6 @@ compared with where they went.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -89,8 +88,7 @@ def cut_stretches(gap: Gap, robot: Robot, seconds: float) -> Stretches:
     if not seconds >= SHORTEST:
         raise RobotError(f"{seconds} s are no stretch to simulate; give {SHORTEST} s or more, or inf for the whole log")
     motion = gap.motion
-    bounds = np.flatnonzero(np.diff(motion.piece)) + 1
-    pieces = list(itertools.pairwise([0, *bounds.tolist(), motion.time.size]))
+    pieces = [(own.start, own.stop) for own in motion.pieces]
     longest = max(past - first for first, past in pieces)
     length = max(1, round(min(seconds * motion.rate, longest - 1)))
     whole = sum((past - first) // length for first, past in pieces)

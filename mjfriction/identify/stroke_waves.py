@@ -12,6 +12,7 @@ FEWEST_TURNING = 0.5  # of waves that turn with the direction of motion: longer 
 STEPS_PER_LOBE = 2.0  # of the grid of wavenumbers; two waves over one stroke differ when they drift apart by one period
 MOST_WAVENUMBERS = 400
 IN_BAND = 0.8  # of the band that the waves may reach while the joint is slow
+FREQUENCIES = 4096  # up to the rate, that what the chain lets through is told at
 SLOW = 0.25  # of the time in motion
 
 
@@ -45,9 +46,13 @@ def waves_at_rows(gap: Gap, joint: int, wavenumber: Floats, every: int, *, turns
 
     With ``turns`` they turn with the direction of motion.
     """
-    # Seven digits are enough to rank by, and half a dozen times as quick.
+    # Seven digits are enough to rank by, and half a dozen times as quick; so is what passes at the nearest of many
+    # frequencies.
     phase = np.outer(gap.at_rows("position")[::every, joint], wavenumber).astype(np.float32)
-    passed = gap.chain.response(np.outer(gap.at_rows("velocity")[::every, joint], wavenumber / (2.0 * np.pi)))
+    speed = np.abs(gap.at_rows("velocity")[::every, joint])
+    apart = gap.chain.rate / FREQUENCIES
+    nearest = (np.outer(speed, wavenumber / (2.0 * np.pi * apart)) + 0.5).astype(np.int32)
+    passed = gap.chain.response(np.arange(0.0, FREQUENCIES // 2) * apart).take(nearest, mode="clip")
     if turns:
         passed = passed * gap.at_rows("forward")[::every, [joint]]
     out = np.empty((*phase.shape, 2))

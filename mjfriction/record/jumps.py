@@ -117,9 +117,8 @@ def _steps(position: Floats, motion: Motion, width: float) -> tuple[Integers, Fl
     weights, reach = step / (step @ step), int(samples[-1])
     size = np.zeros_like(position)
     for own in motion.pieces:
-        if np.count_nonzero(own) > samples.size:
-            inner = np.flatnonzero(own)[reach:-reach]
-            size[inner] = np.convolve(position[own], weights[::-1], mode="valid")
+        if own.stop - own.start > samples.size:
+            size[own.start + reach : own.stop - reach] = np.convolve(position[own], weights[::-1], mode="valid")
     height = np.abs(size)
     usual = NORMAL * np.median(height[height > 0.0]) if np.any(height) else 0.0
     at = np.flatnonzero((height == maximum_filter1d(height, samples.size)) & (height > PLAIN * usual))
@@ -147,15 +146,15 @@ def _measured(position: Floats, motion: Motion, turns: int, width: float, at: In
     nearest = np.argmin(play * weight - 2.0 * along, axis=1)
     course, taken = np.zeros_like(position), []
     for own in motion.pieces:
-        rows = np.flatnonzero(own)
-        inside = np.flatnonzero(alike & (at >= rows[0]) & (at <= rows[-1]))
+        rows = np.arange(own.start, own.stop)
+        inside = np.flatnonzero(alike & (at >= own.start) & (at < own.stop))
         if inside.size:
-            course[rows] = -way[inside[0]]
+            course[own] = -way[inside[0]]
         stands = 0.0
         for k in inside:
             if way[k] != stands:  # two to one side: between them one was missed, and the sensor stands where it stood
                 late, wide = edges.late[nearest[k]], edges.width[nearest[k]]
-                course[rows] += 2.0 * way[k] * (_edge(rows - at[k], late, wide) + 0.5)
+                course[own] += 2.0 * way[k] * (_edge(rows - at[k], late, wide) + 0.5)
                 stands = way[k]
                 taken.append(k)
     spread = float(np.std(size[alike], ddof=1) / np.sqrt(np.sum(alike)))

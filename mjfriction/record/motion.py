@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -67,9 +68,10 @@ class Motion:
     jump_free: frozenset[int] = frozenset()
 
     @functools.cached_property
-    def pieces(self) -> tuple[NDArray[np.bool_], ...]:
-        """Which samples belong to each piece, (n,) each."""
-        return tuple(self.piece == piece for piece in np.unique(self.piece))
+    def pieces(self) -> tuple[slice, ...]:
+        """The samples of each piece, which are next to one another."""
+        bounds = [0, *(np.flatnonzero(np.diff(self.piece)) + 1).tolist(), self.piece.size]
+        return tuple(slice(first, past) for first, past in itertools.pairwise(bounds))
 
     @property
     def travel_noise(self) -> Floats:
@@ -150,7 +152,10 @@ class Motion:
         """Return the derivative of values (n, …) along the motion, each piece by central differences."""
         out = np.empty_like(values)
         for own in self.pieces:
-            out[own] = np.gradient(values[own], axis=0) * self.rate
+            course, rate = values[own], out[own]
+            np.subtract(course[2:], course[:-2], out=rate[1:-1])
+            rate[1:-1] *= 0.5 * self.rate
+            rate[0], rate[-1] = (course[1] - course[0]) * self.rate, (course[-1] - course[-2]) * self.rate
         return out
 
     def low_passed(self, values: Floats, band: float) -> Floats:

@@ -269,10 +269,9 @@ def delayed(effort: Floats, motion: Motion, delay: float) -> Floats:
     whole, between = divmod(delay * motion.rate, 1.0)
     out = np.empty_like(effort)
     for own in motion.pieces:
-        first, last = np.flatnonzero(own)[[0, -1]].tolist()
-        course = effort[first : last + 1]
+        course = effort[own]
         later_still = _moved(course, int(whole) + 1) if between else course
-        out[first : last + 1] = (1.0 - between) * _moved(course, int(whole)) + between * later_still
+        out[own] = (1.0 - between) * _moved(course, int(whole)) + between * later_still
     return out
 
 
