@@ -77,7 +77,11 @@ def beside_of(system: System, joint: int, shared: int, strengths: Floats) -> Bes
     covariance = (turned / np.maximum(power, LEAST * power.max(initial=0.0))) @ turned.T
     # What this joint does not feel is as the others say.
     of_many = system.felt[joint] < shared
-    felt, base, weight = system.felt[joint][of_many], system.base[joint][:, of_many], system.rows.weight[:, [joint]]
+    felt, base, weight = (
+        system.felt[joint][of_many],
+        system.told[joint][:, :-1][:, of_many],
+        system.rows.weight[:, [joint]],
+    )
     columns = np.divide(base, weight, out=np.zeros_like(base), where=weight > 0.0)
     own = covariance[np.ix_(felt, felt)]
     size = np.sqrt(np.diag(own))

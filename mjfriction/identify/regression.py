@@ -7,13 +7,13 @@ told from these and its own.
 from __future__ import annotations
 
 import functools
+import itertools
 from collections.abc import Iterable, Mapping
 from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mjfriction.identify.block_products import block_products
 from mjfriction.identify.normal import Normal, Part, Products, solved, whitening
 from mjfriction.record.log import Floats, Integers
 
@@ -46,18 +46,23 @@ class Rows:
         return int(self.block[-1]) + 1
 
     @functools.cached_property
-    def _starts(self) -> Integers:
-        return np.searchsorted(self.block, np.arange(self.blocks + 1))
+    def _of_block(self) -> list[slice]:
+        bounds = np.searchsorted(self.block, np.arange(self.blocks + 1)).tolist()
+        return [slice(first, past) for first, past in itertools.pairwise(bounds)]
 
     def products(self, left: Floats, right: Floats) -> Floats:
         """Return leftᵀ·right summed within blocks: (rows, a), (rows, b) → (blocks, a, b)."""
-        return block_products(left, right, self._starts)
+        out = np.empty((self.blocks, left.shape[1], right.shape[1]))
+        for own, rows in zip(out, self._of_block, strict=True):
+            np.dot(left[rows].T, right[rows], out=own)
+        return out
 
 
 class System:
     """Rows with the regressors that are in the model so far; further ones can be tried against it.
 
-    ``felt`` holds, for each joint, which of all regressors it feels, and ``base`` these, weighted, (rows, felt).
+    ``felt`` holds, for each joint, which of all regressors it feels, and ``told`` these and the target behind them,
+    weighted, (rows, felt + 1).
     """
 
     def __init__(self, rows: Rows, columns: list[Columns], precisions: list[Floats]) -> None:
@@ -68,29 +73,29 @@ class System:
         # A joint feels few of all regressors: only those that it does are kept, weighted.
         felt = [_joint_columns(rows, columns, precisions, joint) for joint in range(rows.joints)]
         self.felt = [place for place, _ in felt]
-        self.base = [own * rows.weight[:, [joint]] for joint, (_, own) in enumerate(felt)]
-        self.target = rows.target * rows.weight
+        self.told = [
+            np.column_stack([own, rows.target[:, joint]]) * rows.weight[:, [joint]]
+            for joint, (_, own) in enumerate(felt)
+        ]
         parts = tuple(self._part_of(joint) for joint in range(rows.joints))
         self.normal = Normal(Products(parts, self.count), precision)
 
     def _part_of(self, joint: int) -> Part:
-        base, target, products = self.base[joint], self.target[:, [joint]], self.rows.products
-        moment, power = products(base, target)[:, :, 0], products(target, target)[:, 0, 0]
-        return Part(self.felt[joint], products(base, base), moment, power)
+        whole = self.rows.products(self.told[joint], self.told[joint])
+        return Part(self.felt[joint], whole[:, :-1, :-1], whole[:, :-1, -1], whole[:, -1, -1])
 
     def reweighted(self, weight: Floats, joints: Iterable[int]) -> System:
         """Return the system with the rows of some ``joints`` counted by another ``weight`` (rows, joints)."""
         out = copy(self)
         out._forget()
         whole = self.rows.weight.copy()
-        out.base, out.target = list(self.base), self.target.copy()
+        out.told = list(self.told)
         parts = list(self.normal.products.parts)
         for joint in joints:
             before = self.rows.weight[:, joint]
             change = np.divide(weight[:, joint], before, out=np.zeros_like(before), where=before > 0.0)
             whole[:, joint] = weight[:, joint]
-            out.base[joint] = self.base[joint] * change[:, None]
-            out.target[:, joint] = self.rows.target[:, joint] * weight[:, joint]
+            out.told[joint] = self.told[joint] * change[:, None]
             parts[joint] = out._part_of(joint)
         out.rows = replace(self.rows, weight=whole)
         out.normal = Normal(Products(tuple(parts), self.count), self.normal.precision)
@@ -110,8 +115,8 @@ class System:
 
     def residual(self, strengths: Floats) -> Floats:
         """Return what given strengths leave of the target, unweighted, (rows, joints); 0 where nothing is measured."""
-        pairs = zip(self.base, self.felt, strict=True)
-        left = np.column_stack([self.target[:, j] - base @ strengths[felt] for j, (base, felt) in enumerate(pairs)])
+        pairs = zip(self.told, self.felt, strict=True)
+        left = np.column_stack([told[:, -1] - told[:, :-1] @ strengths[felt] for told, felt in pairs])
         weight = self.rows.weight
         return np.divide(left, weight, out=np.zeros_like(left), where=weight > 0.0)
 
@@ -129,7 +134,7 @@ class System:
         moment = np.zeros((number, count))
         for joint, columns in block.items():
             # Weights go with the model's few columns, or with the products, rather than with those of all candidates.
-            told, counts = self._told(joint, every)
+            told, counts = self._screened_by(joint, every)
             crossed = told @ columns.reshape(columns.shape[0], -1)
             cross[self.felt[joint]] += crossed[:-1]
             moment += crossed[-1].reshape(number, count)
@@ -159,20 +164,21 @@ class System:
         # others, what it nearly holds would be lost in a difference, and what it leaves would look like more.
         if every not in self._kept:
             gram, moment = np.diag(self.normal.precision), np.zeros(self.normal.count)
-            for joint, (base, felt) in enumerate(zip(self.base, self.felt, strict=True)):
-                thin = base[::every]
-                gram[np.ix_(felt, felt)] += every * thin.T @ thin
-                moment[felt] += every * thin.T @ self.target[::every, joint]
+            for told, felt in zip(self.told, self.felt, strict=True):
+                thin = told[::every]
+                whole = every * thin.T @ thin
+                gram[np.ix_(felt, felt)] += whole[:-1, :-1]
+                moment[felt] += whole[:-1, -1]
             self._kept[every] = whitening(gram), solved(gram, moment)
         return self._kept[every]
 
-    def _told(self, joint: int, every: int) -> tuple[Floats, Floats]:
-        # What a joint feels, and its target, (felt + 1, rows/every), and how much its rows count, weighted anew as the
-        # columns are that they are held against.
+    def _screened_by(self, joint: int, every: int) -> tuple[Floats, Floats]:
+        # What a joint is told, (felt + 1, rows/every), weighted once more for the columns that are held against it, and
+        # how much its rows count.
         if (joint, every) not in self._kept_of_joints:
             weight = self.rows.weight[::every, joint]
-            told = np.column_stack([self.base[joint][::every], self.target[::every, joint]])
-            self._kept_of_joints[joint, every] = np.asarray((every * weight[:, None] * told).T), every * weight**2
+            told = every * weight[:, None] * self.told[joint][::every]
+            self._kept_of_joints[joint, every] = np.asarray(told.T), every * weight**2
         return self._kept_of_joints[joint, every]
 
     @functools.cached_property
@@ -187,11 +193,12 @@ class System:
         """Return the normal equations with a candidate's columns added at the end."""
         more, new = {}, self.count + np.arange(precision.size)
         for joint, columns in candidate.items():
-            part, of_blocks = self.normal.products.parts[joint], self.rows.products
-            weighted = columns * self.rows.weight[:, [joint]]
-            cross = of_blocks(self.base[joint], weighted)
-            gram = np.block([[part.gram, cross], [np.swapaxes(cross, 1, 2), of_blocks(weighted, weighted)]])
-            moment = np.hstack([part.moment, of_blocks(weighted, self.target[:, [joint]])[:, :, 0]])
+            part, weighted = self.normal.products.parts[joint], columns * self.rows.weight[:, [joint]]
+            own = self.rows.products(np.hstack([self.told[joint], weighted]), weighted)
+            felt = part.felt.size
+            cross = own[:, :felt]
+            gram = np.block([[part.gram, cross], [np.swapaxes(cross, 1, 2), own[:, felt + 1 :]]])
+            moment = np.hstack([part.moment, own[:, felt]])
             more[joint] = Part(np.append(part.felt, new), gram, moment, part.power)
         products = self.normal.products.extended(more, precision.size)
         return Normal(products, np.append(self.normal.precision, precision))

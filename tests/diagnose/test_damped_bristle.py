@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from mjfriction.diagnose import diagnosis
-from mjfriction.diagnose.causes.presliding import DampedPresliding
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.presliding import SLIPS, DampedPresliding, Presliding, SlippingElements
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
@@ -37,6 +38,17 @@ def test_stiffness_and_damping_are_told_apart(tmp_path: Path) -> None:
     assert told["presliding_travel"] == pytest.approx(TRAVEL, rel=0.05)
     assert told["bristle_damping"] == pytest.approx(DAMPING, rel=0.05)
     assert "lugre" in told
+
+
+@pytest.mark.parametrize("cause", [Presliding(), DampedPresliding(), SlippingElements()])
+def test_where_no_level_is_stated_none_builds_up(cause: Presliding | DampedPresliding | SlippingElements) -> None:
+    # A robot that states no friction has its levels refitted along; they are not built in yet when what bends is drawn.
+    read = read_robot("linear_axis")
+    stated = read.with_stated_friction(read.body())
+    bare = stated.with_joint(stated.table.joint[0].model_copy(update={"friction": ()}))
+    strengths = np.full(len(SLIPS), 2.0)
+    assert cause.extend(bare, Site(0, (0.01,)), strengths) == bare
+    assert cause.extend(stated, Site(0, (0.01,)), strengths) != stated
 
 
 @pytest.mark.bench

@@ -70,8 +70,8 @@ def test_no_run_is_on_motion_that_its_robots_strengths_were_fitted_to(monkeypatc
     driven: list[Floats] = []
     whole, at = Model.built_from, free_run.stretches_at
 
-    def spied(model: Model, training: NDArray[np.bool_]) -> Floats:
-        fitted.append(training)
+    def spied(model: Model, training: NDArray[np.bool_] | None = None) -> Floats:
+        fitted.extend([] if training is None else [training])
         return whole(model, training)
 
     def watched(gap: Gap, robot: Robot, cuts: Cuts) -> Stretches:
@@ -81,10 +81,9 @@ def test_no_run_is_on_motion_that_its_robots_strengths_were_fitted_to(monkeypatc
     monkeypatch.setattr(Model, "built_from", spied)
     monkeypatch.setattr(free_run, "stretches_at", watched)
     gap = diagnose_log(log_of(case), case.stated).gap
-    folds = [training for training in fitted if not np.all(training)]
     _, *runs = driven  # the stated robot's first
-    assert len(folds) == len(runs) == len(gap.blocks.folds)
-    for training, begins in zip(folds, runs, strict=True):
+    assert len(fitted) == len(runs) == len(gap.blocks.folds)
+    for training, begins in zip(fitted, runs, strict=True):
         block = gap.blocks.row[np.searchsorted(gap.chain.time, begins)]
         assert not np.any(training[block])
     assert sum(begins.size for begins in runs) == driven[0].size
@@ -106,9 +105,9 @@ def test_a_cause_that_is_none_without_a_part_of_the_log_is_told_of_and_not_drive
     case = make_case(7, SETTING, (draw_of("friction.load"),), 6.0)
     whole = Model.built_from
 
-    def turned(model: Model, training: NDArray[np.bool_]) -> Floats:
+    def turned(model: Model, training: NDArray[np.bool_] | None = None) -> Floats:
         strengths = whole(model, training)
-        return strengths if np.all(training) else -strengths
+        return strengths if training is None else -strengths
 
     monkeypatch.setattr(Model, "built_from", turned)
     diagnosis = diagnose_log(log_of(case), case.stated)

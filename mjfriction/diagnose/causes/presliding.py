@@ -111,9 +111,11 @@ class _Bristle(JointCause):
         return bool(site.shape[0] > YIELDING * np.ptp(gap.motion.position[:, site.joint]))
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Move a part of the Coulomb level into a law that builds up."""
+        """Move a part of the Coulomb level into a law that builds up; where none is stated, nothing moves."""
         joint = robot.joints[site.joint]
         level = min(self.taken_level(strengths), stated_levels(robot.joint(joint))[0])
+        if level <= 0.0:
+            return robot  # there is none to move: levels that are refitted along may not be built in yet
         law, values = self.law(level, site.shape[0], strengths)
         return with_term(raised_levels(robot, joint, -level, 0.0), joint, law.name, values)
 
