@@ -11,6 +11,7 @@ from mjfriction.diagnose.as_little import leaves_as_little
 from mjfriction.diagnose.causes.along_stroke import FrictionAlongStroke
 from mjfriction.diagnose.causes.asymmetry import Asymmetry
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
+from mjfriction.diagnose.causes.friction_spot import FrictionSpot
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.causes.varying import Step, Warming, WarmUpDrift
 from mjfriction.diagnose.causes.waves import PositionFriction
@@ -46,6 +47,7 @@ LEAST_CHANGE = 0.04  # that counts on a robot stated exactly
 LEAST_CHANGE_ROUGH = 0.10  # that counts on a robot whose joints are all a little off, or that has too few to compare
 AS_MUCH = 1.0  # of the stated friction: no way of writing a curve down makes up for that
 FADED = 0.1  # of what levels are off by at more than usual speed, that what bends a curve near rest still is there
+LEFT = 0.1  # of a joint's clear rows, that must be left beyond what bends its friction
 ALWAYS = 0.25  # of the stated friction: a quarter off is a finding whatever the others are
 MOMENTS = 61  # of a course, its own length before and after it included, of which stated levels may be
 BAR = 2.0  # standard errors by which drives, or links, that are let go must help on motion not fitted
@@ -173,23 +175,29 @@ def _rising(model: Model, joint: int) -> bool:
 
 def _off_beyond_a_bend(model: Model, level: Level, bar: float) -> bool:
     # Whether friction is off, by the size that counts, where its joint is so fast that what bends its curve near rest
-    # has faded away.
+    # has faded away, or so far from a spot that this has.
     gap, joint = model.gap, level.site.joint
     bends = [
         (choice, place)
         for choice, place in zip(model.chosen, model.places, strict=True)
         if choice.site.joint == joint and choice.cause.name in WITH_LEVELS
     ]
-    if any(choice.cause.name != Stribeck.name for choice, _ in bends):
+    if not all(choice.cause.name == Stribeck.name or isinstance(choice.cause, FrictionSpot) for choice, _ in bends):
         return False
-    speed = np.abs(gap.at_rows("velocity")[:, joint])
-    fast = gap.clear[:, joint] & (speed > gap.rms(speed, joint))
-    if not bends or not np.any(fast):
+    beyond = gap.clear[:, joint].copy()
+    for choice, _ in bends:
+        if isinstance(choice.cause, FrictionSpot):
+            column = np.abs(cause_block(gap, choice)[0][joint][:, 0])
+            beyond &= column < FADED * np.max(column)
+        else:
+            speed = np.abs(gap.at_rows("velocity")[:, joint])
+            beyond &= speed > gap.rms(speed, joint)
+    if not bends or np.count_nonzero(beyond) < LEFT * np.count_nonzero(gap.clear[:, joint]):
         return False
     stated = level.columns[joint] @ np.array(stated_levels(gap.robot.table.joint[joint]))
     moved = level.columns[joint] @ model.strengths[model.nuisance.of_level(joint)]
     bent = sum(cause_block(gap, choice)[0][joint] @ model.strengths[place] for choice, place in bends)
-    friction, off, faded = (float(np.linalg.norm(np.asarray(part)[fast])) for part in (stated, moved, bent))
+    friction, off, faded = (float(np.linalg.norm(np.asarray(part)[beyond])) for part in (stated, moved, bent))
     return faded < FADED * off and off > bar * friction
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from mjfriction.diagnose.causes.spring import BentSpring, Spring
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.intervals import half_widths
@@ -15,6 +17,8 @@ from mjfriction.record.log import Floats
 FEWEST = 2  # causes along the position, waves among them, that may be one curve
 ALONG_STROKE = "one smooth curve along its stroke"
 KNOWN_TO = 0.2  # of its wavenumber, that a wave's own is known to
+FEWEST_HARMONIC = 3  # waves, the longest counted, that are told as harmonics whatever curve does as well
+HARMONIC = 0.01  # of its wavenumber, within which a wave's is a whole multiple of the longest one's
 AS_GOOD = 0.97  # of what the one takes off the mean square, that the other takes too
 
 
@@ -45,12 +49,22 @@ def _vague(choice: Chosen, widths: Mapping[Key, Floats]) -> bool:
     return bool(widths[choice.key][-1] > KNOWN_TO * choice.site.shape[0])
 
 
+def _harmonics(own: list[Chosen]) -> bool:
+    # Whether all are waves, three at least, and the shorter ones harmonics of the longest: two may happen to be.
+    if not all(isinstance(choice.cause, Cogging) for choice in own) or len(own) < FEWEST_HARMONIC:
+        return False
+    numbers = np.array([choice.site.shape[0] for choice in own])
+    multiples = numbers / np.min(numbers)
+    return bool(np.all(np.abs(multiples / np.round(multiples) - 1.0) < HARMONIC))
+
+
 def stroke_curves(model: Model, heldout: Floats) -> list[StrokeCurve]:
     """Return the curves among a model's causes; ``heldout`` (rows, joints) is what it leaves on motion not fitted.
 
     One wave is a wave, and so are those of gears and poles, too short for a smooth curve to follow.  But several waves
     of a few periods over the stroke, or some with a spring, that one smooth curve over position does as well as, say
-    nothing of gears or poles; nor do those of which the period is not known to a fifth.  And a spring that bends, but
+    nothing of gears or poles; nor do those of which the period is not known to a fifth.  Harmonics of one wave do: no
+    curve is spelt by these.  And a spring that bends, but
     does not do as well as a smooth curve, is none.
     """
     gap, out = model.gap, []
@@ -67,7 +81,8 @@ def stroke_curves(model: Model, heldout: Floats) -> list[StrokeCurve]:
         taken = 1.0 - (gap.rms(heldout[:, joint], joint) / max(gap.rms(before[:, joint], joint), 1e-300)) ** 2
         share = curve_share(gap, joint, covariate_rows(gap, joint, "position"), before)
         unsure = any(isinstance(choice.cause, Cogging) and _vague(choice, widths) for choice in own)
-        if (unsure or share > AS_GOOD * taken) if waves else taken < AS_GOOD * share:
+        curved = share > AS_GOOD * taken and not _harmonics(own)
+        if (unsure or curved) if waves else taken < AS_GOOD * share:
             structure = Structure(gap.robot.joints[joint], ALONG_STROKE, share)
             out.append(StrokeCurve(frozenset(choice.key for choice in own), structure))
     return out

@@ -9,7 +9,7 @@ import pyarrow as pa
 import pytest
 
 from mjfriction.control.servo import Control
-from mjfriction.diagnose import diagnosis
+from mjfriction.diagnose import compete, diagnosis, stated
 from mjfriction.diagnose.causes.friction_spot import FrictionSpot
 from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.diagnosis import diagnose_log
@@ -51,7 +51,10 @@ def test_friction_that_rises_along_the_stroke_is_half_a_wave(tmp_path: Path, mon
     position = read_log(log).columns[f"position.{lift}"]
     (amplitudes,) = found()
     assert np.linalg.norm(amplitudes) < 1.5 * np.max(np.abs(3.0 * position))
-    # Waves that are too short for it cancel each other, where two may be nearly the same and no spot takes their place.
+    # Waves that are too short for it cancel each other, where two may be nearly the same, and neither a spot nor a
+    # course takes their place.
+    for place in (compete, stated):
+        monkeypatch.setattr(place, "as_courses", lambda model: model)
     waves = tuple(cause for cause in diagnosis.STRUCTURAL if not isinstance(cause, FrictionSpot))
     monkeypatch.setattr(diagnosis, "STRUCTURAL", waves)
     monkeypatch.setattr("mjfriction.identify.stroke_waves.FEWEST_TURNING", 1.2)

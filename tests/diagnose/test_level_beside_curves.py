@@ -23,24 +23,27 @@ def sticky(at: Instant) -> np.ndarray:
     return EXCESS * np.exp(-np.abs(at.v) / STRIBECK_VELOCITY) * np.sign(at.v)
 
 
-def sticky_and_higher(at: Instant) -> np.ndarray:
-    return sticky(at) + HIGHER * np.sign(at.v)
+def worn(at: Instant) -> np.ndarray:
+    place = (at.q - np.min(at.q) - 0.35 * np.ptp(at.q)) / (0.04 * np.ptp(at.q))
+    return 2.0 * HIGHER * np.exp(-0.5 * np.square(place)) * np.sign(at.v)
 
 
 def one_way_and_higher(at: Instant) -> np.ndarray:
     return 0.4 * UR5_VISCOUS[ELBOW] * np.abs(at.v) + HIGHER * np.sign(at.v)
 
 
-def test_they_are_told_beside_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def found(hidden) -> set[str]:
-        log, robot = write_case(tmp_path, Machine(hidden={ELBOW: hidden}, noise=0.1), seed=4)
+@pytest.mark.parametrize(("bend", "cause"), [(sticky, "friction.stribeck"), (worn, "friction.position")])
+def test_they_are_told_beside_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, bend: Effect, cause: str) -> None:
+    def found(higher: float) -> set[str]:
+        machine = Machine(hidden={ELBOW: lambda at: bend(at) + higher * np.sign(at.v)}, noise=0.1)
+        log, robot = write_case(tmp_path, machine, seed=4)
         findings = diagnose_log(read_log(log), read_robot(robot)).findings
         return {finding.cause for finding in findings}
 
-    assert found(sticky_and_higher) == {"friction.stribeck", "friction.coulomb_viscous"}
-    assert found(sticky) == {"friction.stribeck"}
+    assert found(HIGHER) == {cause, "friction.coulomb_viscous"}
+    assert found(0.0) == {cause}
     monkeypatch.setattr(stated, "_off_beyond_a_bend", lambda *_: False)
-    assert found(sticky_and_higher) == {"friction.stribeck"}
+    assert found(HIGHER) == {cause}
 
 
 @pytest.mark.bench
