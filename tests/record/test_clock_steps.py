@@ -60,6 +60,16 @@ def test_a_pause_of_the_recording_while_nothing_moves_is_a_gap() -> None:
     assert len(read_clock(log).gaps) == 1
 
 
+def test_a_motion_that_begins_right_after_a_pause_of_the_recording_did_not_go_on() -> None:
+    # Of a good encoder: what little noise it has hides no motion, and what moves is not where it would have gone to.
+    true, noise = STEP * np.arange(COUNT), 1e-9 * np.random.default_rng(0).normal(size=COUNT)
+    begun = np.maximum(true - true[AT + 1], 0.0)
+    columns = {"position.axis": 0.2 * begun**2 + noise, "effort.axis": begun}
+    log = log_from_table(pa.table({"time": true + np.where(np.arange(COUNT) > AT, 0.3, 0.0), **columns}), "log")
+    assert log.faults == ()
+    assert len(read_clock(log).gaps) == 1
+
+
 @pytest.mark.parametrize(("elsewhere", "set_"), [(0.0, True), (1.2, False)])
 def test_one_joint_that_goes_on_says_nothing_where_another_rests_elsewhere(elsewhere: float, set_: bool) -> None:
     # A transition that was left out: one joint happens to be where it was, the other went from pose to pose.
