@@ -31,6 +31,8 @@ SOME, HALF = 0.03, 0.5  # of an effort's variance left, of which one joint at le
 ALL_MENDED, SLIGHTLY = 0.6, 0.005  # of what is left at all joints together, and by how much more at any one
 TURN, TURN_JOINT = "turn its sign", "turn their signs: this joint is counted the other way round"
 EXCHANGE, EXCHANGE_JOINTS = "exchange the two columns", "exchange the two joints"
+NOTICED = 0.05  # of an effort's variance left unexplained, that is worth a look where another joint leaves as much
+MENDED_BOTH = 0.2  # of that, which may be left at both once they are in their places
 CLEARLY = 0.7  # of what one explanation leaves, that a better one leaves
 Span = tuple[float, float]
 EVER: Span = (-math.inf, math.inf)
@@ -225,7 +227,8 @@ def find_misplaced(gap: Gap, span: Span = EVER) -> list[Fault]:
     """Return the column or joint whose sign is turned, or the two that are exchanged, if that makes the efforts fit
     within a ``span`` of time.
 
-    Efforts that a model explains badly, but well once one column is turned or two are exchanged, are no physics.  Where
+    Efforts that a model explains badly, but well once one column is turned or two are exchanged, are no physics.  Nor
+    are those of two joints that are both explained far better once exchanged, however well they are as logged.  Where
     all columns of a joint are another's, or count it the other way round, its friction fits nevertheless, and what is
     left is less: there all joints together have to tell.
     """
@@ -234,10 +237,14 @@ def find_misplaced(gap: Gap, span: Span = EVER) -> list[Fault]:
         return []  # what a joint shows that rests there is noise
     look = _look(gap, span)
     as_logged = look.left(look.course, look.effort)
+    columns: list[Fault] = []
     if np.any(as_logged > POOR):
         columns = _least(look, _columns_misplaced(look), functools.partial(_mended, as_logged))
-        if columns:
-            return columns
+    elif np.count_nonzero(as_logged > NOTICED) > 1:
+        exchanged = (reading for reading in _columns_misplaced(look) if reading[-1].kind == "data.swap")
+        columns = _least(look, exchanged, functools.partial(_both_mended, as_logged))
+    if columns:
+        return columns
     if np.any(as_logged > SOME):
         return _least(look, _joints_misplaced(look), functools.partial(_all_mended, as_logged))
     return []
@@ -251,6 +258,12 @@ def _mended(as_logged: Floats, left: Floats) -> bool:
     # One that has noise besides is mended by half, and another beside it as a joint is whose column was wrong.
     together = np.any((as_logged > MUCH) & (left < enough)) and np.sum(left) < HALF * np.sum(as_logged)
     return bool((own or together) and np.all(left < as_logged + NO_WORSE))
+
+
+def _both_mended(as_logged: Floats, left: Floats) -> bool:
+    # Where little is poor, since gravity looks alike at both, two joints that are exchanged are mended both.
+    both = np.count_nonzero((as_logged > NOTICED) & (left < MENDED_BOTH * as_logged)) > 1
+    return bool(both and np.all(left < as_logged + NO_WORSE))
 
 
 def _all_mended(as_logged: Floats, left: Floats) -> bool:

@@ -14,7 +14,7 @@ import pytest
 from mjfriction.benchmark.cases import Setting, make_case
 from mjfriction.cli.logs import read_logs
 from mjfriction.diagnose import audit
-from mjfriction.diagnose.audit import find_degrees, find_faults
+from mjfriction.diagnose.audit import find_degrees, find_faults, find_misplaced
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.diagnose.units import find_degrees_by_velocity
@@ -230,6 +230,23 @@ def test_efforts_that_a_large_cause_disguises_are_still_known_as_exchanged(tmp_p
     (fault,) = diagnose_log(replace(log, columns=exchanged), read_robot(robot)).faults
     assert fault.kind == "data.swap"
     assert fault.where.startswith("effort.")
+
+
+def test_two_that_are_both_mended_are_exchanged_however_well_they_fit_as_they_are(
+    case: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log, lift = read_log(case[0]), ELBOW.replace("elbow", "shoulder_lift")
+    right = measure_gap(log, read_robot(case[1]))
+    gap = measure_gap(
+        replace(log, columns={**log.columns, ELBOW: log.columns[lift], lift: log.columns[ELBOW]}), read_robot(case[1])
+    )
+    # As of an arm whose joints carry much the same.
+    monkeypatch.setattr(audit, "POOR", np.inf)
+    assert find_misplaced(right) == []
+    (fault,) = find_misplaced(gap)
+    assert (fault.kind, fault.where) == ("data.swap", f"{ELBOW} and that of shoulder_lift_joint")
+    monkeypatch.setattr(audit, "MENDED_BOTH", 0.0)
+    assert find_misplaced(gap) == []
 
 
 def test_the_sign_of_an_effort_and_of_a_position_may_be_one_and_the_same(case: tuple[Path, Path]) -> None:
