@@ -40,7 +40,7 @@ from mjfriction.diagnose.refusal import ON_THE_WAY
 from mjfriction.diagnose.richer import PAYS
 from mjfriction.diagnose.short_list import NEAR_BEST
 from mjfriction.diagnose.stated import FADED, LEFT, OUTLYING
-from mjfriction.diagnose.stroke_curve import FEWEST_HARMONIC, HARMONIC
+from mjfriction.diagnose.stroke_curve import FEWEST_HARMONIC, HARMONIC, HIGHEST
 from mjfriction.diagnose.trial import EVENEST, FALSE_ALARM, FEWEST_JOINTS, LEAST_EFFECT, UNEVEN
 from mjfriction.diagnose.unevenness import TOLD_BY
 from mjfriction.diagnose.untold import BRISTLE_MISFIT, DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
@@ -139,7 +139,7 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert f"Steps that spread by less than {100 * UNEVEN_CLOCK:g} % are how" in told
     assert FEWEST_AT_ONCE == 3, "the page says three"
     assert (ON_THE_WAY, FADED, LEFT) == (0.5, 0.1, 0.1), "the page says half, a tenth, and a tenth of the rows"
-    assert (FEWEST_HARMONIC, HARMONIC) == (3, 0.01), "the page says three waves, and 1 %"
+    assert (FEWEST_HARMONIC, HARMONIC, HIGHEST) == (3, 0.01, 8), "the page says three waves, 1 %, and eight times"
     assert (DROWNED, ROOM, COLOURED) == (3.0, 0.5, 0.5), "the page says three times, half of the effect, half of it"
     assert (RESONANCE_BAND, SLIPS) == (0.5, (0.25, 0.75, 2.0)), "the page says half; a quarter, three quarters and two"
     assert (NEARLY_ALL, QUIETER) == (0.99, 0.5), "the page says all but a percent, and less than half"

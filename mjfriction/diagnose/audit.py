@@ -228,7 +228,7 @@ def find_misplaced(gap: Gap, span: Span = EVER) -> list[Fault]:
     within a ``span`` of time.
 
     Efforts that a model explains badly, but well once one column is turned or two are exchanged, are no physics.  Nor
-    are those of two joints that are both explained far better once exchanged, however well they are as logged.  Where
+    are those of two joints that are both explained far better once exchanged, though as logged neither is bad.  Where
     all columns of a joint are another's, or count it the other way round, its friction fits nevertheless, and what is
     left is less: there all joints together have to tell.
     """
@@ -240,7 +240,7 @@ def find_misplaced(gap: Gap, span: Span = EVER) -> list[Fault]:
     columns: list[Fault] = []
     if np.any(as_logged > POOR):
         columns = _least(look, _columns_misplaced(look), functools.partial(_mended, as_logged))
-    elif np.count_nonzero(as_logged > NOTICED) > 1:
+    if not columns and np.count_nonzero(as_logged > NOTICED) > 1:
         exchanged = (reading for reading in _columns_misplaced(look) if reading[-1].kind == "data.swap")
         columns = _least(look, exchanged, functools.partial(_both_mended, as_logged))
     if columns:
@@ -261,7 +261,7 @@ def _mended(as_logged: Floats, left: Floats) -> bool:
 
 
 def _both_mended(as_logged: Floats, left: Floats) -> bool:
-    # Where little is poor, since gravity looks alike at both, two joints that are exchanged are mended both.
+    # Where neither is poor, since gravity looks alike at both, two joints that are exchanged are mended both.
     both = np.count_nonzero((as_logged > NOTICED) & (left < MENDED_BOTH * as_logged)) > 1
     return bool(both and np.all(left < as_logged + NO_WORSE))
 

@@ -46,7 +46,9 @@ MOST_LINK_CHANGE = 0.8  # past which a scaled link is no link any more, and the 
 LEAST_CHANGE = 0.04  # that counts on a robot stated exactly
 LEAST_CHANGE_ROUGH = 0.10  # that counts on a robot whose joints are all a little off, or that has too few to compare
 AS_MUCH = 1.0  # of the stated friction: no way of writing a curve down makes up for that
-FADED = 0.1  # of what levels are off by at more than usual speed, that what bends a curve near rest still is there
+# Of what levels are off by, that a bend still is where it has faded: at more than usual speed, or where a spot is less
+# than this of its height.
+FADED = 0.1
 LEFT = 0.1  # of a joint's clear rows, that must be left beyond what bends its friction
 ALWAYS = 0.25  # of the stated friction: a quarter off is a finding whatever the others are
 MOMENTS = 61  # of a course, its own length before and after it included, of which stated levels may be

@@ -19,6 +19,7 @@ ALONG_STROKE = "one smooth curve along its stroke"
 KNOWN_TO = 0.2  # of its wavenumber, that a wave's own is known to
 FEWEST_HARMONIC = 3  # waves, the longest counted, that are told as harmonics whatever curve does as well
 HARMONIC = 0.01  # of its wavenumber, within which a wave's is a whole multiple of the longest one's
+HIGHEST = 8  # multiple of it; finer waves are near some multiple of anything
 AS_GOOD = 0.97  # of what the one takes off the mean square, that the other takes too
 
 
@@ -55,7 +56,8 @@ def _harmonics(own: list[Chosen]) -> bool:
         return False
     numbers = np.array([choice.site.shape[0] for choice in own])
     multiples = numbers / np.min(numbers)
-    return bool(np.all(np.abs(multiples / np.round(multiples) - 1.0) < HARMONIC))
+    whole = np.round(multiples)
+    return bool(np.all(whole <= HIGHEST) and np.all(np.abs(multiples / whole - 1.0) < HARMONIC))
 
 
 def stroke_curves(model: Model, heldout: Floats) -> list[StrokeCurve]:
@@ -63,8 +65,8 @@ def stroke_curves(model: Model, heldout: Floats) -> list[StrokeCurve]:
 
     One wave is a wave, and so are those of gears and poles, too short for a smooth curve to follow.  But several waves
     of a few periods over the stroke, or some with a spring, that one smooth curve over position does as well as, say
-    nothing of gears or poles; nor do those of which the period is not known to a fifth.  Harmonics of one wave do: no
-    curve is spelt by these.  And a spring that bends, but
+    nothing of gears or poles; nor do those of which the period is not known to a fifth.  Harmonics of one wave do: of
+    a curve hardly three waves happen to be such.  And a spring that bends, but
     does not do as well as a smooth curve, is none.
     """
     gap, out = model.gap, []

@@ -37,8 +37,8 @@ class Part:
         return self.gram.sum(axis=0), self.moment.sum(axis=0), float(self.power.sum())
 
     def errors(self, strengths: Floats) -> Floats:
-        """Return the squared error (blocks,) left by strengths (p,), or by strengths of each block (blocks, p)."""
-        own = strengths[..., self.felt]
+        """Return the squared error (blocks,) that strengths of each block (blocks, p) leave."""
+        own = strengths[:, self.felt]
         bent = np.matmul(self.gram, own[..., None])[..., 0]
         return np.asarray(self.power + np.sum((bent - 2.0 * self.moment) * own, axis=1))
 
@@ -156,10 +156,6 @@ class Normal:
         """
         return solved(*self.equations(training))
 
-    def errors(self, strengths: Floats) -> Floats:
-        """Return the squared error (joints, blocks) left by given strengths."""
-        return np.stack([part.errors(strengths) for part in self.products.parts])
-
     def error(self, strengths: Floats) -> Floats:
         """Return the squared error (joints,) that given strengths leave on all blocks."""
         return np.array([part.error(strengths) for part in self.products.parts])
@@ -187,7 +183,7 @@ class Normal:
         count = int(groups[-1]) + 1
         score = np.zeros((count, self.count))
         np.add.at(score, groups, by_block)
-        return np.asarray(inverse @ (score.T @ score) @ inverse * (count / (count - 1.0)))
+        return np.asarray(inverse @ (score.T @ score) @ inverse.T * (count / (count - 1.0)))
 
     def white_covariance(self, variance: Floats) -> Floats:
         """Return the covariance (p, p) of the strengths if a joint's weighted rows carry white noise of ``variance``
@@ -196,7 +192,7 @@ class Normal:
         noisy = np.diag(self.precision)
         for part, own in zip(self.products.parts, variance.tolist(), strict=True):
             noisy[part.felt[:, None], part.felt] += own * part.of_all_blocks[0]
-        return np.asarray(self._inverse @ noisy @ self._inverse)
+        return np.asarray(self._inverse @ noisy @ self._inverse.T)
 
     def known_to(self, spread: float) -> Floats:
         """Return the covariance (p, p) of strengths that rows with white noise of variance ``spread`` and what is known
@@ -235,6 +231,8 @@ def _scaled(gram: Floats) -> tuple[Floats, Floats]:
     # Columns differ in unit; scaling to unit diagonal makes the relative floor on it mean the same for all.
     # A regressor without any data (a joint that never moves) gets no strength.
     diagonal = np.diagonal(gram, axis1=-2, axis2=-1)
+    if not np.all(np.isfinite(diagonal)):
+        raise FloatingPointError("normal equations that are not finite: a regressor is not")
     alive = diagonal > 1e-200
     scale = np.where(alive, 1.0 / np.sqrt(np.where(alive, diagonal, 1.0)), 0.0)
     scaled = gram * scale[..., :, None] * scale[..., None, :]

@@ -12,7 +12,7 @@ FEWEST_TURNING = 0.5  # of waves that turn with the direction of motion: longer 
 STEPS_PER_LOBE = 2.0  # of the grid of wavenumbers; two waves over one stroke differ when they drift apart by one period
 MOST_WAVENUMBERS = 400
 IN_BAND = 0.8  # of the band that the waves may reach while the joint is slow
-FREQUENCIES = 4096  # up to the rate, that what the chain lets through is told at
+FREQUENCIES = 16384  # in the rate: at those up to half of it is told what the chain lets through
 SLOW = 0.25  # of the time in motion
 
 

@@ -51,7 +51,7 @@ def _ran_on(log: Log, row: int, ordinary: float) -> bool:
     for joint in log.joints:
         position = log.columns[f"{POSITION}.{joint}"]
         sides = [position[rows] for rows in (before, after)]
-        travel, known = min(abs(float(side[-1] - side[0])) for side in sides), MOVED * _noise(position)
+        travel, known = min(float(np.ptp(side)) for side in sides), MOVED * _noise(position)
         if travel < known:
             # One that rests, but elsewhere, went there in between; one that sets off only then says nothing.
             off += max(abs(position[row + 1] - position[row]) - known, 0.0)

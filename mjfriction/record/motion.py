@@ -152,10 +152,11 @@ class Motion:
         """Return the derivative of values (n, …) along the motion, each piece by central differences."""
         out = np.empty_like(values)
         for own in self.pieces:
-            course, rate = values[own], out[own]
-            np.subtract(course[2:], course[:-2], out=rate[1:-1])
-            rate[1:-1] *= 0.5 * self.rate
-            rate[0], rate[-1] = (course[1] - course[0]) * self.rate, (course[-1] - course[-2]) * self.rate
+            course, change = values[own], out[own]
+            np.subtract(course[2:], course[:-2], out=change[1:-1])
+            change[1:-1] *= 0.5
+            change[0], change[-1] = course[1] - course[0], course[-1] - course[-2]
+            change *= self.rate
         return out
 
     def low_passed(self, values: Floats, band: float) -> Floats:

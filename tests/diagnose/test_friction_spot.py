@@ -72,6 +72,7 @@ def test_waves_alone_leave_more_of_it(tmp_path: Path, monkeypatch: pytest.Monkey
         (elbow,) = [j for j in diagnosed(tmp_path, machine).joints if j.joint == UR5_JOINTS[ELBOW]]
         left.append(elbow.rms_heldout_after / elbow.noise_floor)
     assert left[0] < 1.1
+    # A course along the stroke that takes the waves' place follows it in part.
     assert left[1] > 1.15 * left[0]
 
 

@@ -11,6 +11,7 @@ import pytest
 import mjfriction.diagnose.diagnosis as module
 from mjfriction.diagnose import oscillations
 from mjfriction.diagnose.causes import elasticity
+from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.elasticity import SwingingElasticity
@@ -19,7 +20,7 @@ from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.exact import usual_nuisance
 from mjfriction.diagnose.model import Chosen, build_model
 from mjfriction.diagnose.outcome import Verdict
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.gap import measure_gap, thinned
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import pick_and_place
 from mjfriction.plant.sensors import Recorder
@@ -72,6 +73,18 @@ def test_the_frequencies_of_a_link_that_swings_are_its_own_in_every_pose() -> No
     assert all(oscillations._of_own_link(model, float(frequency)) for frequency in (np.min(own), np.max(own)))
     assert not oscillations._of_own_link(model, float(2.0 * np.max(own)))
     assert not oscillations._of_own_link(model.without(soft), float(np.median(own)))
+
+
+@pytest.mark.parametrize("cause", [SwingingElasticity(), Backlash()])
+def test_many_places_of_a_joint_are_screened_as_each_by_itself(cause: SwingingElasticity | Backlash) -> None:
+    gap = thinned(measure_gap(swinging(), read_robot("ur5")))
+    sites = [site for site in cause.sites(gap) if site.joint == 0][::6]
+    assert len(sites) > 2
+    (many,) = cause.screening(gap, sites, 2).values()
+    for own, site in zip(many.swapaxes(0, 1), sites, strict=True):
+        (alone,) = cause.screening(gap, [site], 2).values()
+        np.testing.assert_allclose(own, alone[:, 0], rtol=1e-9, atol=1e-12 * np.max(np.abs(own)))
+    assert not np.allclose(many[:, 0], many[:, -1])
 
 
 @pytest.mark.bench

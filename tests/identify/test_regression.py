@@ -50,7 +50,6 @@ def test_strengths_errors_and_held_out_errors_are_those_of_the_rows() -> None:
     expected = np.linalg.lstsq(a, y, rcond=None)[0]
     strengths = system.normal.fitted
     np.testing.assert_allclose(strengths, expected, rtol=1e-6)
-    assert system.normal.errors(strengths).sum() == pytest.approx(np.sum((y - a @ expected) ** 2), rel=1e-9)
     assert system.normal.error(strengths).sum() == pytest.approx(np.sum((y - a @ expected) ** 2), rel=1e-9)
     np.testing.assert_allclose(system.normal.strengths(np.ones(BLOCKS, dtype=bool)), strengths, rtol=1e-9)
     fold = np.arange(BLOCKS) % 4 == 1
@@ -58,6 +57,7 @@ def test_strengths_errors_and_held_out_errors_are_those_of_the_rows() -> None:
     elsewhere = np.linalg.lstsq(a, y, rcond=None)[0]
     b, z = stacked(rows, columns, fold[rows.block])
     held = system.normal.heldout_errors([fold])
+    np.testing.assert_array_equal(system.normal.heldout_errors([fold], [1]), held[[1]])
     assert held[:, fold].sum() == pytest.approx(np.sum((z - b @ elsewhere) ** 2), rel=1e-6)
 
 

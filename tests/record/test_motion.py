@@ -139,3 +139,16 @@ def test_a_joint_that_stops_does_not_seem_to_turn_back(monkeypatch: pytest.Monke
     monkeypatch.setattr("mjfriction.record.motion.RINGING", 0.0)
     without = replace(motion)
     assert np.any((without.velocity[:, 0] < -without.sure_speed[:, 0])[motion.settled])
+
+
+def test_values_beside_one_another_are_differentiated_piece_by_piece() -> None:
+    motion = estimate_motion(
+        log_of(np.arange(1200) / 200.0, np.repeat([0.0, 50.0], 600), np.repeat([1, 2], 600)), ("a",), 20.0
+    )
+    values = np.random.default_rng(0).normal(size=(motion.time.size, 3))
+    change = motion.differentiated(values)
+    assert len(motion.pieces) == 2
+    for own in motion.pieces:
+        expected = np.gradient(values[own], axis=0) * motion.rate
+        np.testing.assert_allclose(change[own], expected, rtol=1e-12, atol=1e-12 * motion.rate)
+    np.testing.assert_array_equal(motion.differentiated(values[:, 1]), change[:, 1])

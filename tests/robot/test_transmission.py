@@ -49,6 +49,35 @@ def test_a_stop_keeps_what_it_caught_while_the_blow_rings() -> None:
     assert np.all(between_stops(pull, step, 20)[landed:] == 1.0)
 
 
+def followed(pull: np.ndarray, step: float, caught: int, finer: int) -> list[float]:
+    """Return where the mass is, every step taken, those too at which a stop holds it."""
+    place, speed, held, before = float(np.sign(pull[0])), 0.0, 0, float(pull[0])
+    stop, out = place, []
+    for k, now in enumerate(pull.tolist()):
+        for part in range(1 if k > 0 else finer, finer + 1):
+            held -= 1
+            if held <= 0:
+                speed += (before + (now - before) / finer * part) * step
+                place += speed * step
+            if abs(place) >= 1.0:
+                place, speed = float(np.sign(place)), 0.0
+                if place != stop:
+                    stop, held = place, caught
+        before = now
+        out.append(place)
+    return out
+
+
+@pytest.mark.parametrize("size", [1e3, 1e5, 1e7])
+@pytest.mark.parametrize(("caught", "finer"), [(0, 1), (20, 5)])
+def test_a_mass_on_its_stop_stays_there_until_the_pull_turns(size: float, caught: int, finer: int) -> None:
+    rng, time = np.random.default_rng(0), np.arange(1500)
+    pull = size * (np.sin(0.02 * time) + 0.3 * rng.normal(size=time.size))
+    place = between_stops(pull, 1e-3, caught, finer)
+    np.testing.assert_array_equal(place, followed(pull, 1e-3, caught, finer))
+    assert {-1.0, 1.0} <= set(place.tolist())
+
+
 @pytest.mark.parametrize(("joint", "play"), [("shoulder_lift_joint", 0.04), ("wrist_2_joint", 0.02)])
 def test_the_link_is_where_the_machine_has_it(joint: str, play: float) -> None:
     robot = read_robot("ur5")

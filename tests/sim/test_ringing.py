@@ -37,3 +37,12 @@ def test_a_stiff_one_is_where_it_aims() -> None:
     aim = np.sin(2.0 * np.pi * time)
     place = ringing(aim, np.full(time.size, 2.0 * np.pi * 80.0), 1.0, 1e-3)
     np.testing.assert_allclose(place[100:], aim[100:], atol=0.03)
+
+
+def test_many_beside_each_other_are_moved_as_one_by_one() -> None:
+    rng = np.random.default_rng(0)
+    aims = 1e-2 * np.cumsum(rng.normal(size=(500, 5)), axis=0)
+    frequencies = 2.0 * np.pi * np.abs(8.0 + rng.normal(size=aims.shape))
+    many = ringing(aims, frequencies, DAMPING, 1e-3, 4)
+    for own, aim, frequency in zip(many.T, aims.T, frequencies.T, strict=True):
+        np.testing.assert_allclose(own, ringing(aim, frequency, DAMPING, 1e-3, 4), rtol=1e-12, atol=1e-15)
