@@ -17,7 +17,7 @@ from mjfriction.identify.regression import Rows, System
 from mjfriction.identify.starts import DYNAMIC, GIVING_TRAVELS, LEFT_AS_DECLARED, starts
 from mjfriction.laws.catalog import find_law
 from mjfriction.laws.law import Law
-from mjfriction.laws.rules import Values, scalar
+from mjfriction.laws.rules import Ordering, Values, scalar
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction_tables import FrictionTerm
 
@@ -139,7 +139,7 @@ def fit_law(problem: Problem, law: Law) -> LawFit:
         statics = fit_law(problem, find_law(sibling)).told
         # The fading speed is known now, so that starts differ in the bristle alone.
         known = {name: value for name, value in statics.items() if name in free}
-        begin = [{**start, **known} for start in plain[: len(GIVING_TRAVELS)]]
+        begin = [with_known(law, start, known) for start in plain[: len(GIVING_TRAVELS)]]
     simpler = SPRINGS_OF.get(law.name)
     if simpler is not None:
         elements, arrays = springs_of(law, fit_law(problem, find_law(simpler)).values)
@@ -158,6 +158,18 @@ def fit_law(problem: Problem, law: Law) -> LawFit:
         given = {name: first[name] for name in bristle}
         begin = [first, *({**start, **given} for start in plain[:: len(GIVING_TRAVELS)])]
     return _best(problem, [_at(law, free, start) for start in begin])
+
+
+def with_known(law: Law, start: Values, known: Values) -> Values:
+    """Return a start with the values of a law that are known in their places, and those that are not, but have to be
+    above one of these, as far above it as the start has them.
+    """
+    values = {**start, **known}
+    for rule in law.rules:
+        if isinstance(rule, Ordering) and rule.larger not in known:
+            least = scalar(values, rule.smaller) * scalar(start, rule.larger) / scalar(start, rule.smaller)
+            values[rule.larger] = max(scalar(values, rule.larger), least)
+    return values
 
 
 def _thinned(problem: Problem, fit: LawFit) -> LawFit:

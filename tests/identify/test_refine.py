@@ -9,9 +9,11 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from mjfriction.errors import RobotError
+from mjfriction.errors import LawError, RobotError
+from mjfriction.identify.fit import with_known
 from mjfriction.identify.identification import identify_log
-from mjfriction.laws.catalog import LAWS
+from mjfriction.laws.catalog import LAWS, find_law
+from mjfriction.laws.rules import Values
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder
@@ -165,3 +167,19 @@ def test_six_joints_that_were_read_coarsely_are_brought_back_to_the_log(tmp_path
         for fitted in law.parameters:
             assert fitted.low < term.value(fitted.name) < fitted.high, (law.joint, fitted)
             assert fitted.value == pytest.approx(term.value(fitted.name), rel=0.1), (law.joint, fitted)
+
+
+def test_what_is_known_lifts_what_has_to_be_above_it() -> None:
+    # A sibling without a state may have found more friction at rest than a start has after a long one.
+    law = find_law("dwell_time")
+    start: Values = {
+        **{"coulomb": 1.0, "static": 1.5, "static_rested": 2.0, "viscous": 1.0},
+        **{"rise_time": 1.0, "stribeck_velocity": 0.1, "bristle_stiffness": 100.0},
+    }
+    known = {"coulomb": 1.2, "static": 3.0}
+    values = with_known(law, start, known)
+    law.pack(values)
+    assert values == {**start, **known, "static_rested": 4.0}
+    assert with_known(law, start, {"static": 1.2}) == {**start, "static": 1.2}
+    with pytest.raises(LawError, match="static_rested"):
+        law.pack({**start, **known})
