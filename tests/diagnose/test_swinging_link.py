@@ -10,7 +10,7 @@ import pytest
 
 import mjfriction.diagnose.diagnosis as module
 from mjfriction.diagnose import oscillations
-from mjfriction.diagnose.causes import elasticity
+from mjfriction.diagnose.causes import elasticity, moved_link
 from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
@@ -76,10 +76,14 @@ def test_the_frequencies_of_a_link_that_swings_are_its_own_in_every_pose() -> No
 
 
 @pytest.mark.parametrize("cause", [SwingingElasticity(), Backlash()])
-def test_many_places_of_a_joint_are_screened_as_each_by_itself(cause: SwingingElasticity | Backlash) -> None:
+@pytest.mark.parametrize("at_a_time", [1, 2, 100])
+def test_many_places_of_a_joint_are_screened_as_each_by_itself(
+    cause: SwingingElasticity | Backlash, at_a_time: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     gap = thinned(measure_gap(swinging(), read_robot("ur5")))
     sites = [site for site in cause.sites(gap) if site.joint == 0][::6]
     assert len(sites) > 2
+    monkeypatch.setattr(moved_link, "AT_A_TIME", at_a_time * gap.motion.time.size)
     (many,) = cause.screening(gap, sites, 2).values()
     for own, site in zip(many.swapaxes(0, 1), sites, strict=True):
         (alone,) = cause.screening(gap, [site], 2).values()

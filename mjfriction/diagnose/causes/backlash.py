@@ -41,7 +41,7 @@ class Backlash(Play):
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
         """What the joint itself feels, without the position's filter: many plays, each for little."""
-        return felt_by_itself(gap, sites[0].joint, self._behind(gap, sites), every)
+        return felt_by_itself(gap, sites, self._behind, every)
 
     def _behind(self, gap: Gap, sites: Sequence[Site]) -> Floats:
         # How far the link is behind per unit of play, at many sites of a joint, (n, sites).

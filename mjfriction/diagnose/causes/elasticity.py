@@ -114,7 +114,7 @@ class SwingingElasticity(_Elasticity):
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
         """What the joint itself feels, without the position's filter."""
-        return felt_by_itself(gap, sites[0].joint, self._behind(gap, sites), every)
+        return felt_by_itself(gap, sites, self._behind, every)
 
     def _behind(self, gap: Gap, sites: Sequence[Site]) -> Floats:
         # How far the link is behind per unit of compliance, at many sites of a joint damped alike, (n, sites).

@@ -5,6 +5,7 @@ has play.
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from mjfriction.robot.robot import Robot
 WIDEST = 0.2  # rad or m of play or of give
 ROUNDS = 2  # in which where a link is and what it needs there are found
 NEAR = (0.6, 1.6)  # times the strength that the columns were drawn around
+AT_A_TIME = 1_000_000  # samples of many sites that are drawn at a time
 FELT = 1e-6  # of the noise floor, below which a shift is felt by no joint
 
 
@@ -67,14 +69,23 @@ def own_slopes(gap: Gap, joint: int) -> tuple[Floats, ...]:
     return tuple(derivative[:, joint, joint] for derivative in gap.derivatives)
 
 
-def felt_by_itself(gap: Gap, joint: int, behind: Floats, every: int) -> Columns:
-    """Return what the joint itself feels of its link being ``behind``, at many sites (n, sites), without the position's
-    filter, of each ``every``-th row: good enough to rank them.
+def felt_by_itself(
+    gap: Gap, sites: Sequence[Site], behind: Callable[[Gap, Sequence[Site]], Floats], every: int
+) -> Columns:
+    """Return what the joint itself feels of its link being ``behind``, at many sites of it (n, sites), without the
+    position's filter, of each ``every``-th row: good enough to rank them.
+
+    Of a long log few sites are drawn at a time, so that a minute takes no more memory than of a short one.
     """
+    joint, count = sites[0].joint, max(1, AT_A_TIME // gap.motion.time.size)
     stiffness, damping, inertia = (slope[:, None] for slope in own_slopes(gap, joint))
-    moving = gap.motion.differentiated(behind)
-    torques = -(stiffness * behind + damping * moving + inertia * gap.motion.differentiated(moving))
-    return {joint: gap.reported(joint, torques[:, :, None])[::every]}
+    parts = []
+    for first in range(0, len(sites), count):
+        off = behind(gap, sites[first : first + count])
+        moving = gap.motion.differentiated(off)
+        torques = -(stiffness * off + damping * moving + inertia * gap.motion.differentiated(moving))
+        parts.append(gap.reported(joint, torques[:, :, None])[::every])
+    return {joint: np.concatenate(parts, axis=1)}
 
 
 def changed(robot: Robot, site: Site, **changes: object) -> Robot:
