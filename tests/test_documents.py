@@ -9,9 +9,10 @@ import sys
 from pathlib import Path
 
 from mjfriction.control.observe import OBSERVERS
-from mjfriction.diagnose import free_run
+from mjfriction.diagnose import free_run, mend, misplaced
 from mjfriction.diagnose.alike import AT_THE_BAR, MOST_CONFIDENT, ROOM
 from mjfriction.diagnose.as_little import AS_GOOD
+from mjfriction.diagnose.audit import AS_KNOWN
 from mjfriction.diagnose.causes.along_stroke import FINEST
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.coupling import RATIOS
@@ -199,6 +200,15 @@ def test_the_pages_tell_which_joints_and_traces_are_left_out() -> None:
     assert "more than a tenth of what is left" in identification
     assert "more than half of it is no noise, and that is more than half a percent" in identification
     assert (conclude.STRUCTURED, COLOURED, conclude.LEAST_EFFORT) == (0.1, 0.5, 0.005), "as the page says"
+
+
+def test_how_it_decides_tells_when_columns_are_out_of_place_and_when_a_log_is_mended() -> None:
+    told = " ".join(text("docs/how_it_decides.md").split())
+    assert "a quarter of a joint's effort is left unexplained and less than a third of that" in told
+    assert f"two joints that leave {100 * misplaced.NOTICED:g} % leave a fifth of that each" in told
+    assert (misplaced.POOR, misplaced.MENDED, misplaced.MENDED_BOTH) == (0.25, 0.3, 0.2), "as the page says"
+    assert f"explained less well, by {100 * misplaced.NO_WORSE:g} % of its effort" in told
+    assert (mend.MOST_ROUNDS, AS_KNOWN) == (3, 1.25), "three times, within a quarter"
 
 
 def test_the_pages_build_without_a_warning(tmp_path: Path) -> None:

@@ -6,13 +6,13 @@ from collections.abc import Collection
 
 import numpy as np
 
-from mjfriction.diagnose.audit import find_faults
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.exact import usual_nuisance
 from mjfriction.diagnose.extend import adjustments, extend_robot
 from mjfriction.diagnose.field import make_field
 from mjfriction.diagnose.findings import make_findings
 from mjfriction.diagnose.free_run import FreeRun, run_freely
+from mjfriction.diagnose.mend import audited
 from mjfriction.diagnose.model import Model
 from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
@@ -22,10 +22,9 @@ from mjfriction.diagnose.stated import settle
 from mjfriction.diagnose.stroke_curve import stroke_curves
 from mjfriction.diagnose.unevenness import as_uneven, with_unevenness
 from mjfriction.diagnose.untold import find_untold
-from mjfriction.diagnose.verdict import faults_in_words, reach_verdict, summarize, unexplained
+from mjfriction.diagnose.verdict import reach_verdict, summarize, unexplained, with_faults
 from mjfriction.errors import InputError
 from mjfriction.identify.effort_bandwidth import find_bandwidths, with_bandwidths
-from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.joint_error import joint_error
 from mjfriction.identify.structure import find_structure
 from mjfriction.progress import Tell, silently
@@ -43,12 +42,12 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     :class:`~mjfriction.errors.LogError` or :class:`~mjfriction.errors.RobotError` when either cannot be used.
     """
     tell("measuring the gap", 0.0)
-    stated = measure_gap(log, robot, highest=HIGHEST)
-    faults = tuple(find_faults(stated))
-    seen = unseen(stated) if faults else see_play(stated, HIGHEST)
+    audit = audited(log, robot, highest=HIGHEST)
+    refused = audit.refused
+    seen = unseen(audit.gap) if refused else see_play(audit.gap, HIGHEST)
     gap = seen.gap
-    field = make_field(gap, () if faults else STRUCTURAL)
-    nuisance = Nuisance((), (), ()) if faults else with_unevenness(gap, usual_nuisance(gap))
+    field = make_field(gap, () if refused else STRUCTURAL)
+    nuisance = Nuisance((), (), ()) if refused else with_unevenness(gap, usual_nuisance(gap))
     found, asked = compete_twice(gap, nuisance, field, tell)
     settled = settle(as_uneven(found), asked)
     tell("proving what was found", PROVING)
@@ -63,20 +62,22 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     findings = sorted((*play_findings(seen, heldout, seed), *told.findings), key=lambda one: -one.gain.reduction)
     joints = tuple(joint_error(gap, joint, left, heldout, seed, stated=seen.stated) for joint in gap.examined)
     extended = extend_robot(model)
-    bandwidths = {} if faults else find_bandwidths(seen.whole, extended)
-    driven, not_run = (None, None) if faults else _driven(model, robot, seed, seen.jumps.keys(), tell)
-    verdict = Verdict.BAD_DATA if faults else reach_verdict(findings, remaining)
+    bandwidths = {} if refused else find_bandwidths(seen.whole, extended)
+    driven, not_run = (None, None) if refused else _driven(model, robot, seed, seen.jumps.keys(), tell)
+    verdict = reach_verdict(findings, remaining)
+    summary = "" if refused else summarize(gap, verdict, findings, joints, remaining)
     return Diagnosis(
         gap=gap,
-        verdict=verdict,
-        summary=summarize(gap, verdict, findings, joints, remaining) if not faults else faults_in_words(faults),
+        verdict=Verdict.BAD_DATA if audit.faults else verdict,
+        summary=with_faults(summary, audit),
         joints=joints,
         findings=tuple(findings),
         adjustments=tuple(adjustments(model, told.untold)),
         structure_before=tuple(find_structure(gap, np.nan_to_num(seen.stated))),
         structure_after=after,
         remaining=remaining,
-        faults=faults,
+        faults=audit.faults,
+        refused=refused,
         not_examined=tuple(joint for i, joint in enumerate(gap.robot.joints) if i not in gap.examined),
         robot=with_bandwidths(extended, bandwidths),
         bandwidths=bandwidths,

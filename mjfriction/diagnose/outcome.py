@@ -52,10 +52,11 @@ class Finding:
 class Diagnosis:
     """Everything a diagnosis found.  ``residual_after`` and ``heldout`` (rows, joints) are what the extended model
     leaves, fitted to everything and fitted elsewhere; ``remaining`` names structure no cause explains;
-    ``next_experiment`` would tell an ambiguous finding from its likeliest alternative; ``faults`` are
-    those of the log itself, found before any physics is blamed: with any, nothing is fitted.  ``bandwidths`` (Hz, by
-    joint) are those of drives that were found to low-pass their efforts; ``robot`` states them too.  ``free_run`` is
-    the proof in motion, None where there is none: ``not_run`` says why.
+    ``next_experiment`` would tell an ambiguous finding from its likeliest alternative.  ``faults`` are those of the log
+    itself, found before any physics is blamed; ``gap`` is of the log as it should have been read, or, where that is not
+    sure, the log is ``refused`` and nothing is fitted.  ``bandwidths`` (Hz, by joint) are those of drives that were
+    found to low-pass their efforts; ``robot`` states them too.  ``free_run`` is the proof in motion, None where there
+    is none: ``not_run`` says why.
     """
 
     gap: Gap
@@ -68,6 +69,7 @@ class Diagnosis:
     structure_after: tuple[Structure, ...]
     remaining: tuple[Structure, ...]
     faults: tuple[Fault, ...]
+    refused: bool
     not_examined: tuple[str, ...]
     robot: Robot
     bandwidths: Mapping[str, float]

@@ -7,11 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from mjfriction.body.model import Body
-from mjfriction.record.faults import Fault
+from mjfriction.record.faults import Fault, Mend
 from mjfriction.record.log import POSITION, VELOCITY, Log
 from mjfriction.record.motion import Motion, velocity_ratio
 
 DEGREE = np.pi / 180.0
+MILLIMETRE = 1e-3
 AS_ONE = 0.03  # by which joints' ratios may differ from each other, or from that of a unit, and be one
 OFF, MOST_OFF = 0.06, 2.0  # by which a clock is off that is worth a word, and the factor it is off by at most
 
@@ -34,7 +35,7 @@ def find_unit_faults(log: Log, body: Body) -> list[Fault]:
                 f"it runs from {low:.4g} to {high:.4g} {unit}, where the model's limits are {body.lower[i]:.4g} to "
                 f"{body.upper[i]:.4g} {unit}; convert it if it is in {other}"
             )
-            out.append(Fault("data.unit", f"position.{joint}", action))
+            out.append(in_another_unit(joint, MILLIMETRE if body.sliding[i] else DEGREE, action))
     return out
 
 
@@ -43,9 +44,13 @@ def find_degrees_by_velocity(log: Log, body: Body, motion: Motion) -> list[Fault
     turning = [joint for joint, sliding in zip(body.joints, body.sliding, strict=True) if not sliding]
     ratios = _velocity_ratios(log, motion, turning)
     action = f"it changes {1.0 / DEGREE:.1f} times as fast as {VELOCITY} says; convert it from degrees to radians"
-    return [
-        Fault("data.unit", f"{POSITION}.{joint}", action) for joint, ratio in ratios.items() if _near(ratio, DEGREE)
-    ]
+    return [in_another_unit(joint, DEGREE, action) for joint, ratio in ratios.items() if _near(ratio, DEGREE)]
+
+
+def in_another_unit(joint: str, factor: float, action: str) -> Fault:
+    """Return the fault of a joint's position that has to be taken times a factor."""
+    column = f"{POSITION}.{joint}"
+    return Fault("data.unit", column, action, mend=Mend(factors=((column, factor),)))
 
 
 def stretched_clock(log: Log, motion: Motion) -> float | None:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from mjfriction.diagnose.mend import Audited
 from mjfriction.diagnose.model import Model
 from mjfriction.diagnose.oscillations import told_oscillations
 from mjfriction.diagnose.outcome import Finding, Verdict
@@ -15,7 +16,6 @@ from mjfriction.identify.colour import COLOURED, NOTHING, coloured_share
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.joint_error import JointError
 from mjfriction.identify.structure import Structure, find_structure
-from mjfriction.record.faults import Fault
 from mjfriction.record.log import Floats
 
 STRUCTURED = 0.1  # share of what is left that a smooth curve may predict before it counts as unexplained
@@ -127,11 +127,15 @@ def summarize(
     return f"The model of '{robot}' lacks {named}; {gain}."
 
 
-def faults_in_words(faults: tuple[Fault, ...]) -> str:
-    """Say in a sentence what is wrong with the log."""
-    first, more = faults[0], len(faults) - 1
+def with_faults(summary: str, audit: Audited) -> str:
+    """Return the sentence on what was found, after what is wrong with the log; where it was refused, that alone."""
+    if not audit.faults:
+        return summary
+    first, more = audit.faults[0], len(audit.faults) - 1
     told = f"{first.kind} in {first.where}: {first.action}" + (f", and {more} more, listed below" if more else "")
-    return f"The log itself is at fault, and nothing was fitted to it: {told}."
+    if audit.refused:
+        return f"The log itself is at fault, and nothing was fitted to it: {told}."
+    return f"The log itself is at fault: {told}. {summary}"
 
 
 def _named(finding: Finding) -> str:

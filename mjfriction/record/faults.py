@@ -6,6 +6,7 @@ They are found in the samples alone, before any model is asked, and repaired whe
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -42,16 +43,32 @@ BESIDE = 0.02  # of the range, that is beside the extreme
 QUANTA, OF_QUANTA = 2.5, 0.5  # the same of a channel whose steps are coarser than that, in steps
 
 
+Span = tuple[float, float]
+EVER: Span = (-math.inf, math.inf)
+
+
+@dataclass(frozen=True)
+class Mend:
+    """How columns of a log should have been read: times a factor each, or two in each other's place, within a ``span``
+    of time (s).
+    """
+
+    factors: tuple[tuple[str, float], ...] = ()
+    exchanged: tuple[tuple[str, str], ...] = ()
+    span: Span = EVER
+
+
 @dataclass(frozen=True)
 class Fault:
     """A fault of a log: its ``kind`` (``data.stuck``, …), where, and what was done or is to do; ``spans`` are the
-    times (s) of the rows that were left out.
+    times (s) of the rows that were left out, ``mend`` is how the log is read right where that is known.
     """
 
     kind: str
     where: str
     action: str
-    spans: tuple[tuple[float, float], ...] = ()
+    spans: tuple[Span, ...] = ()
+    mend: Mend | None = None
 
 
 def written_again(time: Floats, segment: Integers, columns: Mapping[str, Floats]) -> Mask:

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from mjfriction.diagnose.audit import find_faults
+from mjfriction.diagnose.mend import audited
 from mjfriction.diagnose.visible import Visible, visible_causes
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import Gap
 from mjfriction.progress import Tell, silently
 from mjfriction.record.log import CURRENT, EFFORT, KNOWN, VELOCITY, Log
 from mjfriction.record.motion import Motion, estimate_motion
@@ -31,8 +31,8 @@ def inspected_table(log: Log, robot: Robot | None, tell: Tell = silently) -> dic
     """
     tell("measuring the log")
     clock = read_clock(log)
-    gap = measure_gap(log, robot) if robot is not None else None
-    misread = find_faults(gap) if gap is not None else []
+    audit = audited(log, robot) if robot is not None else None
+    gap = audit.gap if audit is not None else None
     motion = gap.motion if gap is not None else estimate_motion(log, log.joints, min(PLAIN_CUTOFF, 0.1 / clock.step))
     known = {f"{quantity}.{joint}" for quantity in KNOWN for joint in log.joints}
     told: dict[str, Any] = {
@@ -46,12 +46,15 @@ def inspected_table(log: Log, robot: Robot | None, tell: Tell = silently) -> dic
         "joints": [_joint(log, motion, i, gap) for i in range(len(motion.joints))],
         "other_columns": sorted(set(log.columns) - known),
         "data_problems": [
-            {"kind": fault.kind, "where": fault.where, "action": fault.action} for fault in (*log.faults, *misread)
+            {"kind": fault.kind, "where": fault.where, "action": fault.action}
+            for fault in (*log.faults, *(audit.faults if audit is not None else ()))
         ],
     }
-    if gap is not None:
+    if audit is not None:
         # What a log could show that is itself at fault is another's.
-        told["could_show"] = [] if misread else [_visible(gap, one) for one in visible_causes(gap, tell)]
+        told["could_show"] = (
+            [] if audit.refused else [_visible(audit.gap, one) for one in visible_causes(audit.gap, tell)]
+        )
     return told
 
 

@@ -178,7 +178,7 @@ class LawEntry(Entry):
 
 class Report(Entry):
     """The whole report; ``effort_bandwidth`` (Hz, by joint) are those of drives found to low-pass their efforts;
-    ``not_simulated`` says why there is no ``simulation``.
+    ``not_simulated`` says why there is no ``simulation``; of a log that is ``refused`` as at fault nothing was fitted.
     """
 
     schema_: Literal["mjfriction.report/1"] = Field(default=SCHEMA, alias="schema")
@@ -197,6 +197,7 @@ class Report(Entry):
     effort_bandwidth: dict[str, Number] = {}
     simulation: SimulationEntry | None = None
     not_simulated: str | None = None
+    refused: bool = False
     made_by: dict[str, str] = {}
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
@@ -254,6 +255,7 @@ def make_report(diagnosis: Diagnosis) -> Report:
         effort_bandwidth=dict(diagnosis.bandwidths),
         simulation=_simulation(diagnosis),
         not_simulated=diagnosis.not_run,
+        refused=diagnosis.refused,
         made_by=made_by(),
     )
 

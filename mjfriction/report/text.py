@@ -27,7 +27,7 @@ COLOURS = {"explained": "green", "consistent": "green", "ambiguous": "yellow", "
 def print_report(report: Report, console: Console) -> None:
     """Print verdict, joints and findings."""
     console.print(Text(report.verdict.upper(), style=f"bold {COLOURS[report.verdict]}"), Text(report.summary), sep="\n")
-    if report.verdict != "bad_data":
+    if not report.refused:
         console.print()
         band = f", below {report.band_hz:.3g} Hz" if report.band_hz else ""
         console.print(Text(f"RMS error on motion not fitted{band}", style="italic"))

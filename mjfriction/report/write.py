@@ -25,7 +25,7 @@ def write_results(diagnosis: Diagnosis, report: Report, folder: Path) -> None:
     if diagnosis.next_experiment is not None:
         pyarrow.parquet.write_table(diagnosis.next_experiment.trajectory.table(), folder / "next_experiment.parquet")
     source = diagnosis.gap.log.name
-    made = "As stated: nothing was fitted to" if report.verdict == "bad_data" else "Extended by mjfriction from"
+    made = "As stated: nothing was fitted to" if report.refused else "Extended by mjfriction from"
     write_robot(diagnosis.robot, folder, comment=f"{made} {source}.\n{report.summary}")
 
 

@@ -51,16 +51,20 @@ def test_a_log_and_its_robot(case: Path) -> None:
     assert all(one["least"] > 0.0 for one in told["could_show"])
 
 
-def test_a_log_that_reads_wrong_shows_nothing_until_it_is_mended(case: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("factor", "kind", "mended"), [(-1.0, "data.sign", True), (37.0, "data.unit", False)])
+def test_a_log_that_reads_wrong_shows_nothing_unless_it_is_mended(
+    factor: float, kind: str, mended: bool, case: Path, tmp_path: Path
+) -> None:
     table = pyarrow.csv.read_csv(case / "log.csv")
     name = "effort.elbow_joint"
-    turned = table.set_column(table.schema.get_field_index(name), name, pa.array(-table[name].to_numpy()))
-    pyarrow.csv.write_csv(turned, tmp_path / "log.csv")
+    wrong = table.set_column(table.schema.get_field_index(name), name, pa.array(factor * table[name].to_numpy()))
+    pyarrow.csv.write_csv(wrong, tmp_path / "log.csv")
     done = mjfriction_here("inspect", tmp_path / "log.csv", "--robot", case / "robot.toml")
     assert done.returncode == 0, done.stderr
-    assert f"data.sign: {name}" in done.stdout
-    assert "once the log reads right" in done.stdout
-    assert "friction.stribeck" not in done.stdout
+    assert f"{kind}: {name}" in done.stdout
+    assert ("once the log reads right" in done.stdout) is not mended
+    assert ("friction.stribeck" in done.stdout) is mended
+    assert ("read so here" in done.stdout) is mended
 
 
 def test_foreign_names_are_shown_confirmed_and_used(case: Path, tmp_path: Path) -> None:

@@ -13,9 +13,10 @@ import pytest
 
 from mjfriction.benchmark.cases import Setting, make_case
 from mjfriction.cli.logs import read_logs
-from mjfriction.diagnose import audit
-from mjfriction.diagnose.audit import find_degrees, find_faults, find_misplaced
+from mjfriction.diagnose import misplaced
+from mjfriction.diagnose.audit import find_degrees, find_faults
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.misplaced import find_misplaced
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.diagnose.units import find_degrees_by_velocity
 from mjfriction.errors import LogError
@@ -78,13 +79,14 @@ def test_arms_that_mostly_rest_are_judged_where_they_move(factor: float, kind: s
         assert (fault.kind, fault.where) == (kind, column)
 
 
-def test_a_log_at_fault_is_not_fitted_however_it_hums(case: tuple[Path, Path]) -> None:
+def test_a_log_that_is_refused_is_not_fitted_however_it_hums(case: tuple[Path, Path]) -> None:
     time = read_log(case[0]).time
     hum = 6.0 * np.sin(2.0 * np.pi * 4.74 * time)
     sound = run(case, lambda c: {ELBOW: c[ELBOW] + hum})
     assert sound.verdict is Verdict.UNEXPLAINED
-    faulty = run(case, lambda c: {ELBOW: c[ELBOW] + hum, WRIST: -c[WRIST]})
+    faulty = run(case, lambda c: {ELBOW: c[ELBOW] + hum, WRIST: 37.0 * c[WRIST]})
     assert faulty.verdict is Verdict.BAD_DATA
+    assert faulty.refused
     assert faulty.robot.table == faulty.gap.robot.table
     assert faulty.adjustments == ()
     residual = np.nan_to_num(faulty.gap.residual)
@@ -196,7 +198,7 @@ def test_a_sign_is_known_of_a_joint_whose_effort_wanders(
     (fault,) = find_faults(gap)
     assert fault.kind == "data.sign"
     assert fault.where.endswith("wrist_3_joint")
-    monkeypatch.setattr(audit, "MENDED_FROM_NOTHING", audit.MENDED)
+    monkeypatch.setattr(misplaced, "MENDED_FROM_NOTHING", misplaced.MENDED)
     assert find_faults(gap) == []
 
 
@@ -241,21 +243,36 @@ def test_two_that_are_both_mended_are_exchanged_however_well_they_fit_as_they_ar
         replace(log, columns={**log.columns, ELBOW: log.columns[lift], lift: log.columns[ELBOW]}), read_robot(case[1])
     )
     # As of an arm whose joints carry much the same, so that neither is poor.
-    monkeypatch.setattr(audit, "_mended", lambda *_: False)
+    monkeypatch.setattr(misplaced, "_mended", lambda *_: False)
     assert find_misplaced(right) == []
     (fault,) = find_misplaced(gap)
     assert (fault.kind, fault.where) == ("data.swap", f"{ELBOW} and that of shoulder_lift_joint")
-    monkeypatch.setattr(audit, "MENDED_BOTH", 0.0)
+    monkeypatch.setattr(misplaced, "MENDED_BOTH", 0.0)
     assert find_misplaced(gap) == []
 
 
-def test_the_sign_of_an_effort_and_of_a_position_may_be_one_and_the_same(case: tuple[Path, Path]) -> None:
-    # Nothing carries the last joint's motion, and nothing weighs on it.
-    last = "position.wrist_3_joint"
-    (fault,) = run(case, lambda c: {last: -c[last]}).faults
-    assert fault.kind == "data.sign"
-    assert "wrist_3_joint" in fault.where
+def test_the_sign_of_a_position_is_told_from_that_of_an_effort_by_the_robot_as_stated(
+    case: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Nothing carries the last joint's motion, and nothing weighs on it: what others carry tells little.
+    log, robot, last = read_log(case[0]), read_robot(case[1]), "wrist_3_joint"
+    for column in (f"position.{last}", f"effort.{last}"):
+        turned = measure_gap(replace(log, columns={**log.columns, column: -log.columns[column]}), robot)
+        (fault,) = find_faults(turned)
+        assert (fault.kind, fault.where, fault.action) == ("data.sign", column, "turn its sign")
+    monkeypatch.setattr(misplaced, "CLEARLY", 1e-9)
+    (fault,) = find_faults(turned)
     assert "or of the positions" in fault.action
+
+
+def test_the_sign_of_a_lone_slide_and_of_its_effort_are_one_and_the_same() -> None:
+    sliding = make_case(2, Setting(robot="linear_axis", seconds=20.0, rate=250.0), (), 1.0)
+    (joint,) = sliding.stated.joints
+    for quantity in ("position", "effort"):
+        columns = {name: -own if name.startswith(quantity) else own for name, own in sliding.log.items()}
+        (fault,) = find_faults(measure_gap(log_from_table(pa.table(columns), "sliding"), sliding.stated))
+        assert (fault.kind, fault.where) == ("data.sign", f"effort.{joint}")
+        assert "or of the positions" in fault.action
 
 
 def test_milliseconds_are_refused(case: tuple[Path, Path]) -> None:
@@ -335,4 +352,4 @@ def test_a_joint_that_rests_in_one_of_two_logs_is_not_judged_there(case: tuple[P
     ],
 )
 def test_what_mends_a_log(as_logged: tuple[float, ...], left: tuple[float, ...], *, mended: bool) -> None:
-    assert audit._mended(np.array(as_logged), np.array(left)) is mended
+    assert misplaced._mended(np.array(as_logged), np.array(left)) is mended

@@ -21,7 +21,7 @@ from mjfriction.report.text import print_identified, print_report
 from mjfriction.report.write import save_diagnosis
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
-from tests.hidden.machine import UR5_JOINTS, Machine, record, robot_toml
+from tests.hidden.machine import Machine, record, robot_toml
 
 ERRORS = "RMS error on motion not fitted"
 
@@ -41,35 +41,38 @@ def printed(console: Console) -> str:
     return console.file.getvalue()
 
 
-@pytest.mark.parametrize("degrees", [False, True])
-def test_a_log_that_is_at_fault_is_given_no_errors_to_believe(stated: Robot, degrees: bool) -> None:
+LAST = "effort.wrist_3_joint"
+
+
+@pytest.mark.parametrize(("factor", "refused"), [(1.0, False), (1000.0, False), (37.0, True)])
+def test_a_log_that_is_refused_is_given_no_errors_to_believe(stated: Robot, factor: float, refused: bool) -> None:
     columns = dict(record(Machine(), 4, 12.0))
-    for joint in UR5_JOINTS:
-        columns[f"position.{joint}"] = (
-            np.degrees(columns[f"position.{joint}"]) if degrees else (columns[f"position.{joint}"])
-        )
+    columns[LAST] = factor * columns[LAST]
     diagnosis = diagnose_log(log_from_table(pa.table(columns), "log"), stated)
-    assert (diagnosis.verdict is Verdict.BAD_DATA) is degrees
+    assert (diagnosis.verdict is Verdict.BAD_DATA) is (factor != 1.0)
     report, terminal = make_report(diagnosis), console()
     print_report(report, terminal)
     page = report_html(diagnosis, report)
-    assert ("data.unit" in printed(terminal)) is degrees
+    assert ("data.unit" in printed(terminal)) is (factor != 1.0)
     titles = ("What the error follows", 'id="errors"', 'id="course-0"')
     for told, title in ((printed(terminal), ERRORS), *((page, one) for one in titles)):
-        assert (title in told) is not degrees, title
+        assert (title in told) is not refused, title
 
 
-def test_what_was_not_fitted_is_not_called_extended_and_one_fault_is_told_once(stated: Robot, tmp_path: Path) -> None:
+@pytest.mark.parametrize("factor", [-1.0, 37.0])
+def test_what_was_not_fitted_is_not_called_extended_and_one_fault_is_told_once(
+    stated: Robot, factor: float, tmp_path: Path
+) -> None:
     columns = dict(record(Machine(), 4, 12.0))
-    columns["effort.elbow_joint"] = -columns["effort.elbow_joint"]
+    columns[LAST] = factor * columns[LAST]
     diagnosis = diagnose_log(log_from_table(pa.table(columns), "log"), stated)
     report, terminal = save_diagnosis(diagnosis, tmp_path / "result"), console()
     assert report.verdict == "bad_data"
     robot = (tmp_path / "result/robot.toml").read_text(encoding="utf-8")
-    assert robot.startswith("# As stated: nothing was fitted to log.")
+    assert robot.startswith("# As stated: nothing was fitted to log." if factor > 0.0 else "# Extended by mjfriction")
     assert read_robot(tmp_path / "result").table.joint == stated.table.joint
     print_report(report, terminal)
-    assert printed(terminal).count("effort.elbow_joint") == 1
+    assert printed(terminal).count(LAST) == 1
 
 
 @pytest.mark.parametrize("wave", [0.0, 3.0])

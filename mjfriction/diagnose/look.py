@@ -1,0 +1,92 @@
+"""A log thinly, and how it would read with columns turned or exchanged."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import nnls
+
+from mjfriction.body.inverse import inverse_dynamics
+from mjfriction.identify.gap import Gap
+from mjfriction.record.faults import EVER, Span
+from mjfriction.record.log import Floats
+from mjfriction.robot.links_torque import held_torque, is_held
+
+SAMPLES = 1500  # of a log that positions are judged by
+
+
+@dataclass(frozen=True)
+class Look:
+    """A log thinly: position, velocity and acceleration (k, joints), and the efforts of the examined joints (k, e), as
+    they are ``reported``, and less what was ``held``, within a ``span`` of time.
+    """
+
+    gap: Gap
+    span: Span
+    course: tuple[Floats, ...]
+    reported: Floats
+    held: Floats
+
+    @functools.cached_property
+    def effort(self) -> Floats:
+        """What the links and friction take by the drives' word, (k, e), N·m or N at the joint."""
+        return self._worth * self.reported - self.held
+
+    @property
+    def _worth(self) -> Floats:
+        return self.gap.per_reported[list(self.gap.examined)]
+
+    @property
+    def left_as_logged(self) -> Floats:
+        """What is left of the log as it is, (e,)."""
+        return self.left(self.course, self.effort)
+
+    def left(self, course: Sequence[Floats], effort: Floats) -> Floats:
+        """Return the share of each examined joint's effort that no weight, friction or offset explains, (e,)."""
+        examined = list(self.gap.examined)
+        rigid, velocity = inverse_dynamics(self.gap.body, *course)[:, examined], course[1][:, examined]
+        left = []
+        for own, torque, speed in zip(effort.T, rigid.T, velocity.T, strict=True):
+            one = np.ones_like(speed)
+            columns = np.column_stack([torque, np.sign(speed), speed, one, -one])
+            # A weight below none, or friction that drives, is no explanation.
+            left.append(float(nnls(columns, own)[1]) ** 2 / max(own.size * float(np.var(own)), 1e-300))
+        return np.asarray(left)
+
+    def positions_exchanged(self, i: int, j: int) -> list[Floats]:
+        """Return the course with two joints' columns exchanged."""
+        order = np.arange(len(self.gap.robot.joints))
+        order[[i, j]] = order[[j, i]]
+        return [values[:, order] for values in self.course]
+
+    def effort_turned(self, i: int) -> Floats:
+        """Return the efforts with one joint's sign turned."""
+        sign = np.where(np.array(self.gap.examined) == i, -1.0, 1.0)
+        return self._worth * self.reported * sign - self.held
+
+    def efforts_exchanged(self, i: int, j: int) -> Floats:
+        """Return the efforts with two joints' columns exchanged."""
+        order = np.arange(len(self.gap.examined))
+        places = [self.gap.examined.index(i), self.gap.examined.index(j)]
+        order[places] = order[places[::-1]]
+        return self._worth * self.reported[:, order] - self.held
+
+    def position_turned(self, i: int) -> list[Floats]:
+        """Return the course with one joint's sign turned."""
+        sign = np.where(np.arange(len(self.gap.robot.joints)) == i, -1.0, 1.0)
+        return [values * sign for values in self.course]
+
+
+def look_at(gap: Gap, span: Span = EVER) -> Look:
+    """Return a log as it was written, within a ``span`` of time."""
+    motion = gap.motion
+    rows = np.flatnonzero(is_held(*span, motion.time))
+    rows = rows[:: max(1, rows.size // SAMPLES)]
+    course = tuple(values[rows] for values in (motion.position, motion.velocity, motion.acceleration))
+    # What was held besides is no matter of whose column is whose.
+    pair = (motion.torque, held_torque(gap.robot, gap.body, motion))
+    reported, held = (values[rows][:, list(gap.examined)] for values in pair)
+    return Look(gap, span, course, reported, held)

@@ -1,0 +1,40 @@
+"""A log with columns read as they should have been."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjfriction.record.faults import Mend
+from mjfriction.record.log import Log
+
+Value = TypeVar("Value", bound=np.generic)
+
+
+def reread(log: Log, mend: Mend) -> Log:
+    """Return the log with columns times their factors, and those that were exchanged in their places, within the span
+    of the mend; columns that the log has not are left aside.
+    """
+    begin, end = mend.span
+    own = (log.time >= begin) & (log.time < end)
+    columns, unusable = dict(log.columns), dict(log.unusable)
+    for name, factor in mend.factors:
+        if name in columns:
+            columns[name] = np.where(own, factor * columns[name], columns[name])
+    usable = np.zeros(log.time.size, dtype=bool)
+    for one, other in mend.exchanged:
+        if one in columns and other in columns:
+            columns[one], columns[other] = _exchanged(columns[one], columns[other], own)
+        if one in unusable or other in unusable:
+            masks = unusable.get(one, usable), unusable.get(other, usable)
+            unusable[one], unusable[other] = _exchanged(*masks, own)
+    return replace(log, columns=columns, unusable=unusable)
+
+
+def _exchanged(
+    one: NDArray[Value], other: NDArray[Value], own: NDArray[np.bool_]
+) -> tuple[NDArray[Value], NDArray[Value]]:
+    return np.where(own, other, one), np.where(own, one, other)
