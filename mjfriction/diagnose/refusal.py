@@ -19,6 +19,7 @@ BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "frictio
 PROOF_SEED = 0  # of the resampling by which a gain is held against zero
 ON_THE_WAY = 0.5  # of what friction that builds up over travel gains, that it must gain while its joint moves
 APART, SURELY_APART = 0.5, 2.0  # of a delay, and deviations, by which friction's part of it differs from the rest's
+BLURRED = 0.1  # of a period of the position filter's cutoff, within which it is not known when a joint turns
 
 
 def refused(model: Model) -> list[Chosen]:
@@ -123,6 +124,7 @@ def _torn(model: Model) -> list[Chosen]:
         deviation = float(np.sqrt(normal.covariance(np.arange(gap.blocks.count))[-1, -1]))
         rest, beside = float(strengths[place][0]), float(strengths[-1])
         farther = rest * delay > APART * delay**2 and beside * delay > 0.0
-        if abs(beside) > max(APART * abs(delay), SURELY_APART * deviation) and not farther:
+        known = max(APART * abs(delay), SURELY_APART * deviation, BLURRED / gap.motion.cutoff)
+        if abs(beside) > known and not farther:
             out.append(choice)
     return out

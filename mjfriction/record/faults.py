@@ -18,12 +18,6 @@ Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 FEWEST_REPEATED = 8  # rows, different ones, alike in every column, that no chance repeats in a row
-LONGEST_SINGLE = 2  # samples of a glitch
-WILD = 25.0  # times the usual departure from its neighbours' median from which on a sample is wild
-COMES_BACK = 0.3  # of a wild sample's height, that its neighbours may differ by
-FORESEEN = 0.8  # of that height, that it must depart by from a straight course up to it
-WILD_SHARE = 0.02  # of a channel's range that it must depart by besides
-LEAST_WILD = 1e-9  # in any unit: less is the rounding of a simulation
 SHORTEST_STUCK = 20  # samples
 STUCK_SPEED = 0.4  # of the usual speed, just before or after a standstill, that no joint stops from at once
 NEAR = 6  # samples beside a standstill, that tell how fast a joint was
@@ -128,38 +122,6 @@ def held_rows(columns: Mapping[str, Floats], piece: Integers | None = None) -> M
     return out
 
 
-def glitches(values: Floats) -> Mask:
-    """Return the single wild samples of a channel, (n,): far from the median of the samples around them."""
-    if values.size < 16 or np.ptp(values) == 0.0:
-        return np.zeros(values.size, dtype=bool)
-    padded = np.pad(values, 3, mode="edge")
-    around = np.median(np.lib.stride_tricks.sliding_window_view(padded, 7), axis=1)
-    departure = np.abs(values - around)
-    usual = float(np.quantile(departure, 0.99)) + 1e-300
-    spread = float(np.quantile(values, 0.99) - np.quantile(values, 0.01))
-    wild = departure > max(WILD * usual, WILD_SHARE * spread, QUANTA * _count(values), LEAST_WILD)
-    out = wild.copy()
-    for start, stop in _runs(wild.astype(np.int64)):
-        if wild[start] and (stop - start > LONGEST_SINGLE or not _there_and_back(values, wild, start, stop)):
-            out[start:stop] = False
-    return out
-
-
-def _there_and_back(values: Floats, wild: Mask, start: int, stop: int) -> bool:
-    # A wild sample stands out from both neighbours, which are alike; a step or a swing does not come back.  Nor does a
-    # straight course up to it foresee it, from either side: that turns there.  Two samples on that side make a course,
-    # if neither is wild itself.
-    if start == 0 or stop == values.size:
-        return True
-    before, after = values[start - 1], values[stop]
-    height = np.min(np.abs(values[start:stop] - 0.5 * (before + after)))
-    if abs(after - before) >= COMES_BACK * height:
-        return False
-    sides = ((start - 1, start - 2, start), (stop, stop + 1, stop - 1))
-    courses = [own for own in sides if 0 <= own[1] < values.size and not wild[own[1]]]
-    return all(abs(2.0 * values[a] - values[b] - values[at]) > FORESEEN * height for a, b, at in courses)
-
-
 def stuck(values: Floats, speed: Floats, piece: Integers | None = None, effort: Floats | None = None) -> Mask:
     """Return where a channel stands still at once in the middle of motion, (n,).
 
@@ -176,7 +138,7 @@ def stuck(values: Floats, speed: Floats, piece: Integers | None = None, effort: 
     if not runs or np.ptp(values) == 0.0:
         return out
     usual = float(np.sqrt(np.mean(np.square(speed))))
-    jump, count = _jump(values, piece), _count(values)
+    jump, count = _jump(values, piece), count_of(values)
     lengths = np.sort([b - a for a, b in runs])
     ordinary = float(lengths[int(0.9 * (lengths.size - 1))]) if lengths.size > 10 else 2.0
     open_ended, sticks = [], False
@@ -222,8 +184,8 @@ def _works_on(effort: Floats, last: int) -> bool:
     return spread[1] > WORKS_ON * spread[0]
 
 
-def _count(values: Floats) -> float:
-    # What a coarse sensor counts in: the least step of a channel that is not constant.
+def count_of(values: Floats) -> float:
+    """Return what a coarse sensor counts in: the least step of a channel (n,) that is not constant."""
     steps = np.abs(np.diff(values))
     return float(np.min(steps[steps > 0.0]))
 
@@ -231,7 +193,7 @@ def _count(values: Floats) -> float:
 def _jump(values: Floats, piece: Integers | None = None) -> float:
     # A step that nothing makes that is recorded without a break.
     steps = np.abs(np.diff(values))[np.diff(_pieces(piece, values.size)) == 0]
-    return max(JUMP * float(np.quantile(steps, ALL_BUT_JUMPS)), QUANTA * _count(values))
+    return max(JUMP * float(np.quantile(steps, ALL_BUT_JUMPS)), QUANTA * count_of(values))
 
 
 def _pieces(piece: Integers | None, count: int) -> Integers:

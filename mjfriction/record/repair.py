@@ -13,7 +13,6 @@ from mjfriction.record.faults import (
     Mask,
     clipped,
     frozen,
-    glitches,
     held_rows,
     in_words,
     repeated_rows,
@@ -21,6 +20,7 @@ from mjfriction.record.faults import (
     stuck,
     written_again,
 )
+from mjfriction.record.glitches import answered, glitches
 from mjfriction.record.log import CURRENT, EFFORT, POSITION, VELOCITY, Floats, Integers, Log
 from mjfriction.record.motion import HELD
 from mjfriction.record.resample import GAP_STEPS
@@ -78,7 +78,10 @@ def repaired(log: Log) -> Log:
         for quantity in (POSITION, VELOCITY, EFFORT, CURRENT):
             name = f"{quantity}.{joint}"
             if name in columns:
-                columns[name], found = _bridged(log, name, columns[name])
+                wild = glitches(columns[name])
+                if quantity in (EFFORT, CURRENT):
+                    wild &= ~answered(wild, columns[f"{POSITION}.{joint}"], piece)
+                columns[name], found = _bridged(log, name, wild)
                 faults += found
         speed = _speed(log, columns, joint)
         effort = next((columns[f"{own}.{joint}"] for own in (EFFORT, CURRENT) if f"{own}.{joint}" in columns), None)
@@ -128,8 +131,8 @@ def _travel(position: Floats) -> float:
     return float(high - low)
 
 
-def _bridged(log: Log, name: str, values: Floats) -> tuple[Floats, list[Fault]]:
-    wild = glitches(values)
+def _bridged(log: Log, name: str, wild: Mask) -> tuple[Floats, list[Fault]]:
+    values = log.columns[name]
     if not np.any(wild):
         return values, []
     index = np.arange(values.size)

@@ -76,6 +76,23 @@ def test_friction_that_comes_farther_still_does_not_take_a_delay_away(sign: floa
     assert refused(model) == []
 
 
+def test_when_friction_turns_is_known_no_better_than_position_tells(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # All of an effort comes late by two samples, and friction seems to by half of one.
+    def hidden(instant: Instant) -> np.ndarray:
+        return late(instant.friction, instant, 0.0005) + late(instant.rigid, instant, 0.002)
+
+    log, robot = write_case(tmp_path, Machine(noise=0.02, hidden={SHOULDER: hidden}), 1, seconds=30.0, rate=1000.0)
+    gap = measure_gap(read_log(log), read_robot(robot), highest=60.0)
+    delay = Chosen(JointDelay(), Site(SHOULDER))
+    model = build_model(gap, make_nuisance(gap), (delay,))
+    assert model.strengths[-1] == pytest.approx(0.002, rel=0.1)
+    assert refused(model) == []
+    monkeypatch.setattr(refusal, "BLURRED", 0.0)
+    assert [choice.key for choice in refused(model)] == [delay.key]
+
+
 @pytest.mark.parametrize("part", ["all", "friction"])
 def test_so_is_a_delay_of_the_whole_arm(part: str, tmp_path: Path) -> None:
     def hidden(instant: Instant) -> np.ndarray:

@@ -8,8 +8,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from mjfriction.record import faults
-from mjfriction.record.faults import clipped, frozen, glitches, held_rows, repeated_rows, stuck
+from mjfriction.record.faults import clipped, frozen, held_rows, repeated_rows, stuck
 from mjfriction.record.log import Log
 from mjfriction.record.readers.table import log_from_table
 
@@ -251,36 +250,6 @@ def test_rows_left_out_have_their_place_in_what_is_put_back() -> None:
     there = np.isfinite(back)
     assert np.count_nonzero(~there) == 300
     np.testing.assert_array_equal(back[there], whole[EFFORT][there])
-
-
-def test_the_rounding_of_a_simulation_is_no_glitch() -> None:
-    rng = np.random.default_rng(1)
-    held = 1e-16 * rng.normal(size=2000)
-    held[700] = 1e-12
-    assert not np.any(glitches(held))
-    held[700] = 1e-3
-    assert np.flatnonzero(glitches(held)).tolist() == [700]
-
-
-def test_a_joint_that_is_pushed_back_at_once_has_no_glitch(monkeypatch: pytest.MonkeyPatch) -> None:
-    # A measured velocity that nears zero for a moment, in a log in which the joint moves little else.
-    velocity = np.concatenate([np.full(2500, -1e-4), np.linspace(-1e-4, 2.5e-4, 1500)])
-    near = [-8.69, -6.70, -5.09, -3.80, -2.79, -2.01, -1.65, -2.78, -4.95, -7.50]
-    velocity[1000:1010] = 1e-5 * np.array(near)
-    velocity += 1e-9 * np.random.default_rng(0).normal(size=velocity.size)
-    assert not np.any(glitches(velocity))
-    wild = velocity.copy()
-    wild[2000] += 2e-5
-    assert np.flatnonzero(glitches(wild)).tolist() == [2000]
-    monkeypatch.setattr(faults, "FORESEEN", 0.0)
-    assert np.flatnonzero(glitches(velocity)).tolist() == [1005, 1006]
-
-
-def test_two_opposite_glitches_around_one_good_sample_are_two() -> None:
-    values = np.sin(np.linspace(0.0, 6.0, 2000)) + 1e-4 * np.random.default_rng(0).normal(size=2000)
-    values[500] += 5.0
-    values[502] -= 5.0
-    assert np.flatnonzero(glitches(values)).tolist() == [500, 502]
 
 
 def test_a_held_joint_that_gives_by_a_few_counts_is_no_stuck_sensor() -> None:

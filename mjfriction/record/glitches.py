@@ -1,0 +1,88 @@
+"""Single wild samples of a channel."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mjfriction.record.faults import QUANTA, Floats, Integers, Mask, count_of, spans
+
+LONGEST_SINGLE = 2  # samples of a glitch
+WILD = 25.0  # times the usual departure from its neighbours' median from which on a sample is wild
+COMES_BACK = 0.3  # of a wild sample's height, that its neighbours may differ by
+FORESEEN = 0.8  # of that height, that it must depart by from a straight course up to it
+WILD_SHARE = 0.02  # of a channel's range that it must depart by besides
+LEAST_WILD = 1e-9  # in any unit: less is the rounding of a simulation
+COURSE = np.arange(1, 7)  # samples beyond a neighbour of a wild one, that tell its course
+TOUCHED = 0.03  # of a wild sample's height, that a neighbour may be off that course by
+SPREADS = 5.0  # times what these spread by, the same
+PACE, CALM = 4, 12  # samples that a joint's pace is told by, and of the calm before or after a blow
+JUMPS, COUNTS = 2.0, 3.0  # times the change of pace in that calm, and of the encoder's counts, that are a jump of it
+
+
+def glitches(values: Floats) -> Mask:
+    """Return the single wild samples of a channel, (n,): far from the median of the samples around them."""
+    if values.size < 16 or np.ptp(values) == 0.0:
+        return np.zeros(values.size, dtype=bool)
+    padded = np.pad(values, 3, mode="edge")
+    around = np.median(np.lib.stride_tricks.sliding_window_view(padded, 7), axis=1)
+    departure = np.abs(values - around)
+    usual = float(np.quantile(departure, 0.99)) + 1e-300
+    spread = float(np.quantile(values, 0.99) - np.quantile(values, 0.01))
+    wild = departure > max(WILD * usual, WILD_SHARE * spread, QUANTA * count_of(values), LEAST_WILD)
+    out = wild.copy()
+    for start, stop in spans(wild):
+        alone = stop - start <= LONGEST_SINGLE and _there_and_back(values, wild, start, stop)
+        if not alone or _touches(values, wild, start, stop):
+            out[start:stop] = False
+    return out
+
+
+def _there_and_back(values: Floats, wild: Mask, start: int, stop: int) -> bool:
+    # A wild sample stands out from both neighbours, which are alike; a step or a swing does not come back.  Nor does a
+    # straight course up to it foresee it, from either side: that turns there.  Two samples on that side make a course,
+    # if neither is wild itself.
+    if start == 0 or stop == values.size:
+        return True
+    before, after = values[start - 1], values[stop]
+    height = np.min(np.abs(values[start:stop] - 0.5 * (before + after)))
+    if abs(after - before) >= COMES_BACK * height:
+        return False
+    sides = ((start - 1, start - 2, start), (stop, stop + 1, stop - 1))
+    courses = [own for own in sides if 0 <= own[1] < values.size and not wild[own[1]]]
+    return all(abs(2.0 * values[a] - values[b] - values[at]) > FORESEEN * height for a, b, at in courses)
+
+
+def _touches(values: Floats, wild: Mask, start: int, stop: int) -> bool:
+    # A reading that is wrong leaves its neighbours alone; a blow that the machine felt begins before it or dies away
+    # after it: a neighbour is off the straight course of those beyond it.
+    height = np.max(np.abs(values[start:stop] - 0.5 * (values[max(start - 1, 0)] + values[min(stop, values.size - 1)])))
+    for neighbour, way in ((start - 1, -1), (stop, 1)):
+        beyond = neighbour + way * COURSE
+        if np.min(beyond) < 0 or np.max(beyond) >= values.size or np.any(wild[beyond]):
+            continue
+        line = np.polynomial.polynomial.polyfit(COURSE, values[beyond], 1)
+        spread = float(np.std(values[beyond] - np.polynomial.polynomial.polyval(COURSE, line)))
+        off = abs(values[neighbour] - line[0])
+        if off > max(TOUCHED * height, SPREADS * spread, QUANTA * count_of(values)):
+            return True
+    return False
+
+
+def answered(wild: Mask, position: Floats, piece: Integers) -> Mask:
+    """Return which wild samples of an effort, (n,), its joint answers to: where its speed jumps, a blow was felt.
+
+    ``position`` (n,) is the joint's; ``piece`` (n,) numbers what was recorded without a break.
+    """
+    out = np.zeros(wild.size, dtype=bool)
+    if np.ptp(position) == 0.0:
+        return out
+    change = np.zeros(wild.size)
+    change[PACE:-PACE] = position[2 * PACE :] - 2.0 * position[PACE:-PACE] + position[: -2 * PACE]
+    change, count = np.abs(change), count_of(position)
+    for start, stop in spans(wild):
+        first, past = start - 2 * PACE - CALM, stop + 2 * PACE + CALM
+        if first < 0 or past > wild.size or piece[first] != piece[past - 1]:
+            continue
+        calm = min(np.max(change[first + PACE : start - PACE]), np.max(change[stop + PACE : past - PACE]))
+        out[start:stop] = np.max(change[start:stop]) > JUMPS * calm + COUNTS * count
+    return out

@@ -1,0 +1,79 @@
+"""Single wild samples are told from what a machine does in one or two samples."""
+
+from __future__ import annotations
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from mjfriction.record import glitches as glitches_
+from mjfriction.record.glitches import answered, glitches
+from mjfriction.record.readers.table import log_from_table
+
+
+def test_the_rounding_of_a_simulation_is_no_glitch() -> None:
+    rng = np.random.default_rng(1)
+    held = 1e-16 * rng.normal(size=2000)
+    held[700] = 1e-12
+    assert not np.any(glitches(held))
+    held[700] = 1e-3
+    assert np.flatnonzero(glitches(held)).tolist() == [700]
+
+
+def test_a_joint_that_is_pushed_back_at_once_has_no_glitch(monkeypatch: pytest.MonkeyPatch) -> None:
+    # A measured velocity that nears zero for a moment, in a log in which the joint moves little else.
+    velocity = np.concatenate([np.full(2500, -1e-4), np.linspace(-1e-4, 2.5e-4, 1500)])
+    near = [-8.69, -6.70, -5.09, -3.80, -2.79, -2.01, -1.65, -2.78, -4.95, -7.50]
+    velocity[1000:1010] = 1e-5 * np.array(near)
+    velocity += 1e-9 * np.random.default_rng(0).normal(size=velocity.size)
+    assert not np.any(glitches(velocity))
+    wild = velocity.copy()
+    wild[2000] += 2e-5
+    assert np.flatnonzero(glitches(wild)).tolist() == [2000]
+    monkeypatch.setattr(glitches_, "FORESEEN", 0.0)
+    assert np.flatnonzero(glitches(velocity)).tolist() == [1005, 1006]
+
+
+def test_two_opposite_glitches_around_one_good_sample_are_two() -> None:
+    values = np.sin(np.linspace(0.0, 6.0, 2000)) + 1e-4 * np.random.default_rng(0).normal(size=2000)
+    values[500] += 5.0
+    values[502] -= 5.0
+    assert np.flatnonzero(glitches(values)).tolist() == [500, 502]
+
+
+@pytest.mark.parametrize("before", [False, True])
+def test_a_blow_that_begins_or_dies_away_is_none(before: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    # What a drive gives as its speed is asked to jump: most of it within a sample, the rest beside it.
+    effort = 4.0 * np.sin(np.linspace(0.0, 30.0, 5000)) + 0.05 * np.random.default_rng(2).normal(size=5000)
+    blow = effort.copy()
+    blow[2000] -= 30.0
+    assert np.flatnonzero(glitches(blow)).tolist() == [2000]
+    blow[1999 if before else 2001] -= 2.0
+    assert not np.any(glitches(blow))
+    monkeypatch.setattr(glitches_, "TOUCHED", np.inf)
+    assert np.flatnonzero(glitches(blow)).tolist() == [2000]
+
+
+def test_a_wild_sample_is_known_where_the_effort_bends_at_it() -> None:
+    # Friction turns over there, and the sample beside it stands as far from a straight course as the turn makes it.
+    effort = 0.05 * np.random.default_rng(2).normal(size=5000) + np.where(np.arange(5000) < 2001, -1.0, 1.0)
+    effort[2000] = 120.0
+    assert np.flatnonzero(glitches(effort)).tolist() == [2000]
+
+
+def test_a_blow_that_the_joint_answers_to_is_none() -> None:
+    # A drive is asked for a jump of its speed: within a sample or two it gives what that takes.
+    rng, count = np.random.default_rng(4), 4000
+    speed = np.where(np.arange(count) < 2000, 0.3, 0.12)
+    position = np.round(np.cumsum(0.002 * speed) / 2e-5) * 2e-5
+    effort = 2.0 * np.sign(speed) + 0.02 * rng.normal(size=count)
+    for at in (1000, 2000):
+        effort[at] -= 15.0
+    wild, piece = glitches(effort), np.zeros(count, dtype=np.int64)
+    assert np.flatnonzero(wild).tolist() == [1000, 2000]
+    assert np.flatnonzero(answered(wild, position, piece)).tolist() == [2000]
+    # What stands where another recording begins tells of none.
+    assert not np.any(answered(wild, position, np.where(np.arange(count) < 2005, 0, 1)))
+    columns = {"time": 0.002 * np.arange(count), "position.hinge": position, "effort.hinge": effort}
+    (fault,) = log_from_table(pa.table(columns), "log").faults
+    assert (fault.kind, fault.where) == ("data.glitch", "effort.hinge, 2 s")
