@@ -146,14 +146,15 @@ def load_body(
         armature[list(columns)] += np.asarray(rotor_inertia)
         model.armature = armature
     order = list(columns)
+    lower, upper = _limits(model, joints)
     return Body(
         joints=tuple(joints),
         links=tuple(str(name) for name in list(model.names)[1:]),
         sliding=tuple(slides(model.joints[model.getJointId(joint)]) for joint in joints),
         damping=np.array(model.damping)[order],
         dry_friction=np.array(model.upperDryFrictionLimit)[order],
-        lower=_limits(model, joints, model.lowerPositionLimit, -np.inf),
-        upper=_limits(model, joints, model.upperPositionLimit, np.inf),
+        lower=lower,
+        upper=upper,
         top_speed=_top_speeds(model, columns),
         gravity=np.array(model.gravity.linear),
         model=model,
@@ -227,10 +228,11 @@ def _link_frame(model: pin.Model, name: str) -> pin.Frame | None:
     return next(iter(named + moved), None)
 
 
-def _limits(model: pin.Model, joints: Sequence[str], bounds: Floats, absent: float) -> Floats:
-    out = np.full(len(joints), absent)
+def _limits(model: pin.Model, joints: Sequence[str]) -> tuple[Floats, Floats]:
+    # A range of none is that of a URDF which states no limits, as MuJoCo takes it too.
+    lower, upper = np.full(len(joints), -np.inf), np.full(len(joints), np.inf)
     for i, joint in enumerate(joints):
         entry = model.joints[model.getJointId(joint)]
-        if entry.nq == 1:
-            out[i] = bounds[entry.idx_q]
-    return out
+        if entry.nq == 1 and model.lowerPositionLimit[entry.idx_q] < model.upperPositionLimit[entry.idx_q]:
+            lower[i], upper[i] = model.lowerPositionLimit[entry.idx_q], model.upperPositionLimit[entry.idx_q]
+    return lower, upper

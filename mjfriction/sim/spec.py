@@ -13,6 +13,7 @@ from numpy.polynomial import Polynomial
 
 from mjfriction.errors import SimulationError, suggestion
 from mjfriction.laws.law import Floats
+from mjfriction.sim.messages import messages_dropped
 
 Spec = mujoco.MjSpec
 NO_MASS = 1e-12  # kg and kg·m²
@@ -174,7 +175,8 @@ def _read(path: Path) -> mujoco.MjSpec:
         for link in root.iter("link"):
             for shape in [*link.findall("visual"), *link.findall("collision")]:
                 link.remove(shape)
-        return mujoco.MjSpec.from_string(ET.tostring(root, encoding="unicode"))
+        with messages_dropped():  # as of limits that are none
+            return mujoco.MjSpec.from_string(ET.tostring(root, encoding="unicode"))
     except (OSError, ET.ParseError, ValueError) as error:
         raise SimulationError(f"{path}: MuJoCo cannot read it: {' '.join(str(error).split())}") from None
 

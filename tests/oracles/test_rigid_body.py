@@ -13,9 +13,11 @@ from mjfriction.body.inverse import inertia_at, inverse_dynamics
 from mjfriction.body.model import Load, load_body
 from mjfriction.body.regressor import gravity_torques, link_torques, tip_link, tip_mass_torques
 from mjfriction.errors import RobotError
+from mjfriction.identify.protocol import room
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.plain_model import in_plain_words
 from mjfriction.robot.robot import bundled_robots
+from mjfriction.sim.spec import compiled, read_spec
 from tests.hidden.machine import UR5, UR5_JOINTS, mujoco_model, rigid_torque
 
 MIXED = """
@@ -187,6 +189,22 @@ def test_the_ranges_of_hinges_and_slides_are_mujocos(angle: str, tmp_path: Path)
     body = load_body(tmp_path / "arm.xml", ("slide", "hinge"), text=in_plain_words(tmp_path / "arm.xml"))
     ranges = mujoco.MjModel.from_xml_string(text).jnt_range
     np.testing.assert_allclose(np.column_stack([body.lower, body.upper]), ranges, rtol=1e-12)
+
+
+def test_a_urdf_that_states_no_range_has_none(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "arm.urdf"
+    path.write_text("""<robot name="arm"><link name="base"/><link name="bar"><inertial><mass value="1"/>
+    <inertia ixx=".01" iyy=".01" izz=".01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+    <joint name="hinge" type="revolute"><parent link="base"/><child link="bar"/><axis xyz="0 1 0"/>
+    <limit effort="9" velocity="3"/></joint></robot>""")
+    body = load_body(path, ("hinge",))
+    assert (body.lower[0], body.upper[0]) == (-np.inf, np.inf)
+    model = compiled(read_spec(path, ("hinge",)))
+    assert not model.jnt_limited[0]
+    assert capfd.readouterr().err == ""
+    middle, reach = room(body)
+    assert middle[0] == 0.0
+    assert reach[0] > 1.0
 
 
 @pytest.mark.parametrize(
