@@ -11,6 +11,7 @@ from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.body.model import Body, configuration, in_model_order
 from mjfriction.laws.law import Floats
 
+LOWER = np.tril_indices(3)  # Ixx, Ixy, Iyy, Ixz, Iyz, Izz, as Pinocchio has them
 SHIFT = 1e-4  # m
 CHUNK = 512  # samples whose regressors are held at once
 
@@ -33,14 +34,19 @@ def tip_mass_torques(body: Body, position: Floats, velocity: Floats, acceleratio
     """Return joint torques per kg and per kg·m of first moment (x, y, z) at the tip link's frame.
 
     The result has shape (n, joints, 4).  A mass m with its centre at c needs this times (m, m·c) and, of second order
-    in c, its moment of inertia about the frame.
+    in c − c₀, its moment of inertia about c₀, the centre of what the tip link weighs itself: about the joint the second
+    moment of a point mass, m·x·xᵀ = w·wᵀ/m with w = m·x, is −m·x₀·x₀ᵀ + x₀·wᵀ + w·x₀ᵀ near x₀.
     """
     frame = body.model.frames[body.model.getFrameId(tip_link(body), pin.FrameType.BODY)]
-    # Per kg of a mass at the frame, and of one that has a first moment, without a moment of inertia, besides.
+    origin, turned = frame.placement.translation, frame.placement.rotation
+    near = origin + turned @ tip_mass(body)[1]
+    # Per kg of a mass at the frame, and of one that has a first moment besides.
     torques = []
     for moment in np.vstack([np.zeros(3), np.eye(3)]):
-        centre = frame.placement.translation + frame.placement.rotation @ moment
-        parameters = np.concatenate([[1.0], centre, np.zeros(6)])
+        centre = origin + turned @ moment
+        second = np.outer(near, centre) + np.outer(centre, near) - np.outer(near, near)
+        inertia = np.trace(second) * np.eye(3) - second
+        parameters = np.concatenate([[1.0], centre, inertia[LOWER]])
         alone = _holding_nothing_but(body, frame.parentJoint, pin.Inertia.FromDynamicParameters(parameters))
         torques.append(inverse_dynamics(alone, position, velocity, acceleration))
     mass = torques[0]

@@ -34,6 +34,7 @@ AT_THE_EDGE = 8.0  # times the samples at the extreme must be more than those be
 MOST_LISTED = 3  # places of one fault that are spelled out
 LEAVES = 0.5  # of the range, that no effort leaves a limit by at once
 BESIDE = 0.02  # of the range, that is beside the extreme
+HEAPED = 2.0  # times the samples one step inside, that are heaped up at either extreme of what a coarse sensor reads
 QUANTA, OF_QUANTA = 2.5, 0.5  # the same of a channel whose steps are coarser than that, in steps
 
 
@@ -223,9 +224,10 @@ def frozen(values: Floats, moving: Mask) -> Mask:
 def clipped(values: Floats, moving: Mask) -> Mask:
     """Return where a channel stands at its own extreme, (n,): many samples at one value, few beside it.
 
-    A drive that clips one way clips the other way too, at as much: there it is enough that it often stays there.
+    A drive that clips one way clips the other way too, at as much: there it is enough that it often stays there.  Noise
+    that is clipped thins out up to both extremes, but for those.
     """
-    out, standing = np.zeros(values.size, dtype=bool), []
+    out, standing, heaped = np.zeros(values.size, dtype=bool), [], []
     span = float(np.ptp(values))
     if span <= 0.0:
         return out
@@ -240,10 +242,13 @@ def clipped(values: Floats, moving: Mask) -> Mask:
             continue  # a reading that stuck once, higher than others happen to be
         if np.count_nonzero(at & moving) >= FEWEST_CLIPPED and longest >= CLIPPED_RUN:
             standing.append(at)
+            before = np.abs(np.abs(values - extreme) - step) < 0.5 * step
+            heaped.append(np.count_nonzero(at) > HEAPED * np.count_nonzero(before))
             if np.count_nonzero(at) * factor > np.count_nonzero(beside):
                 out |= at
     both_ways = abs(float(np.max(values)) + float(np.min(values))) <= 1e-9 * span
-    return np.logical_or.reduce([out, *standing]) if both_ways and np.any(out) else out
+    clips = np.any(out) or (heaped == [True, True] and QUANTA * step >= BESIDE * span)
+    return np.logical_or.reduce([out, *standing]) if both_ways and clips else out
 
 
 def _breaks_off(values: Floats, start: int, stop: int, by: float) -> bool:

@@ -11,7 +11,7 @@ import pytest
 from mjfriction.body.inertia import RigidLink
 from mjfriction.body.inverse import inertia_at, inverse_dynamics
 from mjfriction.body.model import Load, load_body
-from mjfriction.body.regressor import gravity_torques, link_torques, tip_link, tip_mass_torques
+from mjfriction.body.regressor import gravity_torques, link_torques, tip_link, tip_mass, tip_mass_torques
 from mjfriction.errors import RobotError
 from mjfriction.identify.protocol import room
 from mjfriction.robot.files import read_robot
@@ -244,14 +244,19 @@ def test_tip_mass_and_gravity_enter_as_the_model_itself_says(name: str) -> None:
     robot = read_robot(name)
     body = robot.body()
     q, v, a = states(len(body.joints), 5)
-    tip, centre = tip_link(body), (0.01, -0.02, 0.03)
-    loaded = load_body(
-        robot.model_path, robot.joints, text=in_plain_words(robot.model_path), payload=Load(2.0, centre, tip)
-    )
     stated = load_body(robot.model_path, robot.joints, text=in_plain_words(robot.model_path))
-    share = tip_mass_torques(body, q, v, a) @ np.array([2.0, *(2.0 * np.array(centre))])
-    # Of second order in the centre's distance: the mass's moment of inertia about the flange.
-    np.testing.assert_allclose(inverse_dynamics(loaded, q, v, a) - inverse_dynamics(stated, q, v, a), share, atol=0.02)
+    own = tip_mass(body)[1]
+    errors = []
+    for far in (0.0, 0.04, 0.02):
+        centre = own + far * np.array([0.3, -0.5, 0.8])
+        load = Load(2.0, (centre[0], centre[1], centre[2]), tip_link(body))
+        loaded = load_body(robot.model_path, robot.joints, text=in_plain_words(robot.model_path), payload=load)
+        needed = inverse_dynamics(loaded, q, v, a) - inverse_dynamics(stated, q, v, a)
+        share = tip_mass_torques(body, q, v, a) @ np.array([2.0, *(2.0 * centre)])
+        errors.append(float(np.max(np.abs(needed - share))))
+    # Exact at the link's own centre; beside it, of second order: the mass's moment of inertia.
+    assert errors[0] < 1e-9
+    assert errors[2] == pytest.approx(errors[1] / 4.0, rel=1e-6, abs=1e-9)
     gravity = (0.3, -0.4, -9.0)
     turned = load_body(robot.model_path, robot.joints, text=in_plain_words(robot.model_path), gravity=gravity)
     difference = inverse_dynamics(turned, q, v, a) - inverse_dynamics(stated, q, v, a)

@@ -388,3 +388,15 @@ def test_a_gap_beside_a_glitch_is_a_gap() -> None:
     log = read({name: values[kept] for name, values in columns.items()})
     (glitch,) = log.faults
     assert (glitch.kind, glitch.spans) == ("data.glitch", ())
+
+
+@pytest.mark.parametrize("most", [np.inf, 0.13])
+def test_coarse_noise_that_heaps_up_at_both_extremes_is_clipped(most: float) -> None:
+    # A slow effort within loud noise, in steps of a fortieth of its range: no run at the limit is long.
+    rng, step = np.random.default_rng(6), 0.0065
+    slow = 0.12 * np.sin(np.linspace(0.0, 40.0, 8000))
+    bound = np.floor(most / step) * step if np.isfinite(most) else np.inf
+    values = np.round(np.clip(slow + 0.03 * rng.normal(size=8000), -bound, bound) / step) * step
+    found = clipped(values, np.ones(values.size, dtype=bool))
+    expected = np.abs(values) > bound - 0.5 * step if np.isfinite(bound) else np.zeros(values.size, dtype=bool)
+    np.testing.assert_array_equal(found, expected)
