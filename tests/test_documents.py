@@ -44,7 +44,7 @@ from mjfriction.diagnose.stated import FADED, LEFT, OUTLYING
 from mjfriction.diagnose.stroke_curve import FEWEST_HARMONIC, HARMONIC, HIGHEST
 from mjfriction.diagnose.trial import EVENEST, FALSE_ALARM, FEWEST_JOINTS, LEAST_EFFECT, UNEVEN
 from mjfriction.diagnose.unevenness import TOLD_BY
-from mjfriction.diagnose.untold import BRISTLE_MISFIT, DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
+from mjfriction.diagnose.untold import BRISTLE_MISFIT, DROWNED, LEAST_SEEN, MISFIT, NO_CONTACT, SURELY_SEEN
 from mjfriction.diagnose.verdict import LEAST_FRICTION, MUCH_COLOURED
 from mjfriction.diagnose.which_log import LOUDER
 from mjfriction.identify import choose, conclude, landings, turning
@@ -53,7 +53,7 @@ from mjfriction.identify.gap import ENOUGH_PER_PERIOD
 from mjfriction.identify.stroke_waves import STEPS_PER_LOBE
 from mjfriction.identify.swing import FASTEST, SLOWEST
 from mjfriction.laws.catalog import LAWS
-from mjfriction.record import jumps
+from mjfriction.record import glitches, jumps
 from mjfriction.record.clock_bursts import FEWEST_AT_ONCE
 from mjfriction.record.clock_rate import OFF
 from mjfriction.record.motion import DAWDLING, HELD, RINGING, USUALLY
@@ -208,6 +208,8 @@ def test_how_it_decides_tells_when_columns_are_out_of_place_and_when_a_log_is_me
     assert f"two joints that leave {100 * misplaced.NOTICED:g} % leave a fifth of that each" in told
     assert (misplaced.POOR, misplaced.MENDED, misplaced.MENDED_BOTH) == (0.25, 0.3, 0.2), "as the page says"
     assert f"explained less well, by {100 * misplaced.NO_WORSE:g} % of its effort" in told
+    assert f"by {100 * glitches.TOUCHED:g} % of its height" in told
+    assert NO_CONTACT == 3.0, "the page says three quarters"
     assert (mend.MOST_ROUNDS, AS_KNOWN) == (3, 1.25), "three times, within a quarter"
 
 

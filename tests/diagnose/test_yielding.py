@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mjfriction.diagnose import untold
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.exact import usual_nuisance
@@ -16,7 +17,7 @@ from mjfriction.diagnose.yielding import yielding
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
-from tests.hidden.machine import UR5_JOINTS, Instant, Machine, bristle, write_case
+from tests.hidden.machine import UR5_COULOMB, UR5_JOINTS, Instant, Machine, bristle, write_case
 
 LIFT = 1
 TRAVEL = 1e-3  # rad, over which friction builds up at every joint: half a thousandth of the strokes
@@ -68,3 +69,21 @@ def test_a_stribeck_curve_beside_it_is_found(tmp_path: Path) -> None:
     excess, velocity, _ = finding.parameters
     assert excess.value == pytest.approx(EXCESS, rel=0.1)
     assert velocity.value == pytest.approx(STRIBECK_VELOCITY, rel=0.1)
+
+
+def builds_up(at: Instant) -> np.ndarray:
+    """What the joint's friction lacks after each of its reversals."""
+    return UR5_COULOMB[LIFT] * (bristle(at.q, TRAVEL) - np.sign(at.v))
+
+
+def test_at_one_joint_alone_it_is_one_where_it_is_most_of_what_is_wrong(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    machine = Machine(noise=0.01, velocity="clean", hidden={LIFT: builds_up})
+    (finding,) = diagnosed(tmp_path, machine).findings
+    assert (finding.cause, finding.joint) == ("friction.presliding", UR5_JOINTS[LIFT])
+    level, travel = finding.parameters
+    assert level.value == pytest.approx(UR5_COULOMB[LIFT], rel=0.1)
+    assert travel.value == pytest.approx(TRAVEL, rel=0.1)
+    monkeypatch.setattr(untold, "NO_CONTACT", np.inf)
+    assert diagnosed(tmp_path, machine).findings == ()

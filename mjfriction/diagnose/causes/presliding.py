@@ -164,6 +164,11 @@ class SlippingElements(_Bristle):
         least = -LEAST_ELEMENT * float(np.sum(strengths))
         return super().admissible(gap, site, strengths) and bool(np.min(strengths) > least)
 
+    def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """What still builds up beyond the travel that every contact yields: the last element that holds a part."""
+        held = np.array(SLIPS)[np.asarray(strengths) > LEAST_PART * np.sum(strengths)]
+        return super().noteworthy(gap, site.shaped((float(np.max(held)) * site.shape[0],)), strengths)
+
     def law(self, level: float, travel: float, strengths: Floats) -> tuple[Law, Values]:
         """Maxwell-slip's, of those elements that hold anything."""
         levels = np.maximum(strengths, 0.0)
