@@ -34,8 +34,9 @@ AT_THE_EDGE = 8.0  # times the samples at the extreme must be more than those be
 MOST_LISTED = 3  # places of one fault that are spelled out
 LEAVES = 0.5  # of the range, that no effort leaves a limit by at once
 BESIDE = 0.02  # of the range, that is beside the extreme
-HEAPED = 2.0  # times the samples one step inside, that are heaped up at either extreme of what a coarse sensor reads
 QUANTA, OF_QUANTA = 2.5, 0.5  # the same of a channel whose steps are coarser than that, in steps
+PEAKED = 2.5  # times the samples one step inside, that a smooth peak has in its highest step at most: √1 to √2 − √1
+HEAPED = 2.0  # times the samples one step inside, that are heaped up at either extreme of what a coarse sensor reads
 
 
 Span = tuple[float, float]
@@ -242,9 +243,11 @@ def clipped(values: Floats, moving: Mask) -> Mask:
             continue  # a reading that stuck once, higher than others happen to be
         if np.count_nonzero(at & moving) >= FEWEST_CLIPPED and longest >= CLIPPED_RUN:
             standing.append(at)
-            before = np.abs(np.abs(values - extreme) - step) < 0.5 * step
-            heaped.append(np.count_nonzero(at) > HEAPED * np.count_nonzero(before))
-            if np.count_nonzero(at) * factor > np.count_nonzero(beside):
+            inside = [np.count_nonzero(np.abs(np.abs(values - extreme) - k * step) < 0.5 * step) for k in (1, 2)]
+            noisy = np.count_nonzero(at) < CLIPPED_RUN * len(runs)
+            heaped.append(noisy and np.count_nonzero(at) > HEAPED * inside[0] and inside[0] < inside[1])
+            flat = np.count_nonzero(at) > PEAKED * inside[0]
+            if flat and np.count_nonzero(at) * factor > np.count_nonzero(beside):
                 out |= at
     both_ways = abs(float(np.max(values)) + float(np.min(values))) <= 1e-9 * span
     clips = np.any(out) or (heaped == [True, True] and QUANTA * step >= BESIDE * span)

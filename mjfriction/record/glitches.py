@@ -31,8 +31,7 @@ def glitches(values: Floats) -> Mask:
     wild = departure > max(WILD * usual, WILD_SHARE * spread, QUANTA * count_of(values), LEAST_WILD)
     out = wild.copy()
     for start, stop in spans(wild):
-        alone = stop - start <= LONGEST_SINGLE and _there_and_back(values, wild, start, stop)
-        if not alone or _touches(values, wild, start, stop):
+        if stop - start > LONGEST_SINGLE or not _there_and_back(values, wild, start, stop):
             out[start:stop] = False
     return out
 
@@ -52,37 +51,49 @@ def _there_and_back(values: Floats, wild: Mask, start: int, stop: int) -> bool:
     return all(abs(2.0 * values[a] - values[b] - values[at]) > FORESEEN * height for a, b, at in courses)
 
 
-def _touches(values: Floats, wild: Mask, start: int, stop: int) -> bool:
-    # A reading that is wrong leaves its neighbours alone; a blow that the machine felt begins before it or dies away
-    # after it: a neighbour is off the straight course of those beyond it.
-    height = np.max(np.abs(values[start:stop] - 0.5 * (values[max(start - 1, 0)] + values[min(stop, values.size - 1)])))
+def felt(wild: Mask, effort: Floats, position: Floats, piece: Integers) -> Mask:
+    """Return which wild samples of an effort, (n,), are blows that the machine felt.
+
+    A reading that is wrong leaves its neighbours alone, and the joint too.  A blow begins before its sample or dies
+    away after it, or the joint's speed jumps there.  ``position`` (n,) is the joint's; ``piece`` (n,) numbers what was
+    recorded without a break.
+    """
+    out, places = np.zeros(wild.size, dtype=bool), spans(wild)
+    if not places:
+        return out
+    change = np.zeros(wild.size)
+    change[PACE:-PACE] = np.abs(position[2 * PACE :] - 2.0 * position[PACE:-PACE] + position[: -2 * PACE])
+    effort_count = count_of(effort)
+    count = count_of(position) if np.ptp(position) > 0.0 else np.inf
+    for start, stop in places:
+        out[start:stop] = _touches(effort, wild, piece, start, stop, effort_count) or _answered(
+            change, piece, start, stop, count
+        )
+    return out
+
+
+def _touches(effort: Floats, wild: Mask, piece: Integers, start: int, stop: int, count: float) -> bool:
+    # Whether a neighbour is off the straight course of those beyond it.
+    before, after = effort[max(start - 1, 0)], effort[min(stop, effort.size - 1)]
+    height = np.max(np.abs(effort[start:stop] - 0.5 * (before + after)))
     for neighbour, way in ((start - 1, -1), (stop, 1)):
         beyond = neighbour + way * COURSE
-        if np.min(beyond) < 0 or np.max(beyond) >= values.size or np.any(wild[beyond]):
+        if np.min(beyond) < 0 or np.max(beyond) >= effort.size or np.any(wild[beyond]):
             continue
-        line = np.polynomial.polynomial.polyfit(COURSE, values[beyond], 1)
-        spread = float(np.std(values[beyond] - np.polynomial.polynomial.polyval(COURSE, line)))
-        off = abs(values[neighbour] - line[0])
-        if off > max(TOUCHED * height, SPREADS * spread, QUANTA * count_of(values)):
+        if np.ptp(piece[[start, *beyond]]) > 0:
+            continue
+        line = np.polynomial.polynomial.polyfit(COURSE, effort[beyond], 1)
+        spread = float(np.std(effort[beyond] - np.polynomial.polynomial.polyval(COURSE, line)))
+        off = abs(effort[neighbour] - line[0])
+        if off > max(TOUCHED * height, SPREADS * spread, QUANTA * count):
             return True
     return False
 
 
-def answered(wild: Mask, position: Floats, piece: Integers) -> Mask:
-    """Return which wild samples of an effort, (n,), its joint answers to: where its speed jumps, a blow was felt.
-
-    ``position`` (n,) is the joint's; ``piece`` (n,) numbers what was recorded without a break.
-    """
-    out = np.zeros(wild.size, dtype=bool)
-    if np.ptp(position) == 0.0:
-        return out
-    change = np.zeros(wild.size)
-    change[PACE:-PACE] = position[2 * PACE :] - 2.0 * position[PACE:-PACE] + position[: -2 * PACE]
-    change, count = np.abs(change), count_of(position)
-    for start, stop in spans(wild):
-        first, past = start - 2 * PACE - CALM, stop + 2 * PACE + CALM
-        if first < 0 or past > wild.size or piece[first] != piece[past - 1]:
-            continue
-        calm = min(np.max(change[first + PACE : start - PACE]), np.max(change[stop + PACE : past - PACE]))
-        out[start:stop] = np.max(change[start:stop]) > JUMPS * calm + COUNTS * count
-    return out
+def _answered(change: Floats, piece: Integers, start: int, stop: int, count: float) -> bool:
+    # Whether the joint's speed jumps, as it does not where a course begins to bend or ends to.
+    first, past = start - 2 * PACE - CALM, stop + 2 * PACE + CALM
+    if first < 0 or past > change.size or np.ptp(piece[first:past]) > 0:
+        return False
+    around = max(np.max(change[first + PACE : start - PACE]), np.max(change[stop + PACE : past - PACE]))
+    return bool(np.max(change[start:stop]) > JUMPS * around + COUNTS * count)

@@ -20,7 +20,7 @@ from mjfriction.record.faults import (
     stuck,
     written_again,
 )
-from mjfriction.record.glitches import answered, glitches
+from mjfriction.record.glitches import felt, glitches
 from mjfriction.record.log import CURRENT, EFFORT, POSITION, VELOCITY, Floats, Integers, Log
 from mjfriction.record.motion import HELD
 from mjfriction.record.resample import GAP_STEPS
@@ -80,7 +80,7 @@ def repaired(log: Log) -> Log:
             if name in columns:
                 wild = glitches(columns[name])
                 if quantity in (EFFORT, CURRENT):
-                    wild &= ~answered(wild, columns[f"{POSITION}.{joint}"], piece)
+                    wild &= ~felt(wild, columns[name], columns[f"{POSITION}.{joint}"], piece)
                 columns[name], found = _bridged(log, name, wild)
                 faults += found
         speed = _speed(log, columns, joint)

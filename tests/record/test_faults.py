@@ -400,3 +400,13 @@ def test_coarse_noise_that_heaps_up_at_both_extremes_is_clipped(most: float) -> 
     found = clipped(values, np.ones(values.size, dtype=bool))
     expected = np.abs(values) > bound - 0.5 * step if np.isfinite(bound) else np.zeros(values.size, dtype=bool)
     np.testing.assert_array_equal(found, expected)
+
+
+def test_what_swings_or_rubs_in_coarse_counts_is_not_clipped() -> None:
+    phase = np.linspace(0.0, 60.0, 8000)
+    for counts in [*np.arange(8.0, 80.0, 0.37), 200.0, 1000.3]:
+        for values in (
+            np.round(counts * np.cos(phase)),
+            np.round(counts * (np.cos(phase) + 0.4 * np.sign(np.cos(phase)))),
+        ):
+            assert not np.any(clipped(values, np.ones(values.size, dtype=bool))), counts

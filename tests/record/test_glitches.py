@@ -7,7 +7,7 @@ import pyarrow as pa
 import pytest
 
 from mjfriction.record import glitches as glitches_
-from mjfriction.record.glitches import answered, glitches
+from mjfriction.record.glitches import felt, glitches
 from mjfriction.record.readers.table import log_from_table
 
 
@@ -41,24 +41,49 @@ def test_two_opposite_glitches_around_one_good_sample_are_two() -> None:
     assert np.flatnonzero(glitches(values)).tolist() == [500, 502]
 
 
+STILL, WHOLE = np.linspace(0.0, 1.0, 5000), np.zeros(5000, dtype=np.int64)
+
+
 @pytest.mark.parametrize("before", [False, True])
 def test_a_blow_that_begins_or_dies_away_is_none(before: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     # What a drive gives as its speed is asked to jump: most of it within a sample, the rest beside it.
     effort = 4.0 * np.sin(np.linspace(0.0, 30.0, 5000)) + 0.05 * np.random.default_rng(2).normal(size=5000)
     blow = effort.copy()
     blow[2000] -= 30.0
-    assert np.flatnonzero(glitches(blow)).tolist() == [2000]
-    blow[1999 if before else 2001] -= 2.0
-    assert not np.any(glitches(blow))
+    wild = np.arange(5000) == 2000
+    np.testing.assert_array_equal(glitches(blow), wild)
+    assert not np.any(felt(wild, blow, STILL, WHOLE))
+    beside = 1999 if before else 2001
+    blow[beside] -= 2.0
+    np.testing.assert_array_equal(glitches(blow), wild)
+    assert felt(wild, blow, STILL, WHOLE)[2000]
+    # What was recorded after a break says nothing of it.
+    assert not np.any(felt(wild, blow, STILL, np.cumsum(np.arange(5000) == (2000 if before else 2001))))
     monkeypatch.setattr(glitches_, "TOUCHED", np.inf)
-    assert np.flatnonzero(glitches(blow)).tolist() == [2000]
+    assert not np.any(felt(wild, blow, STILL, WHOLE))
 
 
-def test_a_wild_sample_is_known_where_the_effort_bends_at_it() -> None:
-    # Friction turns over there, and the sample beside it stands as far from a straight course as the turn makes it.
+def test_a_wild_sample_is_known_where_friction_turns_over() -> None:
+    # The sample beside it stands as far from a straight course as the turn makes it.
     effort = 0.05 * np.random.default_rng(2).normal(size=5000) + np.where(np.arange(5000) < 2001, -1.0, 1.0)
     effort[2000] = 120.0
     assert np.flatnonzero(glitches(effort)).tolist() == [2000]
+    assert not np.any(felt(glitches(effort), effort, STILL, WHOLE))
+
+
+@pytest.mark.parametrize("rate", [100.0, 250.0, 500.0])
+def test_a_wild_sample_at_the_corner_of_a_move_is_known(rate: float) -> None:
+    # Rest, 2 rad/s² up to speed, cruise, down to rest: a trapezoid's corners are no jumps of speed.
+    time = np.arange(0.0, 6.0, 1.0 / rate)
+    speed = np.clip(2.0 * np.minimum(time - 1.0, 5.0 - time), 0.0, 1.0)
+    position = np.round(np.cumsum(speed) / rate / 1e-5) * 1e-5
+    noise = 0.02 * np.random.default_rng(3).normal(size=time.size)
+    for corner in (1.0, 1.5, 4.5, 5.0):
+        for at in np.arange(-3, 4) + round(corner * rate):
+            effort = 0.5 * np.sign(speed) + noise
+            effort[at] += 40.0
+            wild = np.arange(time.size) == at
+            assert not np.any(felt(wild, effort, position, np.zeros(time.size, dtype=np.int64))), (corner, at)
 
 
 def test_a_blow_that_the_joint_answers_to_is_none() -> None:
@@ -71,9 +96,9 @@ def test_a_blow_that_the_joint_answers_to_is_none() -> None:
         effort[at] -= 15.0
     wild, piece = glitches(effort), np.zeros(count, dtype=np.int64)
     assert np.flatnonzero(wild).tolist() == [1000, 2000]
-    assert np.flatnonzero(answered(wild, position, piece)).tolist() == [2000]
+    assert np.flatnonzero(felt(wild, effort, position, piece)).tolist() == [2000]
     # What stands where another recording begins tells of none.
-    assert not np.any(answered(wild, position, np.where(np.arange(count) < 2005, 0, 1)))
+    assert not np.any(felt(wild, effort, position, np.where(np.arange(count) < 2005, 0, 1)))
     columns = {"time": 0.002 * np.arange(count), "position.hinge": position, "effort.hinge": effort}
     (fault,) = log_from_table(pa.table(columns), "log").faults
     assert (fault.kind, fault.where) == ("data.glitch", "effort.hinge, 2 s")
