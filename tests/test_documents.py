@@ -35,6 +35,7 @@ from mjfriction.diagnose.free_links import BAR, FEWEST_GAINING, LEAST_GAINED, MA
 from mjfriction.diagnose.held_links import NEARLY_ALL
 from mjfriction.diagnose.kin import LEAST_KIN_EFFECT
 from mjfriction.diagnose.link_finding import ALWAYS_NOTED, SURELY
+from mjfriction.diagnose.look import NO_WORSE
 from mjfriction.diagnose.nuisance import CONSTANT, FARTHEST, LET_GO, LINK_SCALE, LINK_SHIFT, ROTOR
 from mjfriction.diagnose.oscillations import INSTEAD, LEAST_TOLD, NEAR, QUIETER, RESONANT
 from mjfriction.diagnose.refusal import ON_THE_WAY
@@ -204,13 +205,14 @@ def test_the_pages_tell_which_joints_and_traces_are_left_out() -> None:
 
 def test_how_it_decides_tells_when_columns_are_out_of_place_and_when_a_log_is_mended() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
-    assert "a quarter of a joint's effort is left unexplained and less than a third of that" in told
+    assert "a quarter of the variance of a joint's effort is left unexplained and less than a third of that" in told
     assert f"two joints that leave {100 * misplaced.NOTICED:g} % leave a fifth of that each" in told
     assert (misplaced.POOR, misplaced.MENDED, misplaced.MENDED_BOTH) == (0.25, 0.3, 0.2), "as the page says"
-    assert f"explained less well, by {100 * misplaced.NO_WORSE:g} % of its effort" in told
+    assert f"explained less well, by {100 * NO_WORSE:g} % of its effort's variance" in told
     assert f"by {100 * glitches.TOUCHED:g} % of its height" in told
     assert NO_CONTACT == 3.0, "the page says three quarters"
     assert (mend.MOST_ROUNDS, AS_KNOWN) == (3, 1.25), "three times, within a quarter"
+    assert (mend.ANOTHER_SIZE, mend.NEAR) == (1.25, 0.1), "a quarter larger and smaller, within a tenth"
 
 
 def test_the_pages_build_without_a_warning(tmp_path: Path) -> None:

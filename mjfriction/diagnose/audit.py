@@ -2,29 +2,14 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
-from mjfriction.diagnose.look import look_at
-from mjfriction.diagnose.misplaced import (
-    FEWEST_ROWS,
-    HALF,
-    SOME,
-    effort_column,
-    find_misplaced,
-    of_efforts_or_positions,
-)
-from mjfriction.diagnose.units import (
-    DEGREE,
-    find_degrees_by_velocity,
-    find_unit_faults,
-    in_another_unit,
-    stretched_clock,
-)
+from mjfriction.diagnose.look import FEWEST_ROWS, look_at
+from mjfriction.diagnose.misplaced import effort_column, find_misplaced, of_efforts_or_positions
+from mjfriction.diagnose.units import alone, find_units, spans_of_logs, stretched_clock
 from mjfriction.identify.gap import Gap
 from mjfriction.record.faults import EVER, Fault, Mend, Span
 from mjfriction.record.log import EFFORT, Floats
@@ -45,10 +30,8 @@ def find_faults(gap: Gap) -> list[Fault]:
     prediction that in turn looks like this one's, is a fault of signs, units or wiring.  Then positions with a sign or
     at a joint that they should not have.
     """
-    units = find_unit_faults(gap.log, gap.body) or find_degrees_by_velocity(gap.log, gap.body, gap.motion)
     return (
-        units
-        or find_degrees(gap)
+        find_units(gap)
         or find_stretched(gap)
         or find_misread(gap)
         or find_misplaced(gap)
@@ -59,30 +42,8 @@ def find_faults(gap: Gap) -> list[Fault]:
 
 def _in_one_log(gap: Gap, find: Callable[[Gap, Span], list[Fault]]) -> list[Fault]:
     # What is at fault in one of several logs alone is lost in what all of them say together.
-    begins = [begin for _, begin in gap.log.joined]
-    if len(begins) < 2:
-        return []
-    found = []
-    for (name, _), span in zip(gap.log.joined, itertools.pairwise([*begins, math.inf]), strict=True):
-        for fault in find(gap, span):
-            mend = None if fault.mend is None else replace(fault.mend, span=span)
-            found.append(replace(fault, where=f"{fault.where}, in {name} alone", mend=mend))
-    return found
-
-
-def find_degrees(gap: Gap) -> list[Fault]:
-    """Return the positions of turning joints that go farther than a turn, if the efforts fit once they are degrees."""
-    turning = ~np.array(gap.body.sliding)
-    if not np.any(np.max(np.abs(gap.motion.position[:, turning]), axis=0, initial=0.0) > 2.0 * np.pi):
-        return []
-    look = look_at(gap)
-    as_logged = look.left_as_logged
-    as_degrees = look.left([values * np.where(turning, DEGREE, 1.0) for values in look.course], look.effort)
-    if not np.any(as_logged > SOME) or np.sum(as_degrees) > HALF * np.sum(as_logged):
-        return []
-    names = [joint for joint, turns in zip(gap.robot.joints, turning, strict=True) if turns]
-    action = "the efforts fit if it is in degrees; convert it to radians"
-    return [in_another_unit(joint, DEGREE, action) for joint in names]
+    logs = spans_of_logs(gap.log)
+    return [alone(fault, name, span) for name, span in logs for fault in find(gap, span)] if len(logs) > 1 else []
 
 
 def find_stretched(gap: Gap) -> list[Fault]:
@@ -143,9 +104,8 @@ def _in_a_known_unit(gap: Gap, joint: int, factor: float) -> Mend | None:
     known = [THOUSAND, 1.0 / THOUSAND]
     if gap.motion.quantity[joint] == EFFORT:
         known += [1.0 / worth for worth in (drive.gear_ratio, drive.effort_per_ampere) if worth]
-    near = {abs(math.log(factor / one)): 1.0 / one for one in known if factor / one > 0.0}
-    off = min(near, default=math.inf)
-    return Mend(factors=((effort_column(gap, joint), near[off]),)) if off < math.log(AS_KNOWN) else None
+    near = [one for one in known if factor / one > 0.0 and abs(math.log(factor / one)) < math.log(AS_KNOWN)]
+    return Mend(factors=((effort_column(gap, joint), 1.0 / near[0]),)) if len(near) == 1 else None
 
 
 def _likeness(measured: Floats, predicted: Floats) -> tuple[float, float]:

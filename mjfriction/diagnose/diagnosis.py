@@ -81,7 +81,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
         not_examined=tuple(joint for i, joint in enumerate(gap.robot.joints) if i not in gap.examined),
         robot=with_bandwidths(extended, bandwidths),
         bandwidths=bandwidths,
-        next_experiment=told.experiment,
+        next_experiment=None if audit.moved_otherwise else told.experiment,
         residual_after=left,
         heldout=heldout,
         free_run=driven,

@@ -16,6 +16,9 @@ from mjfriction.record.log import Floats
 from mjfriction.robot.links_torque import held_torque, is_held
 
 SAMPLES = 1500  # of a log that positions are judged by
+FEWEST_ROWS = 50  # in clear motion, that a joint's effort is judged by
+SOME, HALF = 0.03, 0.5  # of an effort's variance left, of which one joint at least, or all together, must lose so much
+NO_WORSE = 0.03  # of an effort's variance, that any joint may be explained less well by then
 
 
 @dataclass(frozen=True)
@@ -39,13 +42,15 @@ class Look:
     def _worth(self) -> Floats:
         return self.gap.per_reported[list(self.gap.examined)]
 
-    @property
+    @functools.cached_property
     def left_as_logged(self) -> Floats:
         """What is left of the log as it is, (e,)."""
         return self.left(self.course, self.effort)
 
     def left(self, course: Sequence[Floats], effort: Floats) -> Floats:
-        """Return the share of each examined joint's effort that no weight, friction or offset explains, (e,)."""
+        """Return the share of the variance of each examined joint's effort that no weight, friction or offset explains,
+        (e,).
+        """
         examined = list(self.gap.examined)
         rigid, velocity = inverse_dynamics(self.gap.body, *course)[:, examined], course[1][:, examined]
         left = []

@@ -2,59 +2,99 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from mjfriction.diagnose.audit import find_faults
-from mjfriction.diagnose.look import look_at
-from mjfriction.diagnose.misplaced import NO_WORSE
-from mjfriction.diagnose.read_so import read_so
+from mjfriction.diagnose.look import NO_WORSE, look_at
+from mjfriction.diagnose.read_so import off_as_stated, read_so
 from mjfriction.identify.gap import Gap, measure_gap
-from mjfriction.record.faults import Fault
-from mjfriction.record.log import Log
+from mjfriction.record.faults import Fault, Mend
+from mjfriction.record.log import POSITION, Log
 from mjfriction.robot.bandwidth import HIGHEST
 from mjfriction.robot.robot import Robot
 
-MOST_ROUNDS = 3  # of looking for faults beside those that are mended
+MOST_ROUNDS = 3  # of mending faults that are found beside those that were mended
+# Times a unit, that positions are read with beside it, and by how much the logarithms of what that leaves have to be
+# more, taken together; by how much of itself the unit may be off where they are least.
+ANOTHER_SIZE, TOLD, NEAR = 1.25, 0.05, 0.1
 
 
 @dataclass(frozen=True)
 class Audited:
-    """The ``gap`` of a log as it should have been read, and its ``faults``; where one of them has no sure mend the log
-    is ``refused``, and the gap is of the log as it is.
+    """The ``gap`` of a log as it should have been read, ``stated`` that of the log as it is, and its ``faults``; where
+    one of them has no sure mend the log is ``refused``, and both gaps are one.
     """
 
+    stated: Gap
     gap: Gap
     faults: tuple[Fault, ...]
     refused: bool
+
+    @property
+    def moved_otherwise(self) -> bool:
+        """Whether positions were misread: what a plan says of this robot's joints is not what its machine would do."""
+        columns = [name for fault in self.faults if fault.mend for name in _columns(fault.mend)]
+        return any(name.startswith(POSITION) for name in columns)
 
 
 def audited(log: Log, robot: Robot, *, highest: float = HIGHEST) -> Audited:
     """Hold a log against a robot, look for faults, mend those that say how, and look again.
 
-    ``highest`` is the most that the position filter's cutoff may be (Hz).  A log is mended if nothing is found in it
-    then, and the efforts fit no worse at any joint.  Raises what
+    ``highest`` is the most that the position filter's cutoff may be (Hz).  Raises what
     :func:`~mjfriction.identify.gap.measure_gap` does.
     """
     stated = measure_gap(log, robot, highest=highest)
-    gap, told = stated, list[Fault]()
-    for _ in range(MOST_ROUNDS):
-        faults = find_faults(gap)
-        if not faults:
-            done = (replace(fault, action=f"{fault.action} (read so here)") for fault in told)
-            return Audited(gap, tuple(done), refused=False)
-        told += faults
-        mends = [fault.mend for fault in faults if fault.mend is not None]
-        if len(mends) < len(faults):
-            break
-        mended = read_so(gap, mends, robot, highest=highest)
-        if not _fits_no_worse(mended, gap):
-            break
+    gap, rounds = stated, list[list[Fault]]()
+    while faults := find_faults(gap):
+        rounds.append(faults)
+        mended = _mended(gap, faults, robot, highest) if len(rounds) <= MOST_ROUNDS else None
+        if mended is None:
+            # What is found beside a mend that is none is no fault of the log.
+            return Audited(stated, stated, tuple(rounds[0]), refused=True)
         gap = mended
-    return Audited(stated, tuple(told), refused=True)
+    told = [replace(fault, action=f"{fault.action} (read so here)") for faults in rounds for fault in faults]
+    return Audited(stated, gap, tuple(told), refused=False)
+
+
+def _mended(gap: Gap, faults: Sequence[Fault], robot: Robot, highest: float) -> Gap | None:
+    # The gap of the log without its faults, where it is sure that it was these.
+    mends = [fault.mend for fault in faults if fault.mend is not None]
+    if len(mends) < len(faults):
+        return None
+    mended = read_so(gap, mends, robot, highest=highest)
+    if not set(gap.examined) <= set(mended.examined) or not _fits_no_worse(mended, gap):
+        return None
+    return mended if _of_their_size(gap, mends, mended) else None
 
 
 def _fits_no_worse(mended: Gap, gap: Gap) -> bool:
-    # Joints that are examined either way: of one in another unit it may be unknown whether it moves.
     left = [dict(zip(one.examined, look_at(one).left_as_logged, strict=True)) for one in (mended, gap)]
-    both = left[0].keys() & left[1].keys()
-    return bool(both) and all(left[0][joint] < left[1][joint] + NO_WORSE for joint in both)
+    return all(left[0][joint] < left[1][joint] + NO_WORSE for joint in left[1])
+
+
+def _of_their_size(gap: Gap, mends: Sequence[Mend], mended: Gap) -> bool:
+    # Limits only say that positions are in another unit.  That it is this one the efforts have to say: through what is
+    # left with it, and with a quarter more and less, goes a parabola, whose lowest point has to be near.
+    scaled = [
+        mend for mend in mends if any(name.startswith(POSITION) and abs(own) != 1.0 for name, own in mend.factors)
+    ]
+    if not scaled:
+        return True
+    readings = [mended]
+    for size in (1.0 / ANOTHER_SIZE, ANOTHER_SIZE):
+        resized = [
+            replace(mend, factors=tuple((name, size * own) for name, own in mend.factors)) if mend in scaled else mend
+            for mend in mends
+        ]
+        readings.append(read_so(gap, resized, mended.robot, highest=mended.motion.cutoff))
+    own, less, more = off_as_stated(readings)
+    bend = less + more - 2.0 * own
+    lowest = 0.5 * np.log(ANOTHER_SIZE) * (less - more) / bend if bend > TOLD else np.inf
+    return bool(abs(lowest) < NEAR)
+
+
+def _columns(mend: Mend) -> list[str]:
+    return [*(name for name, _ in mend.factors), *(name for pair in mend.exchanged for name in pair)]

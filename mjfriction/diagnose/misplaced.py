@@ -8,20 +8,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from mjfriction.diagnose.look import Look, look_at
-from mjfriction.diagnose.read_so import read_so
+from mjfriction.diagnose.look import FEWEST_ROWS, HALF, NO_WORSE, SOME, Look, look_at
+from mjfriction.diagnose.read_so import off_as_stated, read_so
 from mjfriction.identify.gap import Gap
 from mjfriction.record.faults import EVER, Fault, Mend, Span
 from mjfriction.record.log import POSITION, Floats
 from mjfriction.robot.links_torque import is_held
 
-FEWEST_ROWS = 50  # in clear motion, that a joint's effort is judged by
 POOR = 0.25  # of an effort's variance left unexplained, past which columns may be misplaced
 MUCH = 0.1  # the same, that is much beside another joint past POOR
 MENDED = 0.3  # of that, which may be left at one joint at least once they are in their places
 NOTHING, MENDED_FROM_NOTHING = 0.9, 0.5  # the same where as good as nothing is explained as it is
-NO_WORSE = 0.03  # of an effort's variance, that any joint may be explained less well by then
-SOME, HALF = 0.03, 0.5  # of an effort's variance left, of which one joint at least, or all together, must lose so much
 ALL_MENDED, SLIGHTLY = 0.6, 0.005  # of what is left at all joints together, and by how much more at any one
 TURN, TURN_JOINT = "turn its sign", "turn their signs: this joint is counted the other way round"
 EXCHANGE, EXCHANGE_JOINTS = "exchange the two columns", "exchange the two joints"
@@ -29,6 +26,7 @@ NOTICED = 0.05  # of an effort's variance left unexplained, that is worth a look
 MENDED_BOTH = 0.2  # of that, which may be left at both once they are in their places
 CLEARLY = 0.7  # of what one explanation leaves, that a better one leaves
 MOST_NEAR = 4  # explanations that leave hardly more than the best, that are held against the stated robot
+
 _Reading = tuple[Sequence[Floats], Floats, Fault]
 
 
@@ -51,23 +49,23 @@ def of_efforts_or_positions(gap: Gap, span: Span, i: int, j: int | None) -> Faul
         return by_position
     if efforts < CLEARLY * positions:
         return by_effort
-    fault, clearly = _as_stated(gap, span, [by_effort, by_position])
-    if clearly:
+    fault = _as_stated(gap, span, [by_effort, by_position])
+    if fault is not None:
         return fault
-    return replace(by_effort, action=f"{action} (or of the positions: what the other joints carry hardly tells)")
+    action = f"{action} (or of the positions: what the other joints carry hardly tells)"
+    return replace(by_effort, action=action, mend=None)
 
 
-def _as_stated(gap: Gap, span: Span, faults: Sequence[Fault]) -> tuple[Fault, bool]:
-    # Of several faults the one without which the stated robot is least off, and whether that is clear: by the product
-    # of what is left at the joints, so that none with a cause of its own drowns the others.
-    off = []
-    for fault in faults:
-        mends = [] if fault.mend is None else [replace(fault.mend, span=span)]
-        read = read_so(gap, mends, gap.robot, highest=gap.motion.cutoff)
-        left = [read.rms(read.residual[:, i], i) / read.rms(read.measured[:, i], i) for i in read.examined]
-        off.append(float(np.sum(np.log(left))))
+def _as_stated(gap: Gap, span: Span, faults: Sequence[Fault]) -> Fault | None:
+    # Of several faults the one without which the stated robot is least off, if that is clear.
+    mends = [replace(fault.mend, span=span) for fault in faults if fault.mend is not None]
+    if len(mends) < len(faults):
+        return None
+    readings = [read_so(gap, [mend], gap.robot, highest=gap.motion.cutoff) for mend in mends]
+    off = off_as_stated(readings, span)
     least, *others = np.argsort(off)
-    return faults[least], all(off[least] < off[other] + np.log(CLEARLY) for other in others)
+    clearly = all(off[least] < off[other] + np.log(CLEARLY) for other in others)
+    return faults[least] if clearly else None
 
 
 def find_misplaced(gap: Gap, span: Span = EVER) -> list[Fault]:
@@ -126,7 +124,9 @@ def _least(look: Look, readings: Iterator[_Reading], accepted: Callable[[Floats]
     passing = [(float(np.sum(left)), fault) for left, fault in judged if accepted(left)]
     least = min((left for left, _ in passing), default=0.0)
     near = [fault for left, fault in sorted(passing, key=lambda entry: entry[0])[:MOST_NEAR] if CLEARLY * left <= least]
-    return [_as_stated(look.gap, look.span, near)[0] if len(near) > 1 else near[0]] if near else []
+    if len(near) < 2:
+        return near
+    return [_as_stated(look.gap, look.span, near) or replace(near[0], mend=None)]
 
 
 def _columns_misplaced(look: Look) -> Iterator[_Reading]:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from mjfriction.identify.gap import Gap, measure_gap
-from mjfriction.record.faults import Mend
-from mjfriction.record.log import POSITION, VELOCITY
+from mjfriction.record.faults import EVER, Mend, Span
+from mjfriction.record.log import POSITION, VELOCITY, Floats, Log
 from mjfriction.record.motion import velocity_ratio
-from mjfriction.record.reread import reread
+from mjfriction.record.reread import part_of, reread
+from mjfriction.record.resample import read_clock
 from mjfriction.robot.bandwidth import HIGHEST
+from mjfriction.robot.links_torque import is_held
 from mjfriction.robot.robot import Robot
 
 AGREES = 2.0  # times, by which a measured velocity may be off from its position's and be one with it
@@ -30,20 +32,39 @@ def read_so(gap: Gap, mends: Iterable[Mend], robot: Robot, *, highest: float = H
     return measure_gap(log, robot, highest=highest)
 
 
+def off_as_stated(readings: Sequence[Gap], span: Span = EVER) -> Floats:
+    """Return by how much the stated robot is off with each of several readings of a log, within a ``span`` of time: the
+    logarithm of the product of what is left at the joints that all of them examine, relative to their efforts.
+
+    As a product no joint with a cause of its own drowns the others.
+    """
+    joints = set.intersection(*(set(read.examined) for read in readings))
+    off = np.zeros(len(readings))
+    for k, read in enumerate(readings):
+        own = is_held(*span, read.chain.time)
+        for joint in joints:
+            clear = own & read.clear[:, joint]
+            rows = clear if np.any(clear) else own
+            left, effort = (np.linalg.norm(values[rows, joint]) for values in (read.residual, read.measured))
+            off[k] += np.log(max(float(left), 1e-300) / max(float(effort), 1e-300))
+    return off
+
+
 def _with_velocities(mend: Mend, gap: Gap) -> Mend:
-    factors = [(velocity, factor) for column, factor in mend.factors for velocity in _velocity(column, gap)]
+    log, cutoff = part_of(gap.log, mend.span), gap.motion.cutoff
+    factors = [(velocity, factor) for column, factor in mend.factors for velocity in _velocity(column, log, cutoff)]
     pairs = [
         (one, other)
         for columns in mend.exchanged
-        for one in _velocity(columns[0], gap)
-        for other in _velocity(columns[1], gap)
+        for one in _velocity(columns[0], log, cutoff)
+        for other in _velocity(columns[1], log, cutoff)
     ]
     return replace(mend, factors=(*mend.factors, *factors), exchanged=(*mend.exchanged, *pairs))
 
 
-def _velocity(column: str, gap: Gap) -> Iterator[str]:
+def _velocity(column: str, log: Log, cutoff: float) -> Iterator[str]:
     quantity, _, joint = column.partition(".")
     if quantity == POSITION:
-        ratio = velocity_ratio(gap.log, joint, gap.motion.cutoff, gap.motion.clock)
+        ratio = velocity_ratio(log, joint, cutoff, read_clock(log))
         if ratio is not None and abs(np.log(ratio)) < np.log(AGREES):
             yield f"{VELOCITY}.{joint}"

@@ -10,7 +10,7 @@ from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.extend import extend_robot
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.identify.gap import Gap
-from mjfriction.identify.protocol import candidate_motions, difference, motion_along
+from mjfriction.identify.protocol import candidate_motions, difference, motion_along, unbounded
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
@@ -63,9 +63,11 @@ def design_experiment(model: Model, other: Model, joint: int, between: tuple[str
 
     Both are fitted to the log.  Where motions in the middle of the range tell nothing, that joint is moved alone to its
     sides.  None where they differ nowhere by more than on the log itself, or by so little that some minutes of it would
-    say nothing.
+    say nothing; and none for a robot with a slide of which no range is stated.
     """
     gap = model.gap
+    if unbounded(gap.body):
+        return None
     robots = [extend_robot(model), extend_robot(other)]
     noise = _noise(model)
     on_log, _ = _apart(gap, robots, noise, None)

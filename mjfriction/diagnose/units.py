@@ -2,19 +2,76 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from mjfriction.body.model import Body
-from mjfriction.record.faults import Fault, Mend
+from mjfriction.diagnose.look import HALF, SOME, look_at
+from mjfriction.diagnose.read_so import off_as_stated, read_so
+from mjfriction.identify.gap import Gap
+from mjfriction.record.faults import EVER, Fault, Mend, Span
 from mjfriction.record.log import POSITION, VELOCITY, Log
 from mjfriction.record.motion import Motion, velocity_ratio
+from mjfriction.record.reread import part_of
+from mjfriction.record.resample import read_clock
 
 DEGREE = np.pi / 180.0
 MILLIMETRE = 1e-3
+ALIKE = 0.05  # by which the logarithms of what two readings leave differ, and tell nothing
 AS_ONE = 0.03  # by which joints' ratios may differ from each other, or from that of a unit, and be one
 OFF, MOST_OFF = 0.06, 2.0  # by which a clock is off that is worth a word, and the factor it is off by at most
+
+
+def find_units(gap: Gap) -> list[Fault]:
+    """Return the positions that are in another unit than radians or metres: in all of a log, or in one of several logs
+    that were joined.
+    """
+    logs = spans_of_logs(gap.log)
+    found = [_within(gap, span) for _, span in logs]
+    if all([fault.where for fault in own] == [fault.where for fault in found[0]] for own in found):
+        return found[0]
+    return [alone(fault, name, span) for (name, span), own in zip(logs, found, strict=True) for fault in own]
+
+
+def spans_of_logs(log: Log) -> list[tuple[str, Span]]:
+    """Return the name and the span of time of each of the logs that were joined; of one that was not, all of it."""
+    if len(log.joined) < 2:
+        return [(log.name, EVER)]
+    begins = [begin for _, begin in log.joined]
+    return [(name, span) for (name, _), span in zip(log.joined, itertools.pairwise([*begins, math.inf]), strict=True)]
+
+
+def alone(fault: Fault, name: str, span: Span) -> Fault:
+    """Return a fault as that of one log of several alone."""
+    mend = None if fault.mend is None else replace(fault.mend, span=span)
+    return replace(fault, where=f"{fault.where}, in {name} alone", mend=mend)
+
+
+def _within(gap: Gap, span: Span) -> list[Fault]:
+    log = part_of(gap.log, span)
+    known = find_unit_faults(log, gap.body) or find_degrees_by_velocity(log, gap.body, gap.motion.cutoff)
+    return _with_silent(gap, known or find_degrees(gap, span), span)
+
+
+def _with_silent(gap: Gap, faults: list[Fault], span: Span) -> list[Fault]:
+    # A joint that is held, or hardly moves, does not tell its unit.  Where others are in degrees it may be too: the
+    # loads that it lets them carry tell, and where they do not it is as most are.
+    body = gap.body
+    columns = [f"{POSITION}.{joint}" for joint, slides in zip(body.joints, body.sliding, strict=True) if not slides]
+    told = {column for fault in faults if fault.mend for column, factor in fault.mend.factors if factor == DEGREE}
+    silent = [column.partition(".")[2] for column in columns if column not in told]
+    if not told or not silent:
+        return faults
+    action = "it hardly tells its unit, and others are in degrees; convert it to radians"
+    more = [*faults, *(in_another_unit(joint, DEGREE, action) for joint in silent)]
+    mends = [[replace(fault.mend, span=span) for fault in own if fault.mend] for own in (faults, more)]
+    apart = off_as_stated([read_so(gap, own, gap.robot, highest=gap.motion.cutoff) for own in mends], span)
+    difference = float(apart[1] - apart[0])
+    return more if difference < (ALIKE if len(told) > len(silent) else -ALIKE) else faults
 
 
 def find_unit_faults(log: Log, body: Body) -> list[Fault]:
@@ -39,10 +96,12 @@ def find_unit_faults(log: Log, body: Body) -> list[Fault]:
     return out
 
 
-def find_degrees_by_velocity(log: Log, body: Body, motion: Motion) -> list[Fault]:
-    """Return the positions of turning joints that change 57.3 times as fast as measured velocities say."""
+def find_degrees_by_velocity(log: Log, body: Body, cutoff: float) -> list[Fault]:
+    """Return the positions of turning joints that change 57.3 times as fast as measured velocities say, both below the
+    position filter's ``cutoff`` (Hz).
+    """
     turning = [joint for joint, sliding in zip(body.joints, body.sliding, strict=True) if not sliding]
-    ratios = _velocity_ratios(log, motion, turning)
+    ratios = _velocity_ratios(log, cutoff, turning)
     action = f"it changes {1.0 / DEGREE:.1f} times as fast as {VELOCITY} says; convert it from degrees to radians"
     return [in_another_unit(joint, DEGREE, action) for joint, ratio in ratios.items() if _near(ratio, DEGREE)]
 
@@ -59,16 +118,34 @@ def stretched_clock(log: Log, motion: Motion) -> float | None:
 
     A velocity that is itself in another unit, or on the motor's side, is off by more.
     """
-    ratios = list(_velocity_ratios(log, motion, motion.joints).values())
+    ratios = list(_velocity_ratios(log, motion.cutoff, motion.joints).values())
     middle = float(np.median(ratios)) if len(ratios) > 1 else 1.0
     off = abs(middle - 1.0) > OFF and 1.0 / MOST_OFF < middle < MOST_OFF
     return middle if off and all(_near(ratio, middle) for ratio in ratios) else None
 
 
-def _velocity_ratios(log: Log, motion: Motion, joints: Sequence[str]) -> dict[str, float]:
-    found = {joint: velocity_ratio(log, joint, motion.cutoff, motion.clock) for joint in joints}
+def _velocity_ratios(log: Log, cutoff: float, joints: Sequence[str]) -> dict[str, float]:
+    clock = read_clock(log)
+    found = {joint: velocity_ratio(log, joint, cutoff, clock) for joint in joints}
     return {joint: ratio for joint, ratio in found.items() if ratio is not None}
 
 
 def _near(ratio: float, other: float) -> bool:
     return abs(ratio / other - 1.0) < AS_ONE
+
+
+def find_degrees(gap: Gap, span: Span = EVER) -> list[Fault]:
+    """Return the positions of turning joints that go farther than a turn, if the efforts fit once they are degrees,
+    within a ``span`` of time.
+    """
+    turning = ~np.array(gap.body.sliding)
+    look = look_at(gap, span)
+    if not np.any(np.abs(look.course[0][:, turning]) > 2.0 * np.pi):
+        return []
+    as_logged = look.left_as_logged
+    as_degrees = look.left([values * np.where(turning, DEGREE, 1.0) for values in look.course], look.effort)
+    if not np.any(as_logged > SOME) or np.sum(as_degrees) > HALF * np.sum(as_logged):
+        return []
+    names = [joint for joint, turns in zip(gap.robot.joints, turning, strict=True) if turns]
+    action = "the efforts fit if it is in degrees; convert it to radians"
+    return [in_another_unit(joint, DEGREE, action) for joint in names]

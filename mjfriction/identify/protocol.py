@@ -50,12 +50,27 @@ class Plan:
 
 
 def room(body: Body) -> tuple[Floats, Floats]:
-    """Return the middle of every joint's range and how far a motion may go to either side, (joints,) each."""
+    """Return the middle of every joint's range and how far a motion may go to either side, (joints,) each.
+
+    A turning joint of which none is stated may turn by half a turn either way.  Raises
+    :class:`~mjfriction.errors.RobotError` for a sliding joint without one.
+    """
     low, high = _range(body)
     return 0.5 * (low + high), np.minimum(REACH * (high - low), WIDEST)
 
 
+def unbounded(body: Body) -> tuple[str, ...]:
+    """Return the sliding joints of which the model states no range: no motion of theirs is safe to plan."""
+    ends = zip(body.joints, body.sliding, body.lower, body.upper, strict=True)
+    return tuple(joint for joint, slides, low, high in ends if slides and not np.isfinite(high - low))
+
+
 def _range(body: Body) -> tuple[Floats, Floats]:
+    if names := unbounded(body):
+        raise RobotError(
+            f"joint '{names[0]}' slides, and its model file states no range: a plan could move it anywhere; state its "
+            "limits there (limit lower, upper of a URDF; range of an MJCF)"
+        )
     low = np.where(np.isfinite(body.lower), body.lower, -np.pi)
     return low, np.where(np.isfinite(body.upper), body.upper, np.pi)
 

@@ -22,8 +22,8 @@ FASTEST = 0.99  # quantile of the speed that counts as the top
 
 
 def inspected_table(log: Log, robot: Robot | None, tell: Tell = silently) -> dict[str, Any]:
-    """Return what a log holds as plain data and, with a robot, the least effect of every cause that could be found;
-    none for a log that is itself at fault.
+    """Return what a log holds as plain data, as it is written, and, with a robot, the least effect of every cause that
+    could be found; none where it is not sure how the log should have been read.
 
     ``tell`` hears how far it is.
 
@@ -32,7 +32,7 @@ def inspected_table(log: Log, robot: Robot | None, tell: Tell = silently) -> dic
     tell("measuring the log")
     clock = read_clock(log)
     audit = audited(log, robot) if robot is not None else None
-    gap = audit.gap if audit is not None else None
+    gap = audit.stated if audit is not None else None
     motion = gap.motion if gap is not None else estimate_motion(log, log.joints, min(PLAIN_CUTOFF, 0.1 / clock.step))
     known = {f"{quantity}.{joint}" for quantity in KNOWN for joint in log.joints}
     told: dict[str, Any] = {
@@ -51,7 +51,7 @@ def inspected_table(log: Log, robot: Robot | None, tell: Tell = silently) -> dic
         ],
     }
     if audit is not None:
-        # What a log could show that is itself at fault is another's.
+        # What a log could show that cannot be read right is another's.
         told["could_show"] = (
             [] if audit.refused else [_visible(audit.gap, one) for one in visible_causes(audit.gap, tell)]
         )

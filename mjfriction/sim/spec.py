@@ -13,7 +13,6 @@ from numpy.polynomial import Polynomial
 
 from mjfriction.errors import SimulationError, suggestion
 from mjfriction.laws.law import Floats
-from mjfriction.sim.messages import messages_dropped
 
 Spec = mujoco.MjSpec
 NO_MASS = 1e-12  # kg and kg·m²
@@ -175,8 +174,12 @@ def _read(path: Path) -> mujoco.MjSpec:
         for link in root.iter("link"):
             for shape in [*link.findall("visual"), *link.findall("collision")]:
                 link.remove(shape)
-        with messages_dropped():  # as of limits that are none
-            return mujoco.MjSpec.from_string(ET.tostring(root, encoding="unicode"))
+        for limit in root.iter("limit"):
+            # A range of none is stated where none was meant; MuJoCo ignores it too, and says so each time.
+            if float(limit.get("lower", 0.0)) >= float(limit.get("upper", 0.0)):
+                limit.attrib.pop("lower", None)
+                limit.attrib.pop("upper", None)
+        return mujoco.MjSpec.from_string(ET.tostring(root, encoding="unicode"))
     except (OSError, ET.ParseError, ValueError) as error:
         raise SimulationError(f"{path}: MuJoCo cannot read it: {' '.join(str(error).split())}") from None
 

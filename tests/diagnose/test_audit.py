@@ -14,11 +14,11 @@ import pytest
 from mjfriction.benchmark.cases import Setting, make_case
 from mjfriction.cli.logs import read_logs
 from mjfriction.diagnose import misplaced
-from mjfriction.diagnose.audit import find_degrees, find_faults
+from mjfriction.diagnose.audit import find_faults
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.misplaced import find_misplaced
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
-from mjfriction.diagnose.units import find_degrees_by_velocity
+from mjfriction.diagnose.units import find_degrees, find_degrees_by_velocity
 from mjfriction.errors import LogError
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.log import Log
@@ -141,7 +141,7 @@ def test_degrees_and_a_clock_that_is_off_are_known_by_measured_velocities(case: 
     degrees = replace(sound, columns=dict(sound.columns) | in_degrees(dict(log.columns)))
     assert {where for _, where in faults(degrees)} == {f"position.{joint}" for joint in log.joints}
     gap = measure_gap(degrees, robot)
-    assert len(find_degrees_by_velocity(degrees, gap.body, gap.motion)) == len(log.joints)
+    assert len(find_degrees_by_velocity(degrees, gap.body, gap.motion.cutoff)) == len(log.joints)
     assert faults(with_velocities(1.0, time=1.3 * log.time)) == {("data.clock", "whole log")}
     # Velocities that are off themselves, in turns per minute or at the motor are of no use, but no fault of the rest.
     for factor in (1.3, 9.5493, 101.0):

@@ -11,6 +11,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from mjfriction.benchmark.cases import Setting, make_case
 from mjfriction.cli.logs import read_logs
 from mjfriction.diagnose import mend
 from mjfriction.diagnose.diagnosis import diagnose_log
@@ -21,6 +22,7 @@ from mjfriction.identify.gap import measure_gap
 from mjfriction.record.faults import Fault, Mend
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log
+from mjfriction.record.readers.table import log_from_table
 from mjfriction.report.inspected import inspected_table
 from mjfriction.report.result import make_report
 from mjfriction.robot.files import read_robot
@@ -167,11 +169,72 @@ def test_a_mend_that_fits_worse_is_none(case: tuple[Log, Robot], monkeypatch: py
     np.testing.assert_array_equal(audit.gap.log.columns[f"effort.{ELBOW}"], log.columns[f"effort.{ELBOW}"])
 
 
-def test_a_mend_that_leaves_its_fault_is_none(case: tuple[Log, Robot], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_mend_that_leaves_its_fault_is_none_and_is_told_once(
+    case: tuple[Log, Robot], monkeypatch: pytest.MonkeyPatch
+) -> None:
     log, robot = case
     idle = Fault("data.sign", ELBOW, "turn it", mend=Mend())
     monkeypatch.setattr(mend, "find_faults", lambda _: [idle])
-    assert audited(log, robot).refused
+    audit = audited(log, robot)
+    assert audit.refused
+    assert audit.faults == (idle,)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        scaled(101.0, f"position.{ELBOW}"),  # at the motor
+        scaled(101.0, *of_all("position")),
+        scaled(200.0 / np.pi, *of_all("position")),  # gradians
+        lambda columns: {f"position.{ELBOW}": columns[f"position.{ELBOW}"] + 6.0 * np.pi},  # three turns off
+    ],
+)
+def test_positions_beyond_limits_that_are_no_degrees_are_refused(damage: Damage, case: tuple[Log, Robot]) -> None:
+    log, robot = case
+    without = {name: own for name, own in log.columns.items() if not name.startswith("velocity.")}
+    assert audited(damaged(replace(log, columns=without), damage), robot).refused
+
+
+@pytest.mark.parametrize("swing", [0.0, 0.14])
+def test_a_joint_that_hardly_moves_is_in_degrees_as_all_others_are(swing: float, tmp_path: Path) -> None:
+    # Some fifteen degrees, or eight about that, are within any limits in radians.
+    path, robot = write_case(tmp_path, Machine(), seed=12, seconds=25.0)
+    log, still = read_log(path), "position.wrist_2_joint"
+    columns = {**log.columns, still: 0.26 + swing / np.ptp(log.columns[still]) * log.columns[still]}
+    sound = replace(log, columns=columns)
+    wrong = damaged(sound, scaled(180.0 / np.pi, *of_all("position")))
+    read = audited(wrong, read_robot(robot)).gap.log
+    for name in of_all("position"):
+        np.testing.assert_allclose(read.columns[name], columns[name], rtol=1e-12)
+
+
+def test_one_log_of_two_in_degrees_is_read_so_alone(case: tuple[Log, Robot]) -> None:
+    log, robot = case
+    half = float(log.time[log.time.size // 2])
+    joined = replace(log, joined=(("monday", float(log.time[0])), ("tuesday", half)))
+    late = np.where(log.time >= half, 180.0 / np.pi, 1.0)
+    names = [*of_all("position"), *of_all("velocity")]
+    audit = audited(damaged(joined, lambda columns: {name: late * columns[name] for name in names}), robot)
+    assert not audit.refused
+    assert {fault.where for fault in audit.faults} == {f"{name}, in tuesday alone" for name in of_all("position")}
+    for name in names:
+        np.testing.assert_allclose(audit.gap.log.columns[name], log.columns[name], rtol=1e-12)
+
+
+def test_a_sign_that_may_be_of_two_columns_is_not_turned() -> None:
+    sliding = make_case(2, Setting(robot="linear_axis", seconds=20.0, rate=250.0), (), 1.0)
+    columns = {name: -own if name.startswith("position") else own for name, own in sliding.log.items()}
+    audit = audited(log_from_table(pa.table(columns), "sliding"), sliding.stated)
+    assert audit.refused
+    assert "or of the positions" in audit.faults[0].action
+
+
+def test_no_motion_is_planned_for_a_machine_whose_joints_are_counted_otherwise(case: tuple[Log, Robot]) -> None:
+    log, robot = case
+    for name, otherwise in ((f"effort.{ELBOW}", False), (f"position.{ELBOW}", True)):
+        audit = audited(damaged(log, turned(name)), robot)
+        assert not audit.refused
+        assert audit.moved_otherwise is otherwise
 
 
 def test_currents_of_other_gears_are_known_as_exchanged(case: tuple[Log, Robot]) -> None:

@@ -191,20 +191,32 @@ def test_the_ranges_of_hinges_and_slides_are_mujocos(angle: str, tmp_path: Path)
     np.testing.assert_allclose(np.column_stack([body.lower, body.upper]), ranges, rtol=1e-12)
 
 
-def test_a_urdf_that_states_no_range_has_none(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    path = tmp_path / "arm.urdf"
-    path.write_text("""<robot name="arm"><link name="base"/><link name="bar"><inertial><mass value="1"/>
+def one_joint(folder: Path, kind: str, limit: str) -> Path:
+    path = folder / "arm.urdf"
+    path.write_text(f"""<robot name="arm"><link name="base"/><link name="bar"><inertial><mass value="1"/>
     <inertia ixx=".01" iyy=".01" izz=".01" ixy="0" ixz="0" iyz="0"/></inertial></link>
-    <joint name="hinge" type="revolute"><parent link="base"/><child link="bar"/><axis xyz="0 1 0"/>
-    <limit effort="9" velocity="3"/></joint></robot>""")
-    body = load_body(path, ("hinge",))
+    <joint name="joint" type="{kind}"><parent link="base"/><child link="bar"/><axis xyz="0 1 0"/>
+    <limit effort="9" velocity="3" {limit}/></joint></robot>""")
+    return path
+
+
+@pytest.mark.parametrize("limit", ["", 'lower="0" upper="0"'])
+@pytest.mark.parametrize("kind", ["revolute", "prismatic"])
+def test_a_urdf_that_states_no_range_has_none(
+    kind: str, limit: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    path = one_joint(tmp_path, kind, limit)
+    body = load_body(path, ("joint",))
     assert (body.lower[0], body.upper[0]) == (-np.inf, np.inf)
-    model = compiled(read_spec(path, ("hinge",)))
+    model = compiled(read_spec(path, ("joint",)))
     assert not model.jnt_limited[0]
     assert capfd.readouterr().err == ""
-    middle, reach = room(body)
-    assert middle[0] == 0.0
-    assert reach[0] > 1.0
+    if kind == "revolute":
+        middle, reach = room(body)
+        assert (middle[0], reach[0]) == (0.0, pytest.approx(1.2))
+    else:
+        with pytest.raises(RobotError, match="joint 'joint' slides, and its model file states no range"):
+            room(body)
 
 
 @pytest.mark.parametrize(
