@@ -124,14 +124,21 @@ def held_rows(columns: Mapping[str, Floats], piece: Integers | None = None) -> M
     return out
 
 
-def stuck(values: Floats, speed: Floats, piece: Integers | None = None, effort: Floats | None = None) -> Mask:
+def stuck(
+    values: Floats,
+    speed: Floats,
+    piece: Integers | None = None,
+    effort: Floats | None = None,
+    course: Floats | None = None,
+) -> Mask:
     """Return where a channel stands still at once in the middle of motion, (n,).
 
     ``speed`` (n,) is how fast the joint moves by another account (its own neighbours' samples, or its velocity column).
     A rest has a run-down before or a run-up after; a stuck channel has not, and is at once where the joint has gone.
-    Where it moves on by that account, it is stuck however it comes loose.  ``piece`` (n,) numbers what was recorded
-    without a break: the next one begins where the joint is by then.  A joint that stands still up to the end of one
-    rests where its ``effort`` (n,) rests too; where none is given it is stuck.
+    Where it moves on by that account, it is stuck however it comes loose; ``course`` (n,) is where it is by then: the
+    noise of a velocity goes nowhere.  ``piece`` (n,) numbers what was recorded without a break: the next one begins
+    where the joint is by then.  A joint that stands still up to the end of one rests where its ``effort`` (n,) rests
+    too; where none is given it is stuck.
     """
     out = np.zeros(values.size, dtype=bool)
     piece = _pieces(piece, values.size)
@@ -164,6 +171,7 @@ def stuck(values: Floats, speed: Floats, piece: Integers | None = None, effort: 
         into_motion = into_motion and step > CAUGHT_UP * float(np.max(np.abs(np.diff(values[b:past])), initial=0.0))
         # A velocity that is measured says so itself, though it be filtered late.
         moving = float(np.median(np.abs(speed[(a + b) // 2 : b - 1]))) > STUCK_SPEED * usual
+        moving = moving and (course is None or float(np.ptp(course[a:b])) > KNOWN_BY * count)
         if moving or (from_motion and into_motion):
             out[a:b] = True
         elif into_motion or (from_motion and (effort is None or b < end[a] or _works_on(effort[begin[a] : b], b - a))):

@@ -85,7 +85,8 @@ def repaired(log: Log) -> Log:
                 faults += found
         speed = _speed(log, columns, joint)
         effort = next((columns[f"{own}.{joint}"] for own in (EFFORT, CURRENT) if f"{own}.{joint}" in columns), None)
-        still = stuck(columns[f"{POSITION}.{joint}"], speed, piece, effort)
+        course = np.cumsum(speed * np.diff(log.time, prepend=log.time[0]))
+        still = stuck(columns[f"{POSITION}.{joint}"], speed, piece, effort, course)
         # What gives of a joint that is held goes by single counts.
         if np.any(still) and travel[joint] > HELD * max(travel.values()):
             fault = _found_at(log, "data.stuck", f"{POSITION}.{joint}", still, "those rows were left out")

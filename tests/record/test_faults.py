@@ -410,3 +410,16 @@ def test_what_swings_or_rubs_in_coarse_counts_is_not_clipped() -> None:
             np.round(counts * (np.cos(phase) + 0.4 * np.sign(np.cos(phase)))),
         ):
             assert not np.any(clipped(values, np.ones(values.size, dtype=bool))), counts
+
+
+def test_the_noise_of_a_held_joints_velocity_moves_nothing() -> None:
+    # Its encoder goes on by one coarse count in the end, as what holds it gives.
+    columns, rng = recording(), np.random.default_rng(8)
+    held = np.where(columns["time"] < 16.0, 0.0, 0.05)
+    noise = {"velocity.held": 1e-3 * rng.normal(size=COUNT), "effort.held": 0.1 * rng.normal(size=COUNT)}
+    log = read(columns | {"position.held": held} | noise)
+    assert "data.stuck" not in {fault.kind for fault in log.faults}
+    assert log.time.size == COUNT
+    speed = noise["velocity.held"]
+    assert np.any(stuck(held, speed))
+    assert not np.any(stuck(held, speed, course=np.cumsum(speed) / RATE))
