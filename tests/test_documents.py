@@ -33,7 +33,7 @@ from mjfriction.diagnose.exchange import MOST_EXCHANGED
 from mjfriction.diagnose.findings import FAINTEST, ONE_OF_MANY
 from mjfriction.diagnose.free_links import BAR, FEWEST_GAINING, LEAST_GAINED, MANY, STRAINED
 from mjfriction.diagnose.held_links import NEARLY_ALL
-from mjfriction.diagnose.kin import LEAST_KIN_EFFECT
+from mjfriction.diagnose.kin import FULLER_CHANCE, KIN_CHANCE, LEAST_KIN_EFFECT
 from mjfriction.diagnose.link_finding import ALWAYS_NOTED, SURELY
 from mjfriction.diagnose.look import NO_WORSE
 from mjfriction.diagnose.nuisance import CONSTANT, FARTHEST, LET_GO, LINK_SCALE, LINK_SHIFT, ROTOR
@@ -201,6 +201,12 @@ def test_the_pages_tell_which_joints_and_traces_are_left_out() -> None:
     assert "more than a tenth of what is left" in identification
     assert "more than half of it is no noise, and that is more than half a percent" in identification
     assert (conclude.STRUCTURED, COLOURED, conclude.LEAST_EFFORT) == (0.1, 0.5, 0.005), "as the page says"
+
+
+def test_how_it_decides_tells_at_what_level_other_halves_are_asked_for() -> None:
+    told = " ".join(text("docs/how_it_decides.md").split())
+    assert f"at the plain {100 * KIN_CHANCE:g} % level" in told
+    assert f"In the same way, at {100 * FULLER_CHANCE:g} %, a drive" in told
 
 
 def test_how_it_decides_tells_when_columns_are_out_of_place_and_when_a_log_is_mended() -> None:
