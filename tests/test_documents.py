@@ -48,7 +48,7 @@ from mjfriction.diagnose.unevenness import TOLD_BY
 from mjfriction.diagnose.untold import BRISTLE_MISFIT, DROWNED, LEAST_SEEN, MISFIT, NO_CONTACT, SURELY_SEEN
 from mjfriction.diagnose.verdict import LEAST_FRICTION, MUCH_COLOURED
 from mjfriction.diagnose.which_log import LOUDER
-from mjfriction.identify import choose, conclude, landings, turning
+from mjfriction.identify import choose, conclude, gap, landings, turning
 from mjfriction.identify.colour import AROUND, COLOURED, EVEN_BELOW
 from mjfriction.identify.gap import ENOUGH_PER_PERIOD
 from mjfriction.identify.stroke_waves import STEPS_PER_LOBE
@@ -186,6 +186,7 @@ def test_the_pages_tell_which_joints_and_traces_are_left_out() -> None:
     decides, records = (" ".join(text(f"docs/{page}.md").split()) for page in ("how_it_decides", "recording"))
     held = f"less than {100 * HELD:g} % of the farthest joint's travel"
     assert f"by less than {100 * DAWDLING:g} % of both" in decides
+    assert gap.MOST_SPOILT == 0.9, "the page says nine tenths"
     assert f"leaves less than {turning.ALONE:g} of what friction that builds up" in decides
     assert f"that stands out by {jumps.PLAIN:g} deviations" in decides
     assert f"at least {jumps.FEWEST_ALIKE} of one size" in decides

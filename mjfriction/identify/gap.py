@@ -44,6 +44,7 @@ from mjfriction.robot.rubbing import forward_share, resting_level
 
 CLEAR = 0.1  # of a row's window that may be in doubt for the row to count as clear
 FEWEST_CLEAR, ENOUGH_CLEAR = 0.2, 50  # of a joint's rows, and rows: with fewer than both it is judged on that share
+MOST_SPOILT = 0.9  # of a joint's faster rows, past which it is not examined
 HOPELESS = 1e6  # times the effort, that a row may be off by which says nothing
 FILTER_PERIODS = 8.0  # of a low-pass's band, after which it has forgotten
 ENOUGH_PER_PERIOD = 4.0  # samples in a period of the position filter's cutoff, that leave rows what they are
@@ -308,6 +309,12 @@ def _per_reported(robot: Robot, motion: Motion) -> Floats:
     return np.array([effort_per_reported(joint, quantity, robot.name) for joint, quantity in pairs])
 
 
+def _wholly_spoilt(unusable: NDArray[np.bool_], velocity: Floats) -> NDArray[np.bool_]:
+    # Joints (joints,) of which nearly every row (rows, joints) says nothing that is as fast as half of them.
+    fast = np.abs(velocity) >= np.median(np.abs(velocity), axis=0)
+    return np.asarray(np.sum(unusable & fast, axis=0) > MOST_SPOILT * np.sum(fast, axis=0))
+
+
 def _held_against(
     log: Log,
     robot: Robot,
@@ -320,8 +327,11 @@ def _held_against(
 ) -> Gap:
     per_reported = _per_reported(robot, motion)
     # A drive that reports one value throughout has measured nothing; what one reports that holds its joint still may be
-    # anything within the joint's friction; what one reports that hardly moves its joint is no word on its laws.
+    # anything within the joint's friction; what one reports that hardly moves its joint is no word on its laws; nor is
+    # one of use that clipped, or stuck, whenever its joint moved.
     still = ~motion.moving | motion.dawdling(body.sliding)
+    unusable = unusable_rows(log, motion, chain)
+    still |= _wholly_spoilt(unusable, chain.rows(motion.velocity))
     told = np.where((np.ptp(motion.torque, axis=0) == 0.0) | still, np.nan, motion.torque)
     measured = chain.rows(told * per_reported)
     residual = measured - chain.rows(effort.reported)
@@ -345,7 +355,7 @@ def _held_against(
     doubt *= np.sqrt(rows_of_rests(touched, chain))
     felt, struck = blows(body, motion, chain, slow)
     doubt = doubt + felt
-    spoilt = unusable_rows(log, motion, chain) | struck
+    spoilt = unusable | struck
     doubt = np.where(spoilt, HOPELESS * np.nanmax(np.abs(measured)), doubt)
     floor = np.array(noise) * np.sqrt(motion.rate * motion.clock.step) * chain.noise_gain
     clear = (touched < CLEAR) & (felt <= floor) & ~spoilt

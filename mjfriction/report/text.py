@@ -44,7 +44,7 @@ def print_report(report: Report, console: Console) -> None:
         values = ", ".join(f"{e.what} of {e.joint} {e.stated:.3g} → {e.fitted:.3g}" for e in moved)
         console.print(f"\nRefitted along, and written to the extended robot: {values}")
     if report.not_examined:
-        console.print(f"\nNot examined (hardly any motion, or no measurement): {', '.join(report.not_examined)}")
+        console.print(f"\nNot examined (hardly any motion, or no usable measurement): {', '.join(report.not_examined)}")
 
 
 def print_reproduced(found: Sequence[Reproduction], console: Console) -> None:
@@ -80,7 +80,7 @@ def print_identified(report: Report, console: Console) -> None:
             console.print(f"  {law.doubt}" + ("" if law.falls else ": the law does not hold here"))
     _print_problems(report, console)
     if report.not_examined:
-        console.print(f"\nNot examined (hardly any motion, or no measurement): {', '.join(report.not_examined)}")
+        console.print(f"\nNot examined (hardly any motion, or no usable measurement): {', '.join(report.not_examined)}")
 
 
 def _print_problems(report: Report, console: Console) -> None:

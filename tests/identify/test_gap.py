@@ -37,6 +37,15 @@ def test_a_joint_that_reads_the_same_throughout_is_no_obstacle(demo: Log) -> Non
     assert np.all(np.isfinite(gap.doubt))
 
 
+@pytest.mark.parametrize(("share", "examined"), [(0.3, True), (0.95, False)])
+def test_a_joint_whose_effort_clips_whenever_it_moves_is_not_examined(share: float, examined: bool, demo: Log) -> None:
+    speed = np.abs(np.gradient(demo.columns["position.wrist_3_joint"], demo.time))
+    clipped = {"effort.wrist_3_joint": speed > np.quantile(speed, 1.0 - share)}
+    gap = measure_gap(replace(demo, unusable=clipped), read_robot("ur5"))
+    assert (5 in gap.examined) is examined
+    assert set(range(5)) <= set(gap.examined)
+
+
 def test_a_link_whose_joint_reports_no_effort_is_felt_by_the_others(demo: Log) -> None:
     columns = {name: values for name, values in demo.columns.items() if name != "effort.wrist_1_joint"}
     robot = read_robot("ur5")
