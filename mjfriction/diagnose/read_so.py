@@ -12,7 +12,6 @@ from mjfriction.record.faults import EVER, Mend, Span
 from mjfriction.record.log import POSITION, VELOCITY, Floats, Log
 from mjfriction.record.motion import velocity_ratio
 from mjfriction.record.reread import part_of, reread
-from mjfriction.record.resample import read_clock
 from mjfriction.robot.bandwidth import HIGHEST
 from mjfriction.robot.links_torque import is_held
 from mjfriction.robot.robot import Robot
@@ -65,6 +64,6 @@ def _with_velocities(mend: Mend, gap: Gap) -> Mend:
 def _velocity(column: str, log: Log, cutoff: float) -> Iterator[str]:
     quantity, _, joint = column.partition(".")
     if quantity == POSITION:
-        ratio = velocity_ratio(log, joint, cutoff, read_clock(log))
+        ratio = velocity_ratio(log, joint, cutoff)
         if ratio is not None and abs(np.log(ratio)) < np.log(AGREES):
             yield f"{VELOCITY}.{joint}"

@@ -17,7 +17,6 @@ from mjfriction.record.faults import EVER, Fault, Mend, Span
 from mjfriction.record.log import POSITION, VELOCITY, Log
 from mjfriction.record.motion import Motion, velocity_ratio
 from mjfriction.record.reread import part_of
-from mjfriction.record.resample import read_clock
 
 DEGREE = np.pi / 180.0
 MILLIMETRE = 1e-3
@@ -125,8 +124,7 @@ def stretched_clock(log: Log, motion: Motion) -> float | None:
 
 
 def _velocity_ratios(log: Log, cutoff: float, joints: Sequence[str]) -> dict[str, float]:
-    clock = read_clock(log)
-    found = {joint: velocity_ratio(log, joint, cutoff, clock) for joint in joints}
+    found = {joint: velocity_ratio(log, joint, cutoff) for joint in joints}
     return {joint: ratio for joint, ratio in found.items() if ratio is not None}
 
 

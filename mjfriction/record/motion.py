@@ -274,10 +274,16 @@ def velocity_lateness(log: Log, joint: str, cutoff: float, clock: Clock) -> floa
     return float(late) if abs(gain) < AGREEMENT and abs(late) < LATEST / cutoff else None
 
 
-def velocity_ratio(log: Log, joint: str, cutoff: float, clock: Clock) -> float | None:
+def velocity_ratio(log: Log, joint: str, cutoff: float) -> float | None:
     """Return what a joint's measured velocity reads over what its position does on the log's clock, slowly, well below
-    ``cutoff`` (Hz); None where they are not alike at all, or there is no such column.
+    ``cutoff`` (Hz); None where they are not alike at all, there is no such column, or the clock is none.
     """
+    if log.channel(VELOCITY, joint) is None:
+        return None
+    try:
+        clock = read_clock(log)
+    except LogError:
+        return None  # a few rows, or uneven ones, of a log that as a whole is none such
     compared = _compared_slowly(log, joint, cutoff, clock)
     if compared is None:
         return None

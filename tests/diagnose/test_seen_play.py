@@ -100,10 +100,11 @@ def test_play_that_is_stated_otherwise_is_corrected(case: tuple[Path, Path]) -> 
     assert diagnosis.robot.table.joint[WRIST].transmission.backlash == pytest.approx(PLAY, rel=0.01)
 
 
-def test_a_log_at_fault_is_searched_for_no_play(case: tuple[Path, Path]) -> None:
+def test_a_log_that_is_refused_is_searched_for_no_play(case: tuple[Path, Path]) -> None:
     log = read_log(case[0])
     column = "effort.elbow_joint"
-    diagnosis = diagnose_log(replace(log, columns={**log.columns, column: -log.columns[column]}), read_robot(case[1]))
+    wrong = {**log.columns, column: 37.0 * log.columns[column]}
+    diagnosis = diagnose_log(replace(log, columns=wrong), read_robot(case[1]))
     assert (diagnosis.verdict, diagnosis.findings) == (Verdict.BAD_DATA, ())
     assert diagnosis.robot.table.joint[WRIST].transmission.backlash == 0.0
 

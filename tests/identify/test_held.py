@@ -11,8 +11,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from mjfriction.diagnose.audit import SAMPLES, _look
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.look import SAMPLES, look_at
 from mjfriction.diagnose.which_log import logs_with
 from mjfriction.errors import LogError, RobotError
 from mjfriction.identify.gap import measure_gap
@@ -176,7 +176,7 @@ def test_a_files_name_may_hold_what_names_are_joined_by() -> None:
 def test_what_was_held_is_not_in_the_efforts_that_columns_are_told_by() -> None:
     # What explains these is the links' course alone, whichever columns are exchanged.
     gap = measure_gap(logs()[1], stated())
-    look = _look(gap)
+    look = look_at(gap)
     assert gap.examined == (stated().joints.index(ELBOW),)
     rows = (slice(None, None, max(1, gap.motion.time.size // SAMPLES)), list(gap.examined))
     laden = (gap.motion.torque * gap.per_reported)[rows]
