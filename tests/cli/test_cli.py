@@ -63,7 +63,7 @@ def test_ctrl_c_leaves_nothing_and_says_so(tmp_path: Path, good: tuple[dict[str,
     while told is None:
         os.killpg(running.pid, signal.SIGINT)
         with contextlib.suppress(subprocess.TimeoutExpired):
-            _, told = running.communicate(timeout=2.0)
+            _, told = running.communicate(timeout=1.0)
     assert running.returncode == 130
     assert told.strip() == "mjfriction: stopped; nothing was written"
     assert {path.name for path in tmp_path.iterdir()} == {log.name, robot.name}
