@@ -18,6 +18,8 @@ from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.mend import audited
 from mjfriction.diagnose.misplaced import find_misplaced
 from mjfriction.diagnose.outcome import Diagnosis, Finding, Verdict
+from mjfriction.diagnose.read_so import read_so
+from mjfriction.errors import LogError
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.faults import Fault, Mend
 from mjfriction.record.log import Log
@@ -178,6 +180,18 @@ def test_a_mend_that_leaves_its_fault_is_none_and_is_told_once(
     audit = audited(log, robot)
     assert audit.refused
     assert audit.faults == (idle,)
+
+
+def test_a_mend_that_leaves_no_log_is_none(case: tuple[Log, Robot]) -> None:
+    log, robot = case
+    still = Fault(
+        "data.unit", "position", "convert it", mend=Mend(factors=tuple((name, 0.0) for name in of_all("position")))
+    )
+    with pytest.raises(LogError):
+        read_so(measure_gap(log, robot), [still.mend], robot)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(mend, "find_faults", lambda _: [still])
+        assert audited(log, robot).refused
 
 
 @pytest.mark.parametrize(
