@@ -9,11 +9,11 @@ import numpy as np
 
 from mjfriction.diagnose.look import FEWEST_ROWS, look_at
 from mjfriction.diagnose.misplaced import effort_column, find_misplaced, of_efforts_or_positions
-from mjfriction.diagnose.units import alone, find_units, spans_of_logs, stretched_clock
+from mjfriction.diagnose.units import alone, find_units, stretched_clock
 from mjfriction.identify.gap import Gap
-from mjfriction.record.faults import EVER, Fault, Mend, Span
+from mjfriction.record.faults import Fault, Mend
 from mjfriction.record.log import EFFORT, Floats
-from mjfriction.robot.links_torque import is_held
+from mjfriction.record.span import EVER, Span, within
 
 ALIKE = 0.9  # correlation from which on an effort is taken as the image of a prediction
 UNLIKE = 0.6  # and under which it is not
@@ -42,7 +42,7 @@ def find_faults(gap: Gap) -> list[Fault]:
 
 def _in_one_log(gap: Gap, find: Callable[[Gap, Span], list[Fault]]) -> list[Fault]:
     # What is at fault in one of several logs alone is lost in what all of them say together.
-    logs = spans_of_logs(gap.log)
+    logs = gap.log.logs
     return [alone(fault, name, span) for name, span in logs for fault in find(gap, span)] if len(logs) > 1 else []
 
 
@@ -70,7 +70,7 @@ def find_misread(gap: Gap, span: Span = EVER) -> list[Fault]:
     a ``span`` of time.
     """
     examined = list(gap.examined)
-    own = is_held(*span, gap.chain.time)
+    own = within(span, gap.chain.time)
     clear = gap.clear[own]
     if not np.any(clear):
         return []
@@ -101,9 +101,9 @@ def find_misread(gap: Gap, span: Span = EVER) -> list[Fault]:
 def _in_a_known_unit(gap: Gap, joint: int, factor: float) -> Mend | None:
     # An effort that is so many times what the robot needs is one in thousandths, or one that the robot file converts.
     drive = gap.robot.table.joint[joint].actuator
-    known = [THOUSAND, 1.0 / THOUSAND]
+    known = {THOUSAND, 1.0 / THOUSAND}
     if gap.motion.quantity[joint] == EFFORT:
-        known += [1.0 / worth for worth in (drive.gear_ratio, drive.effort_per_ampere) if worth]
+        known |= {1.0 / worth for worth in (drive.gear_ratio, drive.effort_per_ampere) if worth}
     near = [one for one in known if factor / one > 0.0 and abs(math.log(factor / one)) < math.log(AS_KNOWN)]
     return Mend(factors=((effort_column(gap, joint), 1.0 / near[0]),)) if len(near) == 1 else None
 

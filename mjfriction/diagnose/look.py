@@ -11,9 +11,9 @@ from scipy.optimize import nnls
 
 from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.identify.gap import Gap
-from mjfriction.record.faults import EVER, Span
 from mjfriction.record.log import Floats
-from mjfriction.robot.links_torque import held_torque, is_held
+from mjfriction.record.span import EVER, Span, within
+from mjfriction.robot.links_torque import held_torque
 
 SAMPLES = 1500  # of a log that positions are judged by
 FEWEST_ROWS = 50  # in clear motion, that a joint's effort is judged by
@@ -23,24 +23,11 @@ NO_WORSE = 0.03  # of an effort's variance, that any joint may be explained less
 
 @dataclass(frozen=True)
 class Look:
-    """A log thinly: position, velocity and acceleration (k, joints), and the efforts of the examined joints (k, e), as
-    they are ``reported``, and less what was ``held``, within a ``span`` of time.
-    """
+    """A log thinly: position, velocity and acceleration (k, joints), and the efforts of the examined joints (k, e)."""
 
     gap: Gap
-    span: Span
     course: tuple[Floats, ...]
-    reported: Floats
-    held: Floats
-
-    @functools.cached_property
-    def effort(self) -> Floats:
-        """What the links and friction take by the drives' word, (k, e), N·m or N at the joint."""
-        return self._worth * self.reported - self.held
-
-    @property
-    def _worth(self) -> Floats:
-        return self.gap.per_reported[list(self.gap.examined)]
+    effort: Floats
 
     @functools.cached_property
     def left_as_logged(self) -> Floats:
@@ -69,15 +56,14 @@ class Look:
 
     def effort_turned(self, i: int) -> Floats:
         """Return the efforts with one joint's sign turned."""
-        sign = np.where(np.array(self.gap.examined) == i, -1.0, 1.0)
-        return self._worth * self.reported * sign - self.held
+        return self.effort * np.where(np.array(self.gap.examined) == i, -1.0, 1.0)
 
     def efforts_exchanged(self, i: int, j: int) -> Floats:
-        """Return the efforts with two joints' columns exchanged."""
+        """Return the efforts with two joints' columns exchanged: of currents too, for weight and friction are free."""
         order = np.arange(len(self.gap.examined))
         places = [self.gap.examined.index(i), self.gap.examined.index(j)]
         order[places] = order[places[::-1]]
-        return self._worth * self.reported[:, order] - self.held
+        return self.effort[:, order]
 
     def position_turned(self, i: int) -> list[Floats]:
         """Return the course with one joint's sign turned."""
@@ -88,10 +74,9 @@ class Look:
 def look_at(gap: Gap, span: Span = EVER) -> Look:
     """Return a log as it was written, within a ``span`` of time."""
     motion = gap.motion
-    rows = np.flatnonzero(is_held(*span, motion.time))
+    rows = np.flatnonzero(within(span, motion.time))
     rows = rows[:: max(1, rows.size // SAMPLES)]
     course = tuple(values[rows] for values in (motion.position, motion.velocity, motion.acceleration))
     # What was held besides is no matter of whose column is whose.
-    pair = (motion.torque, held_torque(gap.robot, gap.body, motion))
-    reported, held = (values[rows][:, list(gap.examined)] for values in pair)
-    return Look(gap, span, course, reported, held)
+    effort = motion.torque * gap.per_reported - held_torque(gap.robot, gap.body, motion)
+    return Look(gap, course, effort[rows][:, list(gap.examined)])

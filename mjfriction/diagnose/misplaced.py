@@ -11,9 +11,9 @@ import numpy as np
 from mjfriction.diagnose.look import FEWEST_ROWS, HALF, NO_WORSE, SOME, Look, look_at
 from mjfriction.diagnose.read_so import off_as_stated, read_so
 from mjfriction.identify.gap import Gap
-from mjfriction.record.faults import EVER, Fault, Mend, Span
+from mjfriction.record.faults import Fault, Mend
 from mjfriction.record.log import POSITION, Floats
-from mjfriction.robot.links_torque import is_held
+from mjfriction.record.span import EVER, Span, within
 
 POOR = 0.25  # of an effort's variance left unexplained, past which columns may be misplaced
 MUCH = 0.1  # the same, that is much beside another joint past POOR
@@ -25,7 +25,6 @@ EXCHANGE, EXCHANGE_JOINTS = "exchange the two columns", "exchange the two joints
 NOTICED = 0.05  # of an effort's variance left unexplained, that is worth a look where another joint leaves as much
 MENDED_BOTH = 0.2  # of that, which may be left at both once they are in their places
 CLEARLY = 0.7  # of what one explanation leaves, that a better one leaves
-MOST_NEAR = 4  # explanations that leave hardly more than the best, that are held against the stated robot
 
 _Reading = tuple[Sequence[Floats], Floats, Fault]
 
@@ -77,7 +76,7 @@ def find_misplaced(gap: Gap, span: Span = EVER) -> list[Fault]:
     all columns of a joint are another's, or count it the other way round, its friction fits nevertheless, and what is
     left is less: there all joints together have to tell.
     """
-    clear = gap.clear[is_held(*span, gap.chain.time)][:, list(gap.examined)]
+    clear = gap.clear[within(span, gap.chain.time)][:, list(gap.examined)]
     if span != EVER and np.any(np.count_nonzero(clear, axis=0) < FEWEST_ROWS):
         return []  # what a joint shows that rests there is noise
     look = look_at(gap, span)
@@ -118,15 +117,15 @@ def _all_mended(as_logged: Floats, left: Floats) -> bool:
 
 
 def _least(look: Look, readings: Iterator[_Reading], accepted: Callable[[Floats], bool]) -> list[Fault]:
-    # The fault of the reading that leaves least, of those accepted; where others leave hardly more, the one without
-    # which the stated robot is least off.
+    # The fault of the reading that leaves least, of those accepted.  Where another leaves hardly more, which of them it
+    # is, is not sure.
     judged = [(look.left(course, effort), fault) for course, effort, fault in readings]
     passing = [(float(np.sum(left)), fault) for left, fault in judged if accepted(left)]
-    least = min((left for left, _ in passing), default=0.0)
-    near = [fault for left, fault in sorted(passing, key=lambda entry: entry[0])[:MOST_NEAR] if CLEARLY * left <= least]
-    if len(near) < 2:
-        return near
-    return [_as_stated(look.gap, look.span, near) or replace(near[0], mend=None)]
+    if not passing:
+        return []
+    least, fault = min(passing, key=lambda entry: entry[0])
+    alone = sum(CLEARLY * left <= least for left, _ in passing) == 1
+    return [fault if alone else replace(fault, mend=None)]
 
 
 def _columns_misplaced(look: Look) -> Iterator[_Reading]:

@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from mjfriction.identify.gap import Gap, measure_gap
-from mjfriction.record.faults import EVER, Mend, Span
+from mjfriction.record.faults import Mend
 from mjfriction.record.log import POSITION, VELOCITY, Floats, Log
 from mjfriction.record.motion import velocity_ratio
 from mjfriction.record.reread import part_of, reread
+from mjfriction.record.span import EVER, Span, within
 from mjfriction.robot.bandwidth import HIGHEST
-from mjfriction.robot.links_torque import is_held
 from mjfriction.robot.robot import Robot
 
 AGREES = 2.0  # times, by which a measured velocity may be off from its position's and be one with it
@@ -40,7 +40,7 @@ def off_as_stated(readings: Sequence[Gap], span: Span = EVER) -> Floats:
     joints = set.intersection(*(set(read.examined) for read in readings))
     off = np.zeros(len(readings))
     for k, read in enumerate(readings):
-        own = is_held(*span, read.chain.time)
+        own = within(span, read.chain.time)
         for joint in joints:
             clear = own & read.clear[:, joint]
             rows = clear if np.any(clear) else own

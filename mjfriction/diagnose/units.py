@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -13,14 +11,15 @@ from mjfriction.body.model import Body
 from mjfriction.diagnose.look import HALF, SOME, look_at
 from mjfriction.diagnose.read_so import off_as_stated, read_so
 from mjfriction.identify.gap import Gap
-from mjfriction.record.faults import EVER, Fault, Mend, Span
+from mjfriction.record.faults import Fault, Mend
 from mjfriction.record.log import POSITION, VELOCITY, Log
 from mjfriction.record.motion import Motion, velocity_ratio
 from mjfriction.record.reread import part_of
+from mjfriction.record.span import EVER, Span
 
 DEGREE = np.pi / 180.0
 MILLIMETRE = 1e-3
-ALIKE = 0.05  # by which the logarithms of what two readings leave differ, and tell nothing
+UNDECIDED = 0.05  # by which the logarithms of what two readings leave differ, and tell nothing
 AS_ONE = 0.03  # by which joints' ratios may differ from each other, or from that of a unit, and be one
 OFF, MOST_OFF = 0.06, 2.0  # by which a clock is off that is worth a word, and the factor it is off by at most
 
@@ -29,19 +28,11 @@ def find_units(gap: Gap) -> list[Fault]:
     """Return the positions that are in another unit than radians or metres: in all of a log, or in one of several logs
     that were joined.
     """
-    logs = spans_of_logs(gap.log)
+    logs = gap.log.logs
     found = [_within(gap, span) for _, span in logs]
     if all([fault.where for fault in own] == [fault.where for fault in found[0]] for own in found):
         return found[0]
     return [alone(fault, name, span) for (name, span), own in zip(logs, found, strict=True) for fault in own]
-
-
-def spans_of_logs(log: Log) -> list[tuple[str, Span]]:
-    """Return the name and the span of time of each of the logs that were joined; of one that was not, all of it."""
-    if len(log.joined) < 2:
-        return [(log.name, EVER)]
-    begins = [begin for _, begin in log.joined]
-    return [(name, span) for (name, _), span in zip(log.joined, itertools.pairwise([*begins, math.inf]), strict=True)]
 
 
 def alone(fault: Fault, name: str, span: Span) -> Fault:
@@ -70,7 +61,7 @@ def _with_silent(gap: Gap, faults: list[Fault], span: Span) -> list[Fault]:
     mends = [[replace(fault.mend, span=span) for fault in own if fault.mend] for own in (faults, more)]
     apart = off_as_stated([read_so(gap, own, gap.robot, highest=gap.motion.cutoff) for own in mends], span)
     difference = float(apart[1] - apart[0])
-    return more if difference < (ALIKE if len(told) > len(silent) else -ALIKE) else faults
+    return more if difference < (UNDECIDED if len(told) > len(silent) else -UNDECIDED) else faults
 
 
 def find_unit_faults(log: Log, body: Body) -> list[Fault]:

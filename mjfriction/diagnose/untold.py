@@ -119,12 +119,13 @@ def _more_than_contacts(model: Model, before: Mapping[Key, Floats], after: Float
     ]
     if len(short) >= FEWEST_JOINTS:
         return set()
-    gained = {
-        choice.key: gap.rms(before[choice.key][:, joint], joint) ** 2 / gap.rms(after[:, joint], joint) ** 2 - 1.0
-        for choice in short
-        for joint in [choice.site.joint]
-    }
-    return {key for key, share in gained.items() if share > NO_CONTACT}
+
+    def gained(choice: Chosen) -> float:
+        joint = choice.site.joint
+        without, own = (gap.rms(left[:, joint], joint) ** 2 for left in (before[choice.key], after))
+        return without / own - 1.0
+
+    return {choice.key for choice in short if gained(choice) > NO_CONTACT}
 
 
 def _beside_larger_courses(model: Model) -> set[Key]:

@@ -6,12 +6,13 @@ They are found in the samples alone, before any model is asked, and repaired whe
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from mjfriction.record.span import EVER, Span
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -37,10 +38,6 @@ BESIDE = 0.02  # of the range, that is beside the extreme
 QUANTA, OF_QUANTA = 2.5, 0.5  # the same of a channel whose steps are coarser than that, in steps
 PEAKED = 2.5  # times the samples one step inside, that a smooth peak has in its highest step at most: √1 to √2 − √1
 HEAPED = 2.0  # times the samples one step inside, that are heaped up at either extreme of what a coarse sensor reads
-
-
-Span = tuple[float, float]
-EVER: Span = (-math.inf, math.inf)
 
 
 @dataclass(frozen=True)
@@ -234,7 +231,7 @@ def clipped(values: Floats, moving: Mask) -> Mask:
     """Return where a channel stands at its own extreme, (n,): many samples at one value, few beside it.
 
     A drive that clips one way clips the other way too, at as much: there it is enough that it often stays there.  Noise
-    that is clipped thins out up to both extremes, but for those.
+    that is clipped heaps up at both extremes, in short runs.
     """
     out, standing, heaped = np.zeros(values.size, dtype=bool), [], []
     span = float(np.ptp(values))
@@ -251,14 +248,14 @@ def clipped(values: Floats, moving: Mask) -> Mask:
             continue  # a reading that stuck once, higher than others happen to be
         if np.count_nonzero(at & moving) >= FEWEST_CLIPPED and longest >= CLIPPED_RUN:
             standing.append(at)
-            inside = [np.count_nonzero(np.abs(np.abs(values - extreme) - k * step) < 0.5 * step) for k in (1, 2)]
+            inside = np.count_nonzero(np.abs(np.abs(values - extreme) - step) < 0.5 * step)
             noisy = np.count_nonzero(at) < CLIPPED_RUN * len(runs)
-            heaped.append(noisy and np.count_nonzero(at) > HEAPED * inside[0] and inside[0] < inside[1])
-            flat = np.count_nonzero(at) > PEAKED * inside[0]
+            heaped.append(noisy and np.count_nonzero(at) > HEAPED * inside)
+            flat = np.count_nonzero(at) > PEAKED * inside
             if flat and np.count_nonzero(at) * factor > np.count_nonzero(beside):
                 out |= at
     both_ways = abs(float(np.max(values)) + float(np.min(values))) <= 1e-9 * span
-    clips = np.any(out) or (heaped == [True, True] and QUANTA * step >= BESIDE * span)
+    clips = np.any(out) or heaped == [True, True]
     return np.logical_or.reduce([out, *standing]) if both_ways and clips else out
 
 

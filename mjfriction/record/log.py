@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import difflib
+import itertools
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -12,6 +14,7 @@ from numpy.typing import NDArray
 
 from mjfriction.errors import LogError, suggestion
 from mjfriction.record.faults import Fault
+from mjfriction.record.span import EVER, Span
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -61,6 +64,14 @@ class Log:
     def name(self) -> str:
         """The file's name, without its folder; all of them where logs were joined."""
         return JOINED.join(Path(source).name for source in self.source.split(JOINED))
+
+    @property
+    def logs(self) -> tuple[tuple[str, Span], ...]:
+        """The name and the span of time of each of the logs that were joined; of one that was not, all of it."""
+        if len(self.joined) < 2:
+            return ((self.name, EVER),)
+        spans = itertools.pairwise([*(begin for _, begin in self.joined), math.inf])
+        return tuple((name, span) for (name, _), span in zip(self.joined, spans, strict=True))
 
     def channel(self, quantity: str, joint: str) -> Floats | None:
         """Return a joint's column (``position``, ``velocity``, ``effort``, ``current``, …), or None if not recorded."""

@@ -63,7 +63,7 @@ def _without_repeated(log: Log, repeated: Mask) -> Log:
     places = _places(log, repeated)
     count = int(np.count_nonzero(repeated))
     fault = Fault("data.duplicate", f"{in_words(places)} ({count} rows)", "dropped the repeated rows", places)
-    return replace(_without(log, repeated), segment=log.segment[~repeated], faults=(*log.faults, fault))
+    return replace(without_rows(log, repeated), segment=log.segment[~repeated], faults=(*log.faults, fault))
 
 
 def repaired(log: Log) -> Log:
@@ -113,7 +113,7 @@ def repaired(log: Log) -> Log:
                     unusable[name] = unusable.get(name, np.zeros(mask.size, dtype=bool)) | mask
                     faults.append(_found_at(log, kind, name, mask, action))
     changed = replace(log, columns=columns, faults=tuple(faults), unusable=unusable)
-    return _without(changed, dropped) if np.any(dropped) else changed
+    return without_rows(changed, dropped) if np.any(dropped) else changed
 
 
 def _unbroken(log: Log) -> Integers:
@@ -162,7 +162,8 @@ def _places(log: Log, mask: np.ndarray) -> tuple[tuple[float, float], ...]:
     return tuple((float(log.time[a]), float(log.time[b - 1])) for a, b in spans(mask))
 
 
-def _without(log: Log, rows: np.ndarray) -> Log:
+def without_rows(log: Log, rows: Mask) -> Log:
+    """Return the log without some of its rows, (n,)."""
     kept = ~rows
     # What stands on either side of a stretch left out is not one motion, however short the stretch.
     piece = np.cumsum(np.append(0, np.diff(log.segment) != 0) | np.append(False, rows[:-1] & ~rows[1:]))

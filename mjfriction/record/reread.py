@@ -8,33 +8,25 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from mjfriction.record.faults import Mask, Mend, Span
+from mjfriction.record.faults import Mask, Mend
 from mjfriction.record.log import Log
+from mjfriction.record.repair import without_rows
+from mjfriction.record.span import Span, within
 
 Value = TypeVar("Value", bound=np.generic)
 
 
 def part_of(log: Log, span: Span) -> Log:
     """Return the rows of a log within a span of time."""
-    own = _within(log, span)
-    if np.all(own):
-        return log
-    return replace(
-        log,
-        time=log.time[own],
-        segment=log.segment[own],
-        columns={name: values[own] for name, values in log.columns.items()},
-        unusable={name: mask[own] for name, mask in log.unusable.items()},
-        recorded=None,
-        kept=None,
-    )
+    own = within(span, log.time)
+    return log if np.all(own) else without_rows(log, ~own)
 
 
 def reread(log: Log, mend: Mend) -> Log:
     """Return the log with columns times their factors, and those that were exchanged in their places, within the span
     of the mend; columns that the log has not are left aside.
     """
-    own = _within(log, mend.span)
+    own = within(mend.span, log.time)
     columns, unusable = dict(log.columns), dict(log.unusable)
     for name, factor in mend.factors:
         if name in columns:
@@ -46,10 +38,6 @@ def reread(log: Log, mend: Mend) -> Log:
             masks = unusable.get(one, usable), unusable.get(other, usable)
             unusable[one], unusable[other] = _exchanged(*masks, own)
     return replace(log, columns=columns, unusable=unusable)
-
-
-def _within(log: Log, span: Span) -> Mask:
-    return (log.time >= span[0]) & (log.time < span[1])
 
 
 def _exchanged(one: NDArray[Value], other: NDArray[Value], own: Mask) -> tuple[NDArray[Value], NDArray[Value]]:

@@ -11,6 +11,7 @@ from mjfriction.errors import LogError, RobotError
 from mjfriction.laws.law import Floats
 from mjfriction.record.log import HELD_MASS
 from mjfriction.record.motion import Motion
+from mjfriction.record.span import within
 from mjfriction.robot.body_tables import Place
 from mjfriction.robot.robot import Robot
 
@@ -44,7 +45,7 @@ def held_torque(robot: Robot, body: Body, motion: Motion) -> Floats:
 
 def is_held(begin: float, end: float | None, time: Floats) -> NDArray[np.bool_]:
     """Return at which of the moments (n,), s, that is held which is taken up at ``begin`` and put down at ``end``."""
-    return (time >= begin) & (time < (np.inf if end is None else end))
+    return within((begin, np.inf if end is None else end), time)
 
 
 def _of_one_kilogram(

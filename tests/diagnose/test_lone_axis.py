@@ -20,8 +20,10 @@ from tests.diagnose.test_planar_arm import JOINT, LINK
 COULOMB = 0.8
 
 
-def pendulum(folder: Path, name: str, *, inertia: float, rotor: float, coulomb: float, noise: float = 0.1) -> Robot:
-    link = LINK.format(name="rod", mass=4.0, centre=-0.25, inertia=inertia)
+def pendulum(
+    folder: Path, name: str, *, inertia: float, rotor: float, coulomb: float, noise: float = 0.1, mass: float = 4.0
+) -> Robot:
+    link = LINK.format(name="rod", mass=mass, centre=-0.25, inertia=inertia)
     joint = JOINT.format(name="swing", parent="base", child="rod", z=0.0)
     (folder / f"{name}.urdf").write_text(f'<robot name="pendulum"><link name="base"/>{link}{joint}</robot>')
     (folder / f"{name}.toml").write_text(
@@ -70,6 +72,15 @@ def test_a_torque_constant_is_told_beside_levels_that_are_as_stated_with_it(tmp_
     (finding,) = diagnose_log(log_from_table(pa.table(columns), "swing"), robot).findings
     assert finding.cause == "drive.torque_constant"
     assert finding.parameters[0].value == pytest.approx(0.93, abs=0.01)
+
+
+def test_a_heavier_rod_may_be_a_load_at_its_end(tmp_path: Path) -> None:
+    stated = pendulum(tmp_path, "stated", inertia=0.08, rotor=6e-5, coulomb=COULOMB)
+    machine = pendulum(tmp_path, "machine", inertia=0.16, rotor=6e-5, coulomb=COULOMB, mass=8.0)
+    motion = excitation(("swing",), np.zeros(1), np.full(1, 1.2), np.full(1, 4.0), 40.0, seed=3)
+    columns = simulate(machine, motion, recorder=Recorder(250.0), controller_robot=stated, seed=1)
+    (finding,) = diagnose_log(log_from_table(pa.table(columns), "swing"), stated).findings
+    assert {finding.cause, *finding.alternatives} >= {"body.link_inertia", "body.payload"}
 
 
 @pytest.mark.parametrize("wave", [0.0, 0.09])

@@ -13,12 +13,13 @@ import pytest
 
 from mjfriction.benchmark.cases import Setting, make_case
 from mjfriction.cli.logs import read_logs
-from mjfriction.diagnose import mend
+from mjfriction.diagnose import mend, misplaced
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.mend import audited
 from mjfriction.diagnose.misplaced import find_misplaced
 from mjfriction.diagnose.outcome import Diagnosis, Finding, Verdict
-from mjfriction.diagnose.read_so import read_so
+from mjfriction.diagnose.read_so import off_as_stated, read_so
+from mjfriction.diagnose.units import find_units
 from mjfriction.errors import LogError
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.faults import Fault, Mend
@@ -93,6 +94,7 @@ def of_all(quantity: str) -> list[str]:
         (scaled(1.0 / 101.0, f"effort.{ELBOW}"), "data.unit"),
         (scaled(180.0 / np.pi, *of_all("position")), "data.unit"),
         (scaled(180.0 / np.pi, *of_all("position"), *of_all("velocity")), "data.unit"),
+        (scaled(180.0 / np.pi, f"position.{ELBOW}", f"velocity.{ELBOW}"), "data.unit"),
         (exchanged((f"effort.{ELBOW}", f"effort.{WRIST}")), "data.swap"),
         (exchanged(*((f"{own}.{ELBOW}", f"{own}.{LIFT}") for own in ("position", "velocity"))), "data.swap"),
         (exchanged(*((f"{own}.{ELBOW}", f"{own}.{LIFT}") for own in ("position", "velocity", "effort"))), "data.swap"),
@@ -182,6 +184,27 @@ def test_a_mend_that_leaves_its_fault_is_none_and_is_told_once(
     assert audit.faults == (idle,)
 
 
+@pytest.mark.parametrize(("rounds", "refused"), [(3, False), (4, True)])
+def test_faults_beside_those_that_were_mended_are_mended_three_times(
+    rounds: int, refused: bool, case: tuple[Log, Robot], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log, robot = case
+    found = iter([[Fault("data.sign", f"{k}", "turn it", mend=Mend())] for k in range(rounds)])
+    monkeypatch.setattr(mend, "find_faults", lambda _: next(found, []))
+    audit = audited(log, robot)
+    assert audit.refused is refused
+    assert [fault.where for fault in audit.faults] == (["0"] if refused else ["0", "1", "2"])
+
+
+def test_a_fault_without_a_mend_is_not_gone_with_another(
+    case: tuple[Log, Robot], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log, robot = case
+    found = iter([[Fault("data.sign", "a", "turn it", mend=Mend()), Fault("data.unit", "b", "convert it")]])
+    monkeypatch.setattr(mend, "find_faults", lambda _: next(found, []))
+    assert audited(log, robot).refused
+
+
 def test_a_mend_that_leaves_no_log_is_none(case: tuple[Log, Robot]) -> None:
     log, robot = case
     still = Fault(
@@ -209,11 +232,12 @@ def test_positions_beyond_limits_that_are_no_degrees_are_refused(damage: Damage,
     assert audited(damaged(replace(log, columns=without), damage), robot).refused
 
 
-@pytest.mark.parametrize("swing", [0.0, 0.14])
-def test_a_joint_that_hardly_moves_is_in_degrees_as_all_others_are(swing: float, tmp_path: Path) -> None:
-    # Some fifteen degrees, or eight about that, are within any limits in radians.
+@pytest.mark.parametrize(("joint", "swing"), [("wrist_2_joint", 0.0), ("wrist_2_joint", 0.14), ("wrist_3_joint", 0.0)])
+def test_a_joint_that_hardly_moves_is_in_degrees_as_all_others_are(joint: str, swing: float, tmp_path: Path) -> None:
+    # Some fifteen degrees, or eight about that, are within any limits in radians; the last joint carries nothing that
+    # would tell.
     path, robot = write_case(tmp_path, Machine(), seed=12, seconds=25.0)
-    log, still = read_log(path), "position.wrist_2_joint"
+    log, still = read_log(path), f"position.{joint}"
     columns = {**log.columns, still: 0.26 + swing / np.ptp(log.columns[still]) * log.columns[still]}
     sound = replace(log, columns=columns)
     wrong = damaged(sound, scaled(180.0 / np.pi, *of_all("position")))
@@ -233,6 +257,96 @@ def test_one_log_of_two_in_degrees_is_read_so_alone(case: tuple[Log, Robot]) -> 
     assert {fault.where for fault in audit.faults} == {f"{name}, in tuesday alone" for name in of_all("position")}
     for name in names:
         np.testing.assert_allclose(audit.gap.log.columns[name], log.columns[name], rtol=1e-12)
+
+
+def test_degrees_in_one_of_two_logs_are_known_by_its_efforts_alone(case: tuple[Log, Robot]) -> None:
+    log, robot = case
+    half = float(log.time[log.time.size // 2])
+    late = np.where(log.time >= half, 180.0 / np.pi, 1.0)
+    wrong = damaged(log, lambda columns: {name: late * columns[name] for name in of_all("position")})
+    columns = {name: own for name, own in wrong.columns.items() if not name.startswith("velocity.")}
+    segment, joined = (log.time >= half).astype(np.int64), (("first", 0.0), ("second", half))
+    gap = measure_gap(replace(wrong, columns=columns, segment=segment, joined=joined), robot)
+    endless = replace(gap.body, lower=np.full(6, -np.inf), upper=np.full(6, np.inf))
+    faults = find_units(replace(gap, body=endless))
+    assert {fault.where for fault in faults} == {f"{name}, in second alone" for name in of_all("position")}
+    assert {fault.mend.span for fault in faults if fault.mend} == {(half, np.inf)}
+
+
+def test_a_reading_is_held_against_the_robot_within_its_span(case: tuple[Log, Robot]) -> None:
+    log, robot = case
+    half = float(log.time[log.time.size // 2])
+    gap = measure_gap(log, robot)
+    wrong = read_so(gap, [Mend(factors=((f"effort.{ELBOW}", -1.0),), span=(half, np.inf))], robot)
+    early, late = (off_as_stated([gap, wrong], span) for span in ((-np.inf, half - 1.0), (half + 1.0, np.inf)))
+    assert early[1] - early[0] == pytest.approx(0.0, abs=0.1)
+    assert late[1] - late[0] > 1.0
+
+
+def test_a_unit_is_told_by_what_other_sizes_leave(case: tuple[Log, Robot], monkeypatch: pytest.MonkeyPatch) -> None:
+    # Where friction alone moves with a position, as fast as it may be, any size does as well.
+    gap = measure_gap(*case)
+    degrees = [Mend(factors=((f"position.{ELBOW}", np.pi / 180.0),))]
+    for left, told in (((0.2, 0.2), True), ((0.21, 0.03), True), ((0.01, 0.01), False), ((-0.1, 0.4), False)):
+        monkeypatch.setattr(mend, "off_as_stated", lambda _, own=left: np.array([0.0, *own]))
+        assert mend._of_their_size(gap, degrees, gap) is told, left
+
+
+@pytest.mark.parametrize(
+    ("gear_ratio", "torque_constant", "factor", "refused"),
+    [
+        (101.0, None, 1.0 / 101.0, False),
+        (101.0, 1.0, 1.0 / 101.0, False),
+        (-101.0, None, -1.0 / 101.0, False),
+        (101.0, None, -1.0 / 101.0, True),
+        (101.0, 1.1, 1.0 / 101.0, True),  # in N·m at the motor, or in A
+    ],
+)
+def test_an_effort_at_the_motor_is_told_by_its_gear_where_nothing_else_is_as_near(
+    gear_ratio: float, torque_constant: float | None, factor: float, refused: bool, case: tuple[Log, Robot]
+) -> None:
+    log, robot = case
+    robot = with_drive(robot, 2, gear_ratio=gear_ratio, torque_constant=torque_constant)
+    audit = audited(damaged(log, scaled(factor, f"effort.{ELBOW}")), robot)
+    assert audit.refused is refused
+    assert [fault.kind for fault in audit.faults] == ["data.unit"]
+
+
+def test_a_current_in_milliamperes_is_read_so(case: tuple[Log, Robot]) -> None:
+    log, robot = case
+    columns = {name: own for name, own in log.columns.items() if not name.startswith("effort.")}
+    for k, joint in enumerate(UR5_JOINTS):
+        robot = with_drive(robot, k, gear_ratio=101.0, torque_constant=0.1)
+        columns[f"current.{joint}"] = log.columns[f"effort.{joint}"] / 10.1
+    wrong = replace(log, columns={**columns, f"current.{ELBOW}": 1e3 * columns[f"current.{ELBOW}"]})
+    audit = audited(wrong, robot)
+    assert not audit.refused
+    assert [(fault.kind, fault.where) for fault in audit.faults] == [("data.unit", f"current.{ELBOW}")]
+    np.testing.assert_allclose(audit.gap.log.columns[f"current.{ELBOW}"], columns[f"current.{ELBOW}"], rtol=1e-12)
+
+
+def test_a_current_that_stands_for_an_effort_is_not_exchanged_with_it(case: tuple[Log, Robot]) -> None:
+    log, robot = case
+    current = f"current.{LIFT}"
+    columns = {**log.columns, current: log.columns[f"effort.{LIFT}"]}
+    del columns[f"effort.{LIFT}"]
+    swapped = exchanged((current, f"effort.{ELBOW}"))(columns)
+    robot = with_drive(robot, 1, torque_constant=1.0)
+    faults = find_misplaced(measure_gap(replace(log, columns={**columns, **swapped}), robot))
+    assert [(fault.kind, fault.mend) for fault in faults] == [("data.swap", None)]
+
+
+def test_which_of_two_readings_it_is_that_leave_as_little_is_not_sure() -> None:
+    class Looked:
+        def left(self, course: list[np.ndarray], _: np.ndarray) -> np.ndarray:
+            return course[0]
+
+    faults = [Fault("data.sign", name, "turn it", mend=Mend(factors=((name, -1.0),))) for name in "ab"]
+    for other, sure in ((0.5, True), (0.11, False)):
+        readings = zip(([np.array([0.1])], [np.array([other])]), 2 * [np.zeros(1)], faults, strict=True)
+        (fault,) = misplaced._least(Looked(), readings, lambda _: True)
+        assert fault.where == "a"
+        assert (fault.mend is not None) is sure
 
 
 def test_a_sign_that_may_be_of_two_columns_is_not_turned() -> None:
@@ -274,5 +388,8 @@ def test_what_a_mended_log_could_show_is_told(case: tuple[Log, Robot]) -> None:
         for damage in (lambda _: {}, turned(f"effort.{ELBOW}"), scaled(37.0, f"effort.{ELBOW}"))
     )
     assert mended["could_show"] == whole["could_show"]
+    degrees = inspected_table(damaged(log, scaled(180.0 / np.pi, *of_all("position"))), robot)
+    for written, right in zip(degrees["joints"], whole["joints"], strict=True):
+        assert written["range"] == pytest.approx(np.degrees(right["range"]), rel=0.02)
     assert [entry["kind"] for entry in mended["data_problems"]] == ["data.sign"]
     assert refused["could_show"] == []

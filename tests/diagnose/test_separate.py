@@ -10,6 +10,7 @@ import pyarrow as pa
 import pytest
 
 from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.spring import Spring
 from mjfriction.diagnose.causes.stribeck import Stribeck
@@ -17,7 +18,7 @@ from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.model import Chosen, build_model, cause_block
 from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
-from mjfriction.diagnose.separate import with_rival
+from mjfriction.diagnose.separate import design_experiment, with_rival
 from mjfriction.identify.gap import measure_gap
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
@@ -56,6 +57,13 @@ def robots() -> tuple[Robot, Robot]:
     return stated, stated.with_joint(sprung)
 
 
+@pytest.fixture(scope="module")
+def over_a_short_stroke(robots: tuple[Robot, Robot]) -> dict[str, np.ndarray]:
+    stated, machine = robots
+    short = excitation(stated.joints, HOME, np.full(6, 0.12), np.full(6, 0.6), 40.0, seed=7)
+    return simulate(machine, short, recorder=Recorder(250.0), controller_robot=stated, seed=4)
+
+
 @pytest.mark.parametrize("seed", [5, pytest.param(6, marks=pytest.mark.bench)])
 def test_a_spring_over_a_short_stroke_may_be_an_offset(robots: tuple[Robot, Robot], seed: int) -> None:
     stated, machine = robots
@@ -74,10 +82,11 @@ def test_an_offset_over_a_long_stroke_is_no_spring(robots: tuple[Robot, Robot]) 
     assert (finding.cause, finding.alternatives) == ("drive.offset", ())
 
 
-def test_a_spring_over_a_short_stroke_is_told_by_the_asked_motion(robots: tuple[Robot, Robot], tmp_path: Path) -> None:
+def test_a_spring_over_a_short_stroke_is_told_by_the_asked_motion(
+    robots: tuple[Robot, Robot], over_a_short_stroke: dict[str, np.ndarray]
+) -> None:
     stated, machine = robots
-    short = excitation(stated.joints, HOME, np.full(6, 0.12), np.full(6, 0.6), 40.0, seed=7)
-    first = diagnosed(machine, stated, short)
+    first = diagnose_log(log_from_table(pa.table(over_a_short_stroke), "log"), stated)
     assert first.verdict is Verdict.AMBIGUOUS
     experiment = first.next_experiment
     assert experiment is not None
@@ -88,6 +97,33 @@ def test_a_spring_over_a_short_stroke_is_told_by_the_asked_motion(robots: tuple[
     second = diagnosed(machine, stated, experiment.trajectory)
     assert [(f.cause, f.joint, f.alternatives) for f in second.findings] == [("body.spring", "wrist_2_joint", ())]
     assert second.next_experiment is None
+
+
+def test_no_motion_is_asked_of_a_robot_whose_positions_were_misread(
+    robots: tuple[Robot, Robot], over_a_short_stroke: dict[str, np.ndarray]
+) -> None:
+    positions = {name: own for name, own in over_a_short_stroke.items() if name.startswith("position.")}
+    degrees = over_a_short_stroke | {name: np.degrees(own) for name, own in positions.items()}
+    found = diagnose_log(log_from_table(pa.table(degrees), "log"), robots[0])
+    assert found.verdict is Verdict.BAD_DATA
+    (finding,) = found.findings
+    assert {finding.cause, *finding.alternatives} == {"drive.offset", "body.spring"}
+    assert found.next_experiment is None
+
+
+def test_no_motion_is_asked_of_a_robot_with_a_slide_of_which_no_range_is_stated(
+    robots: tuple[Robot, Robot], over_a_short_stroke: dict[str, np.ndarray]
+) -> None:
+    gap = measure_gap(log_from_table(pa.table(over_a_short_stroke), "log"), robots[0])
+    slides = tuple(joint == WRIST for joint in range(6))
+    endless = replace(gap.body, sliding=slides, upper=np.where(slides, np.inf, gap.body.upper))
+    asked = []
+    for own in (gap, replace(gap, body=endless)):
+        model, other = (
+            build_model(own, make_nuisance(own), (Chosen(cause, Site(WRIST)),)) for cause in (Spring(), Offset())
+        )
+        asked.append(design_experiment(model, other, WRIST, ("body.spring", "drive.offset")))
+    assert [motion is None for motion in asked] == [False, True]
 
 
 @pytest.mark.bench

@@ -11,6 +11,8 @@ from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.presliding import DampedPresliding, Presliding, SlippingElements
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.identify.doubt import YIELDING
+from mjfriction.identify.gap import measure_gap
 from mjfriction.laws.maxwell_slip import MAXWELL_SLIP
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
@@ -62,6 +64,20 @@ def test_a_bristle_needs_a_spring_beside_it(tmp_path: Path, monkeypatch: pytest.
     for cause in (Presliding, DampedPresliding):
         monkeypatch.setattr(cause, "richer", None)
     assert {finding.cause for finding in diagnosed(tmp_path).findings} == {"friction.presliding", "body.spring"}
+
+
+@pytest.mark.parametrize(
+    ("travel", "levels", "told"),
+    [(0.6, (0.0, 1.0, 1.5), True), (0.4, (0.0, 1.0, 1.5), False), (0.6, (1.0, 1.0, 0.1), False)],
+)
+def test_elements_that_all_slip_within_what_any_contact_yields_are_refitted_along(
+    travel: float, levels: tuple[float, ...], told: bool, tmp_path: Path
+) -> None:
+    # The last element that holds a part slips after twice the travel, or after three quarters of it.
+    log, robot = write_case(tmp_path, Machine(), seed=4, seconds=15.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    yields = YIELDING * float(np.ptp(gap.motion.position[:, ELBOW]))
+    assert SlippingElements().noteworthy(gap, Site(ELBOW, (travel * yields,)), np.array(levels)) is told
 
 
 def test_an_element_that_holds_nothing_is_not_built_in() -> None:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from mjfriction.errors import LogError
 from mjfriction.record.log import Log
-from mjfriction.record.motion import back_to_log, estimate_motion
+from mjfriction.record.motion import back_to_log, estimate_motion, velocity_ratio
 from mjfriction.record.noise import noise_level
 from mjfriction.record.resample import read_clock
 
@@ -81,6 +81,15 @@ def test_a_hopeless_clock_is_refused_by_name() -> None:
     short = np.repeat(np.arange(10), 20)
     with pytest.raises(LogError, match="no stretch of 60 samples without a gap"):
         estimate_motion(log_of(np.arange(200) * 0.01, np.zeros(200), short), ["a"], 10.0)
+
+
+@pytest.mark.parametrize("even", [True, False])
+def test_velocities_are_compared_on_a_clock_that_is_one(even: bool) -> None:
+    steps = np.full(2000, 0.002) if even else np.random.default_rng(0).choice([0.001, 0.001, 0.0035], 2000)
+    time = np.cumsum(steps)
+    q, v, _ = sine(time)
+    ratio = velocity_ratio(log_of(time, q, velocity=2.0 * v), "a", 20.0)
+    assert ratio == (pytest.approx(2.0, rel=0.01) if even else None)
 
 
 @settings(max_examples=20, deadline=None)

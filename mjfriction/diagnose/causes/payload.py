@@ -104,12 +104,12 @@ class PayloadForAWhile(WholeArm):
 
     def sites(self, gap: Gap) -> list[Site]:
         """From every log on, up to every log and in every log alone, unless a payload is stated on another link."""
-        begins = [begin for _, begin in gap.log.joined]
-        if len(begins) < 2 or _elsewhere(gap):
+        spans = [span for _, span in gap.log.logs]
+        if len(spans) < 2 or _elsewhere(gap):
             return []
-        ends = [*begins[1:], math.inf]
-        whiles = {(begins[0], end) for end in ends} | {(begin, math.inf) for begin in begins}
-        whiles = whiles.union(zip(begins, ends, strict=True)) - {(begins[0], math.inf)}
+        first = spans[0][0]
+        whiles = {(first, end) for _, end in spans} | {(begin, math.inf) for begin, _ in spans} | set(spans)
+        whiles.remove((first, math.inf))
         return [own for begin, end in sorted(whiles) for own in self.felt_most(gap, Site(0, begin=begin, end=end))]
 
     def torques(self, gap: Gap) -> Floats:
