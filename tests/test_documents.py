@@ -43,14 +43,15 @@ from mjfriction.diagnose.richer import PAYS
 from mjfriction.diagnose.short_list import NEAR_BEST
 from mjfriction.diagnose.stated import FADED, LEFT, OUTLYING
 from mjfriction.diagnose.stroke_curve import FEWEST_HARMONIC, HARMONIC, HIGHEST
-from mjfriction.diagnose.trial import EVENEST, FALSE_ALARM, FEWEST_JOINTS, LEAST_EFFECT, UNEVEN
+from mjfriction.diagnose.trial import EVENEST, FALSE_ALARM, FEWEST_JOINTS, LEAST_EFFECT, STANDS_OUT, UNEVEN, WAVIEST
 from mjfriction.diagnose.unevenness import TOLD_BY
 from mjfriction.diagnose.untold import BRISTLE_MISFIT, DROWNED, LEAST_SEEN, MISFIT, NO_CONTACT, SURELY_SEEN
 from mjfriction.diagnose.verdict import LEAST_FRICTION, MUCH_COLOURED
 from mjfriction.diagnose.which_log import LOUDER
 from mjfriction.identify import choose, conclude, gap, landings, turning
 from mjfriction.identify.colour import AROUND, COLOURED, EVEN_BELOW
-from mjfriction.identify.gap import ENOUGH_PER_PERIOD
+from mjfriction.identify.doubt import WITHIN
+from mjfriction.identify.gap import ENOUGH_CLEAR, ENOUGH_PER_PERIOD, FEWEST_CLEAR
 from mjfriction.identify.stroke_waves import STEPS_PER_LOBE
 from mjfriction.identify.swing import FASTEST, SLOWEST
 from mjfriction.laws.catalog import LAWS
@@ -61,6 +62,7 @@ from mjfriction.record.motion import DAWDLING, HELD, RINGING, USUALLY
 from mjfriction.report.result import UNEVEN as UNEVEN_CLOCK
 from mjfriction.reproduce.catalog import DOCUMENTS
 from mjfriction.robot.robot import bundled_robots
+from mjfriction.robot.rubbing import UNSETTLED
 from mjfriction.robot.spots import APART
 
 ROOT = Path(__file__).parents[1]
@@ -109,6 +111,14 @@ def test_every_page_that_is_named_is_there() -> None:
             assert (ROOT / named).exists(), f"{page.name} names {named}"
         for picture in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", page.read_text(encoding="utf-8")):
             assert (page.parent / picture).is_file(), f"{page.name} shows {picture}"
+
+
+def test_how_it_decides_tells_what_rows_and_waves_count() -> None:
+    told = " ".join(text("docs/how_it_decides.md").split())
+    assert f"a wave has to be {STANDS_OUT:g} times as large as waves are at two joints at least" in told
+    assert f"up to waves of {100 * WAVIEST:g} % of friction" in told
+    assert f"until that matters by less than {100 * UNSETTLED:g} % of its level" in told
+    assert (FEWEST_CLEAR, ENOUGH_CLEAR, WITHIN) == (0.2, 50, 0.9), "in words"
 
 
 def test_how_it_decides_tells_the_limits_that_it_uses() -> None:

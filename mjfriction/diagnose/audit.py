@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 
@@ -11,7 +12,7 @@ from mjfriction.diagnose.look import FEWEST_ROWS, look_at
 from mjfriction.diagnose.misplaced import effort_column, find_misplaced, of_efforts_or_positions
 from mjfriction.diagnose.units import alone, find_units, stretched_clock
 from mjfriction.identify.gap import Gap
-from mjfriction.record.faults import Fault, Mend
+from mjfriction.record.faults import Fault, Mask, Mend
 from mjfriction.record.log import EFFORT, Floats
 from mjfriction.record.span import EVER, Span, within
 
@@ -79,7 +80,7 @@ def find_misread(gap: Gap, span: Span = EVER) -> list[Fault]:
     measured, predicted = (values - np.mean(values, axis=0) for values in (measured, predicted))
     size = np.sqrt(np.outer(np.sum(np.square(measured), axis=0), np.sum(np.square(predicted), axis=0)))
     likeness = np.divide(measured.T @ predicted, size, out=np.zeros_like(size), where=size > 0.0)
-    faults = []
+    faults, of_size = [], dict[int, Fault]()
     for i, joint in enumerate(examined):
         if np.count_nonzero(clear[:, joint]) < FEWEST_ROWS:
             continue
@@ -94,8 +95,26 @@ def find_misread(gap: Gap, span: Span = EVER) -> list[Fault]:
         elif abs(alike) > ALIKE and not 1.0 / MOST_OFF < factor < MOST_OFF:
             action = f"it reads {factor:.3g} times what the robot needs; convert it to N·m or N at the joint, or A"
             mend = _in_a_known_unit(gap, joint, math.copysign(factor, alike))
-            faults.append(Fault("data.unit", effort_column(gap, joint), action, mend=mend))
-    return faults
+            of_size[i] = Fault("data.unit", effort_column(gap, joint), action, mend=mend)
+    # Two that are the wrong size for their own joints, and the right one for each other's, stand in each other's place.
+    for i, j in itertools.combinations(of_size, 2):
+        if i in of_size and j in of_size and _of_each_other(gap, own, (i, j)):
+            faults.append(of_efforts_or_positions(gap, span, examined[j], examined[i]))
+            del of_size[i], of_size[j]
+    return [*faults, *of_size.values()]
+
+
+def _of_each_other(gap: Gap, own: Mask, pair: tuple[int, int]) -> bool:
+    # Whether what two examined joints report is what the robot as stated has the other one report.
+    for i, j in (pair, pair[::-1]):
+        one, other = gap.examined[i], gap.examined[j]
+        rows = own & gap.clear[:, one]
+        read = gap.measured[rows, other] / gap.per_reported[other]
+        needed = gap.chain.rows(gap.effort.reported)[rows, one] / gap.per_reported[one]
+        alike, factor = _likeness(read, needed)
+        if not (alike > ALIKE and 1.0 / MOST_OFF < factor < MOST_OFF):
+            return False
+    return True
 
 
 def _in_a_known_unit(gap: Gap, joint: int, factor: float) -> Mend | None:

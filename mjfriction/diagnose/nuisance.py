@@ -103,7 +103,8 @@ class Nuisance:
 
     Links are within what stated ones are ever off by (``links``), or let go (``inertias``), not both.
     ``uneven`` is how uneven the machine is, 1 for one that is as uneven as real ones are: a cause has to be larger than
-    that.
+    that.  ``wavy`` is how large waves along their strokes are at two joints at least, relative to the joints' friction,
+    beside all causes that are known: a wave has to be larger than that.
     """
 
     levels: tuple[Level, ...]
@@ -112,6 +113,7 @@ class Nuisance:
     inertias: LinkInertias | None = None
     oscillations: tuple[Oscillation, ...] = ()
     uneven: float = 1.0
+    wavy: float = 0.0
 
     @property
     def parts(self) -> list[Part]:

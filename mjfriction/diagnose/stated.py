@@ -99,14 +99,15 @@ def settle(model: Model, asked: Field) -> Settled:
         elif trial.passes(field_size) and change[joint] > _bar(change, joint, off):
             held, trial = _unmoved(model, held, trial)
             rival = _simpler(held, trial, asked)
-            scaled = scaled_levels(model, held, trial, change) if rival is None else None
+            elsewhen = _of_another_time(model, level, _bar(change, joint, off))
+            scaled = scaled_levels(model, held, trial, change) if rival is None and not elsewhen else None
             if rival is not None:
                 model = build_model(held.gap, held.nuisance, (*without_contained(held.chosen, rival), rival))
             elif scaled is not None and scaled.one_factor:
                 model = scaled.model
             elif (other := one_for_both(model, joint, asked)) is not None:
                 model = other
-            elif _own(model, level, change[joint], _bar(change, joint, off)):
+            elif not elsewhen and _own(model, level, change[joint], _bar(change, joint, off)):
                 findings.append(trial.chosen)
             alike |= {joint: scaled.spread} if scaled is not None else {}
     model = with_levels_as_stated(model)
@@ -144,12 +145,11 @@ def _unbent(model: Model, joint: int, asked: Field) -> Model | None:
 
 
 def _own(model: Model, level: Level, change: float, bar: float) -> bool:
-    # Whether levels that are off are so by themselves: not as a bend's basis, nor at another time than that of the log,
-    # nor as what rises or falls from one end of the stroke to the other goes on from, nor in one direction only.
+    # Whether levels that are off are so by themselves: not as a bend's basis, nor as what rises or falls from one end
+    # of the stroke to the other goes on from, nor in one direction only.
     joint = level.site.joint
     bent = _bent(model, joint) and change < AS_MUCH and not _off_beyond_a_bend(model, level, bar)
-    elsewhere = _rising(model, joint) or _of_one_direction(model, level, bar) or _of_another_time(model, level, bar)
-    return not bent and not elsewhere
+    return not bent and not _rising(model, joint) and not _of_one_direction(model, level, bar)
 
 
 def _of_one_direction(model: Model, level: Level, bar: float) -> bool:

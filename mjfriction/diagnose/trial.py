@@ -17,6 +17,8 @@ LEAST_SHARE = 0.01  # of a joint's remaining error that a cause must take away o
 LEAST_EFFECT = 0.005  # of the joint's RMS effort that a cause's own effort must reach
 UNEVEN = 0.015  # of a joint's friction, that waves along its stroke are at on a machine as uneven as real ones
 EVENEST = 0.25  # of what is asked on such a machine, that is asked on the most even one
+# Times as large as waves are at two joints at least, that one has to be; past how much of friction they are not such.
+STANDS_OUT, WAVIEST = 1.5, 0.06
 FEWEST_JOINTS = 3  # that can say how exactly a machine is stated, or how even it is
 MOST = 0.95  # of rows, on which an effort is less than it is at its most
 MOST_OF_SEVERAL = 0.995  # the same where several joints feel it
@@ -29,10 +31,10 @@ class Trial:
     ``improvement`` (blocks,) is the weighted squared error it takes off each block when fitted to the others,
     ``error`` (blocks,) what was there before, both at the joints it touches; ``relief`` is what it takes off the
     refitted drives' and links' distance from what is stated, in the same unit.  At the joint that gains most,
-    ``effect`` is its RMS effort relative to the joint's, ``of_friction`` its most beside levels, relative to the
-    joint's friction, of which it has to be ``least_of_friction``.  ``wald`` is θᵀC⁻¹θ/k of its k = ``count`` strengths
-    θ, C being their covariance, the larger of the one clustered over blocks, which leave ``spare``, and the one for
-    white noise.
+    ``effect`` is its RMS effort relative to the joint's, which has to be ``least_effect``, ``of_friction`` its most
+    beside levels, relative to the joint's friction, of which it has to be ``least_of_friction``.  ``wald`` is
+    θᵀC⁻¹θ/k of its k = ``count`` strengths θ, C being their covariance, the larger of the one clustered over blocks,
+    which leave ``spare``, and the one for white noise.
     """
 
     chosen: Chosen
@@ -41,6 +43,7 @@ class Trial:
     relief: float
     effect: float
     of_friction: float
+    least_effect: float
     least_of_friction: float
     wald: float
     count: int
@@ -81,7 +84,7 @@ class Trial:
 
     def passes(self, candidates: float) -> bool:
         """Return whether the effect is beyond chance among so many candidates, and large enough to matter."""
-        large = self.effect > LEAST_EFFECT and self.of_friction > self.least_of_friction
+        large = self.effect > self.least_effect and self.of_friction > self.least_of_friction
         return large and self.beyond_chance(candidates)
 
 
@@ -120,10 +123,9 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
     relief = strain(model, model.strengths) - strain(model, fitted)
     size = effects(model, choice, strengths, most)
     improvement, error = (before - after).sum(axis=0), before.sum(axis=0)
-    least = least_of_friction(
-        model, choice, left_of_friction(model, _rms_of(model, after[touched.index(most)], most), most)
-    )
-    return Trial(choice, improvement, error, relief, *size, least, wald, count, int(groups[-1]))
+    left = left_of_friction(model, _rms_of(model, after[touched.index(most)], most), most)
+    least = least_effect(model, choice, left), least_of_friction(model, choice, left)
+    return Trial(choice, improvement, error, relief, *size, *least, wald, count, int(groups[-1]))
 
 
 def effects(model: Model, choice: Chosen, strengths: Floats, joint: int) -> tuple[float, float]:
@@ -153,7 +155,15 @@ def negligible(model: Model, choice: Chosen, strengths: Floats, before: Floats, 
     joint = shown_at(model, choice, before, after)
     of_effort, of_friction = effects(model, choice, strengths, joint)
     left = left_of_friction(model, model.gap.rms(after[:, joint], joint), joint)
-    return of_effort < LEAST_EFFECT or of_friction < least_of_friction(model, choice, left)
+    return of_effort < least_effect(model, choice, left) or of_friction < least_of_friction(model, choice, left)
+
+
+def least_effect(model: Model, choice: Chosen, left: float = np.inf) -> float:
+    """Return how much of a joint's RMS effort a cause has to make, ``left`` being as for :func:`least_of_friction`.
+
+    What one joint shows of so little may be anything; what all show alike, on a machine that is even, may not.
+    """
+    return LEAST_EFFECT * (_unevenness(model, choice, left) if choice.cause.whole_arm else 1.0)
 
 
 def least_of_friction(model: Model, choice: Chosen, left: float = np.inf) -> float:
@@ -161,12 +171,18 @@ def least_of_friction(model: Model, choice: Chosen, left: float = np.inf) -> flo
 
     Of few joints it is not known how uneven they are; but where what is ``left`` beside the cause and the sensor's
     noise (RMS, relative to friction) is less than an uneven machine's waves would leave, this one is more even.  Waves
-    themselves are those.
+    themselves are those, and where all joints show some, the ripple of their gears, one has to stand out.
     """
+    least = _unevenness(model, choice, left) * choice.cause.least_of_friction
+    return max(least, STANDS_OUT * min(model.nuisance.wavy, WAVIEST)) if choice.cause.of_unevenness else least
+
+
+def _unevenness(model: Model, choice: Chosen, left: float) -> float:
+    # Relative to real machines.
     uneven, few = model.nuisance.uneven, len(model.gap.examined) < FEWEST_JOINTS
     if few and not choice.cause.of_unevenness:
         uneven = min(uneven, max(EVENEST, left / (UNEVEN / np.sqrt(2.0))))
-    return float(uneven * choice.cause.least_of_friction)
+    return float(uneven)
 
 
 def shown_at(model: Model, choice: Chosen, before: Floats, after: Floats) -> int:

@@ -33,7 +33,7 @@ def with_unevenness(gap: Gap, nuisance: Nuisance) -> Nuisance:
 
 def as_uneven(model: Model) -> Model:
     """Return a model with how much a cause has to be on a machine as uneven as it is seen to be beside all that was
-    found: what links that are wrong leave hides waves.
+    found: what links that are wrong leave hides waves, and makes some.
     """
     if not model.chosen or len(model.gap.examined) < FEWEST_JOINTS:
         return model
@@ -41,8 +41,9 @@ def as_uneven(model: Model) -> Model:
     for choice in model.chosen:
         if isinstance(choice.cause, PositionFriction | Cogging):
             level = level.without(choice)
-    share = min(unevenness(level) / UNEVEN, 1.0)
-    return replace(model, nuisance=replace(model.nuisance, uneven=max(share, model.nuisance.uneven)))
+    wavy = unevenness(level)
+    uneven = max(min(wavy / UNEVEN, 1.0), model.nuisance.uneven)
+    return replace(model, nuisance=replace(model.nuisance, uneven=uneven, wavy=wavy))
 
 
 def unevenness(model: Model) -> float:

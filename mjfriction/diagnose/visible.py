@@ -14,9 +14,9 @@ from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
 from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.trial import (
     FALSE_ALARM,
-    LEAST_EFFECT,
     LEAST_SHARE,
     at_its_most,
+    least_effect,
     least_of_friction,
     left_of_friction,
 )
@@ -52,11 +52,6 @@ def visible_causes(gap: Gap, tell: Tell = silently) -> tuple[Visible, ...]:
     # Coloured noise says less: as many rows as say the same thing count as one.
     left = model.residual()
     alike = {joint: redundancy(left[:, joint] * model.system.rows.weight[:, joint]) for joint in gap.examined}
-    # However sure, less than a share of the effort, of the error and of friction is not told.
-    least_told = {
-        joint: max(LEAST_EFFECT * _rms(gap.measured[:, joint]), np.sqrt(LEAST_SHARE) * _rms(left[:, joint]))
-        for joint in gap.examined
-    }
     least: dict[tuple[str, str | None], Visible] = {}
     begin = counting(tell, len(field))
     for entrant in field:
@@ -65,7 +60,7 @@ def visible_causes(gap: Gap, tell: Tell = silently) -> tuple[Visible, ...]:
         if joint not in alike:
             continue
         choice = Chosen(entrant.cause, entrant.sites[len(entrant.sites) // 2])
-        effect = max(_least(model, choice, chance, alike[joint]), least_told[joint], _of_friction(model, choice, left))
+        effect = max(_least(model, choice, chance, alike[joint]), _least_told(model, choice, left[:, joint]))
         name = None if entrant.cause.whole_arm else gap.robot.joints[joint]
         found = Visible(entrant.cause.name, name, effect, effect / max(_rms(gap.measured[:, joint]), 1e-300))
         key = (found.cause, found.joint)
@@ -82,12 +77,16 @@ def _least(model: Model, choice: Chosen, chance: float, alike: float) -> float:
     return float(np.sqrt(chi2.isf(chance, count) * np.trace(power @ covariance) / count))
 
 
-def _of_friction(model: Model, choice: Chosen, left: Floats) -> float:
-    # How large the effect is that is as much of the joint's friction as has to be, at its most.
+def _least_told(model: Model, choice: Chosen, left: Floats) -> float:
+    # However sure, less than a share of the effort, of the error and, at its most, of the joint's friction is not told.
     joint, (columns, _) = choice.site.joint, cause_block(model.gap, choice)
+    beside = left_of_friction(model, model.gap.rms(left, joint), joint)
     most = max(at_its_most(model, columns, own, joint) / max(_rms(own), 1e-300) for own in columns[joint].T)
-    least = least_of_friction(model, choice, left_of_friction(model, model.gap.rms(left[:, joint], joint), joint))
-    return least * model.friction[joint] / max(most, 1e-300)
+    return max(
+        least_effect(model, choice, beside) * _rms(model.gap.measured[:, joint]),
+        least_of_friction(model, choice, beside) * model.friction[joint] / max(most, 1e-300),
+        float(np.sqrt(LEAST_SHARE)) * _rms(left),
+    )
 
 
 def _rms(values: Floats) -> float:

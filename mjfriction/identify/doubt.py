@@ -29,19 +29,21 @@ def doubt_speeds(motion: Motion) -> Floats:
     return np.asarray(np.maximum(motion.resting_speed, DOUBT_SPEED * usual))
 
 
-def share_in_doubt(robot: Robot, motion: Motion, chain: Chain, slow: Floats, yielding: float) -> Floats:
+def share_in_doubt(
+    robot: Robot, motion: Motion, chain: Chain, slow: Floats, yielding: float, unsettled: NDArray[np.bool_]
+) -> Floats:
     """Return how much of each row's window lies near a reversal or at rest, or just after one, as late as the drive
     reports it, 0 to 1, (rows, joints).
 
     ``slow`` (joints,) are the speeds of :func:`doubt_speeds`; ``yielding`` is the share of its stroke that a joint has
-    to move after a rest until its friction is known.
+    to move after a rest until its friction is known; where it is ``unsettled`` (n, joints) it is not either.
     """
     reach = int(np.ceil(DOUBT_PERIODS * motion.rate / motion.cutoff))
     out = []
-    courses = zip(robot.table.joint, motion.position.T, motion.velocity.T, slow, strict=True)
-    for joint, position, velocity, speed in courses:
+    courses = zip(robot.table.joint, motion.position.T, motion.velocity.T, slow, unsettled.T, strict=True)
+    for joint, position, velocity, speed, unknown in courses:
         turns = np.flatnonzero(np.diff(np.sign(velocity)) != 0)
-        near = (np.abs(velocity) < speed) | _yields(motion, position, turns, yielding)
+        near = (np.abs(velocity) < speed) | unknown | _yields(motion, position, turns, yielding)
         for shift in range(-reach, reach + 1):
             near[np.clip(turns + shift, 0, near.size - 1)] = True
         late = round(joint.effort_sensor.delay * motion.rate)

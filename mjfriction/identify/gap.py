@@ -14,7 +14,7 @@ from mjfriction.body.model import Body
 from mjfriction.body.regressor import link_and_moment_torques
 from mjfriction.identify.blocks import Blocks, cut_blocks
 from mjfriction.identify.blows import blows, quick_accelerations
-from mjfriction.identify.doubt import YIELDING, doubt_speeds, rows_of_rests, share_in_doubt, unusable_rows
+from mjfriction.identify.doubt import WITHIN, YIELDING, doubt_speeds, rows_of_rests, share_in_doubt, unusable_rows
 from mjfriction.identify.effort_band import filtered_from, whole_below
 from mjfriction.identify.kept import Kept, Lately
 from mjfriction.identify.rows import Chain, make_chain
@@ -40,7 +40,7 @@ from mjfriction.robot.effort import (
 )
 from mjfriction.robot.measured_motion import measured_motion
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.rubbing import forward_share, resting_level
+from mjfriction.robot.rubbing import forward_share, resting_level, unsettled_along
 
 CLEAR = 0.1  # of a row's window that may be in doubt for the row to count as clear
 FEWEST_CLEAR, ENOUGH_CLEAR = 0.2, 50  # of a joint's rows, and rows: with fewer than both it is judged on that share
@@ -340,14 +340,15 @@ def _held_against(
         for i, (joint, quantity) in enumerate(zip(motion.joints, motion.quantity, strict=True))
     ]
     slow = doubt_speeds(motion)
-    touched = share_in_doubt(robot, motion, chain, slow, yielding)
+    unsettled = unsettled_along(robot, motion, effort.load, effort.rotor)
+    touched = share_in_doubt(robot, motion, chain, slow, yielding, unsettled)
     resting = resting_level(robot, motion, effort.load, effort.rotor, slow)
     travel = chain.rows(travel_since_turn(motion.velocity, motion.position))
     velocity = chain.rows(motion.velocity)
     turning = turning_speeds(velocity, travel, residual, touched < CLEAR, resting, motion.top_speed)
     if np.any(turning > slow):
         slow = np.maximum(slow, turning)
-        touched = share_in_doubt(robot, motion, chain, slow, yielding)
+        touched = share_in_doubt(robot, motion, chain, slow, yielding, unsettled)
     # What friction may be while its direction is unknown: what is stated, or, where that is not stated, as much as the
     # residual leaves room for.  A joint that rests holds one such friction as long as it does: many rows say one thing.
     level = resting_level(robot, motion, effort.load, effort.rotor, slow)
@@ -360,9 +361,11 @@ def _held_against(
     floor = np.array(noise) * np.sqrt(motion.rate * motion.clock.step) * chain.noise_gain
     clear = (touched < CLEAR) & (felt <= floor) & ~spoilt
     few = (np.mean(clear, axis=0) < FEWEST_CLEAR) & (np.sum(clear, axis=0) < ENOUGH_CLEAR)
-    # What is spoilt comes last.
+    # What is spoilt comes last; a row within a rest says nothing, and a joint of which there are no others neither.
     unclear = touched + spoilt
-    clear[:, few] |= (unclear <= np.quantile(unclear, FEWEST_CLEAR, axis=0))[:, few]
+    clear[:, few] |= ((unclear <= np.quantile(unclear, FEWEST_CLEAR, axis=0)) & (unclear < WITHIN))[:, few]
+    mute = ~np.any(clear, axis=0)
+    measured[:, mute], residual[:, mute] = np.nan, np.nan
     return Gap(
         robot=robot,
         body=body,

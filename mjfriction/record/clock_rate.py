@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mjfriction.record.clock import SURE, put_right, roughness, steps_of
-from mjfriction.record.faults import Fault, spans
+from mjfriction.record.faults import Fault, moment, spans
 from mjfriction.record.log import POSITION, VELOCITY, Log
 from mjfriction.record.resample import GAP_STEPS
 
@@ -34,7 +34,7 @@ def without_clock_drift(log: Log) -> Log:
         if end - first < FEWEST or spread > STEADY * abs(rate - 1.0) or not _went_on(log, first, end, rate, ordinary):
             continue
         new[first:end] = ordinary
-        where = f"{log.time[first]:.6g} s to {log.time[end]:.6g} s"
+        where = f"{moment(log.time[first])} s to {moment(log.time[end])} s"
         how = f"it ran {rate:.4g} times as fast as before, though the joints went on as evenly: so does time there"
         faults.append(Fault("data.clock", where, how))
     if not faults:

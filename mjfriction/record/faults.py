@@ -37,6 +37,8 @@ LEAVES = 0.5  # of the range, that no effort leaves a limit by at once
 BESIDE = 0.02  # of the range, that is beside the extreme
 QUANTA, OF_QUANTA = 2.5, 0.5  # the same of a channel whose steps are coarser than that, in steps
 PEAKED = 2.5  # times the samples one step inside, that a smooth peak has in its highest step at most: √1 to √2 − √1
+LONGEST, OUTLASTS = 20, 5.0  # samples of a run at the extreme, and times the longest elsewhere, that noise never leaves
+LONG_AGO = 1e5  # s, past which a clock did not begin with its log
 HEAPED = 2.0  # times the samples one step inside, that are heaped up at either extreme of what a coarse sensor reads
 
 
@@ -231,7 +233,8 @@ def clipped(values: Floats, moving: Mask) -> Mask:
     """Return where a channel stands at its own extreme, (n,): many samples at one value, few beside it.
 
     A drive that clips one way clips the other way too, at as much: there it is enough that it often stays there.  Noise
-    that is clipped heaps up at both extremes, in short runs.
+    that is clipped heaps up at both extremes, in short runs; where all of it is cut off, it stays there as long as
+    nowhere else.
     """
     out, standing, heaped = np.zeros(values.size, dtype=bool), [], []
     span = float(np.ptp(values))
@@ -252,7 +255,9 @@ def clipped(values: Floats, moving: Mask) -> Mask:
             noisy = np.count_nonzero(at) < CLIPPED_RUN * len(runs)
             heaped.append(noisy and np.count_nonzero(at) > HEAPED * inside)
             flat = np.count_nonzero(at) > PEAKED * inside
-            if flat and np.count_nonzero(at) * factor > np.count_nonzero(beside):
+            elsewhere = max((b - a for a, b in _runs(values) if not at[a] and np.any(moving[a:b])), default=0)
+            outlasts = len(runs) > 1 and longest >= LONGEST and longest > OUTLASTS * elsewhere
+            if outlasts or (flat and np.count_nonzero(at) * factor > np.count_nonzero(beside)):
                 out |= at
     both_ways = abs(float(np.max(values)) + float(np.min(values))) <= 1e-9 * span
     clips = np.any(out) or heaped == [True, True]
@@ -271,9 +276,14 @@ def _runs(values: NDArray[np.generic], piece: Integers | None = None) -> list[tu
 
 def in_words(places: Sequence[tuple[float, float]]) -> str:
     """Return stretches of time (s) as words, all but the first few of them counted."""
-    words = [f"{a:.6g} s" if a == b else f"{a:.6g} s to {b:.6g} s" for a, b in places[:MOST_LISTED]]
+    words = [f"{moment(a)} s" if a == b else f"{moment(a)} s to {moment(b)} s" for a, b in places[:MOST_LISTED]]
     more = len(places) - MOST_LISTED
     return ", ".join(words) + (f" and {more} more places" if more > 0 else "")
+
+
+def moment(time: float) -> str:
+    """Return a time (s) in figures; seconds since 1970 have ten before the point."""
+    return f"{time:.6g}" if abs(time) < LONG_AGO else f"{time:.3f}"
 
 
 def spans(mask: Mask) -> list[tuple[int, int]]:

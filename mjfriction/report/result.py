@@ -13,7 +13,7 @@ from mjfriction.identify.falling import FASTER
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
-from mjfriction.record.faults import Fault
+from mjfriction.record.faults import Fault, moment
 
 SCHEMA: Literal["mjfriction.report/1"] = "mjfriction.report/1"
 
@@ -335,7 +335,9 @@ def data_problems(gap: Gap, faults: tuple[Fault, ...] = ()) -> list[DataProblem]
     problems = [DataProblem(kind=fault.kind, where=fault.where, action=fault.action) for fault in every]
     told = [span for fault in log.faults for span in fault.spans]
     problems += [
-        DataProblem(kind="data.gap", where=f"{log.time[row]:.4g} s to {log.time[after]:.4g} s", action="split there")
+        DataProblem(
+            kind="data.gap", where=f"{moment(log.time[row])} s to {moment(log.time[after])} s", action="split there"
+        )
         for row, after in clock.gaps
         if not any(log.time[row] <= low and high <= log.time[after] for low, high in told)
     ]

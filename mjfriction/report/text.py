@@ -13,6 +13,7 @@ from rich.text import Text
 
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.identify.comparison import Comparison
+from mjfriction.record.faults import moment
 from mjfriction.record.mapping import Mapping
 from mjfriction.report.result import FindingEntry, ParameterEntry, Report
 from mjfriction.reproduce.outcome import Reproduction
@@ -177,7 +178,7 @@ def print_inspected(told: dict[str, Any], console: Console) -> None:
     console.print(told["log"], soft_wrap=True, markup=False)
     console.print(f"{told['rows']} rows, {told['seconds']:.4g} s at {told['rate']:.4g} Hz{jitter}{segments}")
     for begin, end in told["gaps"]:
-        console.print(f"  a gap from {begin:.4g} to {end:.4g} s")
+        console.print(f"  a gap from {moment(begin)} to {moment(end)} s")
     for problem in told["data_problems"]:
         console.print(f"  {problem['kind']}: {problem['where']}; {problem['action']}")
     table = Table(box=None, padding=(0, 2, 0, 0))

@@ -10,11 +10,12 @@ their offsets, less what the transmissions give.
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mjfriction.body.inverse import inertia_along
+from mjfriction.body.inverse import inertia_along, motion_derivatives
 from mjfriction.body.model import Body
 from mjfriction.errors import RobotError
 from mjfriction.laws.law import Floats
@@ -224,8 +225,11 @@ def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
     ]
     if not any(transmission.gives for transmission in transmissions):
         return motion
-    inertia = _link_inertia(body, motion)
+    inertia, stiffness = (
+        _at_poses(motion, functools.partial(told, body)) for told in (inertia_along, _stiffness_along)
+    )
     rubbed = np.array([joint.transmission.carries_friction for joint in robot.table.joint])
+    behind = np.zeros_like(inertia)
     linked = motion
     for _ in range(GIVING_ROUNDS):
         rotor = body.armature * linked.acceleration
@@ -237,20 +241,28 @@ def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
             if transmission.gives:
                 ahead = motion.acceleration[:, i] - linked.acceleration[:, i]
                 following = carried[:, i] + inertia[:, i] * ahead
-                behind = lag(transmission, motion, carried[:, i], following, inertia[:, i])
-                for part, derivative in zip(parts, smooth_derivatives(motion, behind), strict=True):
+                at_motor = following + stiffness[:, i] * behind[:, i]
+                behind[:, i] = lag(
+                    transmission, motion, carried[:, i], following, at_motor, inertia[:, i], stiffness[:, i]
+                )
+                for part, derivative in zip(parts, smooth_derivatives(motion, behind[:, i]), strict=True):
                     part[:, i] -= derivative
         linked = replace(motion, position=parts[0], velocity=parts[1], acceleration=parts[2])
     return linked
 
 
-def _link_inertia(body: Body, motion: Motion) -> Floats:
-    # It changes with the pose, and so no faster than a joint goes from one pose to another.
+def _at_poses(motion: Motion, told: Callable[[Floats], Floats]) -> Floats:
+    # What changes with the pose, (n, joints), and so no faster than a joint goes from one pose to another.
     count, change = motion.time.size, np.flatnonzero(np.diff(motion.piece))
     every = np.arange(0, count, max(1, int(motion.rate / POSES)))
     some = np.unique([*every, *change, *(change + 1), count - 1])
-    inertia = inertia_along(body, motion.position[some])
-    return np.column_stack([np.interp(np.arange(count), some, own) for own in inertia.T])
+    return np.column_stack([np.interp(np.arange(count), some, own) for own in told(motion.position[some]).T])
+
+
+def _stiffness_along(body: Body, position: Floats) -> Floats:
+    # How the load of each joint that stands still grows with its own position, (n, joints).
+    still = np.zeros_like(position)
+    return np.diagonal(motion_derivatives(body, position, still, still)[0], axis1=1, axis2=2)
 
 
 def later(joint: Joint, delay: float) -> Joint:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjfriction.laws.ambient import ROOM_TEMPERATURE, ambient
-from mjfriction.laws.friction import Friction
+from mjfriction.laws.friction import CREEP, Friction
 from mjfriction.laws.law import Floats
 from mjfriction.record.log import HEAD_PRESSURE, ROD_PRESSURE
 from mjfriction.record.motion import SURE, Motion
@@ -18,6 +18,8 @@ from mjfriction.robot.table import Wave
 
 RESTING_SAMPLES = 200  # places of a motion that the level at rest is sought at
 MOST_SHARE = 0.9  # of the places, whose level is not higher
+SLID, SLIDES = 10.0, 200  # times the travel of a law's springs, after which they have forgotten; steps to follow it in
+UNSETTLED = 0.05  # of a law's level at rest, that it may be off by for what its springs held before
 RESTING = 0.5  # of the way that a joint turning at a steady acceleration would go, below which it rests
 
 
@@ -58,6 +60,37 @@ def states_along(robot: Robot, motion: Motion, load: Floats, rotor: Floats) -> d
                 own_states = out.setdefault(joint.name, {})
                 before = own_states.get(term.law)
                 own_states[term.law] = states if before is None else np.hstack([before, states])
+    return out
+
+
+def unsettled_along(robot: Robot, motion: Motion, load: Floats, rotor: Floats) -> NDArray[np.bool_]:
+    """Return where the friction of a joint still depends on what its springs held as a piece of the motion began, which
+    nobody knows, (n, joints): by 5 % of its level, between none and as much as they hold after sliding either way.
+
+    ``load`` and ``rotor`` (n, joints) are those of :func:`friction_along`.
+    """
+    out = np.zeros(load.shape, dtype=bool)
+    for i, joint in enumerate(robot.table.joint):
+        around = surroundings(joint, motion, i, load[:, i], rotor[:, i])
+        for term in joint.friction or ():
+            friction = term.friction(joint.actuator.gear_ratio)
+            if _followed(friction, motion, i) and np.isfinite(friction.travel):
+                for own in motion.pieces:
+                    out[own, i] |= _unsettled(friction, motion.velocity[own, i], around[own], 1.0 / motion.rate)
+    return out
+
+
+def _unsettled(friction: Friction, velocity: Floats, around: Floats, step: float) -> NDArray[np.bool_]:
+    # Of one piece.
+    out = np.zeros(velocity.size, dtype=bool)
+    way = SLID * friction.travel
+    until = slice(int(np.searchsorted(np.cumsum(np.abs(velocity)) * step, way)) + 1)
+    slow = CREEP / abs(friction.gear_ratio)
+    slides = [np.full(SLIDES, sign * slow) for sign in (1.0, -1.0)]
+    starts = [friction.follow(own, np.repeat(around[:1], SLIDES, axis=0), way / SLIDES / slow)[1][-1] for own in slides]
+    at_rest, *slid = (friction.follow(velocity[until], around[until], step, own)[0] for own in (None, *starts))
+    off = np.max(np.abs(np.array(slid) - at_rest), axis=0)
+    out[until] = off > UNSETTLED * friction.at_rest(around[:1], slow)
     return out
 
 

@@ -16,11 +16,20 @@ CROSSING_BAND = 0.05  # of the position filter's cutoff: where a load changes si
 LOAD_BAND = 0.2  # of the position filter's cutoff: a load holds accelerations, and what gives under it their noise
 
 
-def lag(own: Transmission, motion: Motion, carried: Floats, following: Floats, inertia: Floats) -> Floats:
+def lag(
+    own: Transmission,
+    motion: Motion,
+    carried: Floats,
+    following: Floats,
+    at_motor: Floats,
+    inertia: Floats,
+    stiffness: Floats,
+) -> Floats:
     """Return how far the motor's sensor is ahead of the link along a motion, (n,).
 
     ``carried`` (n,) is the load along the link's own motion, ``following`` (n,) what the link would need to follow the
-    motor, ``inertia`` (n,) what it weighs.
+    motor from where it is, ``at_motor`` (n,) from where the motor is, ``inertia`` (n,) what it weighs and ``stiffness``
+    (n,) how its load grows with its position.
     """
     if own.compliance > 0.0 and own.damping_ratio is not None:
         out = swinging(motion, following, inertia, own.compliance, own.damping_ratio)
@@ -28,7 +37,7 @@ def lag(own: Transmission, motion: Motion, carried: Floats, following: Floats, i
         out = own.compliance * smooth_derivatives(motion, carried, LOAD_BAND)[0]
     if own.backlash > 0.0:
         place = (
-            coasting(motion, following, inertia, own.backlash)
+            coasting(motion, at_motor, inertia, stiffness, own.backlash)
             if own.coasting
             else crossing(slow_load(motion, carried), own.crossing_load)
         )
@@ -72,17 +81,18 @@ def swinging(
     return out
 
 
-def coasting(motion: Motion, following: Floats, inertia: Floats, backlash: float) -> Floats:
+def coasting(motion: Motion, at_motor: Floats, inertia: Floats, stiffness: Floats, backlash: float) -> Floats:
     """Return where the link is in its play, from −1 (ahead of the motor) to 1 (behind it), (n,).
 
     Where the load changes sign the motor lets go.  Until a stop takes it, the link moves on its own:
-    inertia·s̈ = following, s being how far it is behind and ``following`` what it would need to follow the motor; no
-    stop throws it back.
+    inertia·s̈ = at_motor − stiffness·s, s being how far it is behind, ``at_motor`` what it would need where the motor
+    is, moving as that does, and ``stiffness`` how that grows with its position; no stop throws it back.  A link that
+    stands above its axis is let go only where the motor has taken it past its upright by half of the play.
     """
-    out = np.empty_like(following)
-    pull = following / inertia / (0.5 * backlash)
+    out = np.empty_like(at_motor)
+    pull, back = at_motor / inertia / (0.5 * backlash), stiffness / inertia
     finer = int(np.ceil(FLIGHT_RATE / motion.rate))
     step = 1.0 / (finer * motion.rate)
     for own in motion.pieces:
-        out[own] = between_stops(pull[own], step, round(1.0 / (step * motion.cutoff)), finer)
+        out[own] = between_stops(pull[own], back[own], step, round(1.0 / (step * motion.cutoff)), finer)
     return out

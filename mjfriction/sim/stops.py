@@ -13,42 +13,45 @@ from numba import types
 from mjfriction.laws.law import Floats
 
 
-def between_stops(pull: Floats, step: float, caught: int, finer: int = 1) -> Floats:
-    """Return where it is, from −1 to 1, (n,), under accelerations ``pull`` (n,), 1/s², given every ``finer`` steps.
+def between_stops(pull: Floats, back: Floats, step: float, caught: int, finer: int = 1) -> Floats:
+    """Return where it is, from −1 to 1, (n,), under accelerations ``pull`` (n,) and, times its place, ``back`` (n,), in
+    1/s², both given every ``finer`` steps.
 
-    s̈ = pull between stops at ±1 that throw nothing back, by semi-implicit Euler steps of ``step`` s, the pull being
-    straight between what is given; it begins on the stop that the first pull points to.  The other stop, once it has
-    caught the mass, keeps it for ``caught`` steps: what a filter has smeared the blow over.
+    s̈ = pull − back·s between stops at ±1 that throw nothing back, by semi-implicit Euler steps of ``step`` s, both
+    being straight between what is given; it begins on the stop that the first pull points to.  The other stop, once it
+    has caught the mass, keeps it for ``caught`` steps: what a filter has smeared the blow over.
     """
-    return _compiled()(np.ascontiguousarray(pull), step, caught, finer)
+    return _compiled()(np.ascontiguousarray(pull), np.ascontiguousarray(back), step, caught, finer)
 
 
 @functools.cache
-def _compiled() -> Callable[[Floats, float, int, int], Floats]:
-    signature = types.float64[::1](types.float64[::1], types.float64, types.int64, types.int64)
-    return cast(Callable[[Floats, float, int, int], Floats], numba.njit(signature, cache=True)(_along))
+def _compiled() -> Callable[[Floats, Floats, float, int, int], Floats]:
+    course = types.float64[::1]
+    signature = course(course, course, types.float64, types.int64, types.int64)
+    return cast(Callable[[Floats, Floats, float, int, int], Floats], numba.njit(signature, cache=True)(_along))
 
 
-def _along(pull: Floats, step: float, caught: int, finer: int) -> Floats:
+def _along(pull: Floats, back: Floats, step: float, caught: int, finer: int) -> Floats:
     out = np.empty_like(pull)
     place, speed, held = np.sign(pull[0]), 0.0, 0
     stop = place
-    before = pull[0]
+    before, back_before = pull[0], back[0]
     for k in range(pull.size):
-        slope = (pull[k] - before) / finer
+        slope, back_slope = (pull[k] - before) / finer, (back[k] - back_before) / finer
         first = 1 if k > 0 else finer
-        if speed == 0.0 and abs(place) == 1.0 and min(before * place, pull[k] * place) >= 0.0:
+        pressed = min(before * place - back_before, pull[k] * place - back[k])
+        if speed == 0.0 and abs(place) == 1.0 and pressed >= 0.0:
             held -= finer + 1 - first
             first = finer + 1  # it stays on its stop all the while
         for part in range(first, finer + 1):
             held -= 1
             if held <= 0:
-                speed += (before + slope * part) * step
+                speed += (before + slope * part - (back_before + back_slope * part) * place) * step
                 place += speed * step
             if abs(place) >= 1.0:
                 place, speed = np.sign(place), 0.0
                 if place != stop:
                     stop, held = place, caught
-        before = pull[k]
+        before, back_before = pull[k], back[k]
         out[k] = place
     return out

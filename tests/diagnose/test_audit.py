@@ -16,6 +16,7 @@ from mjfriction.cli.logs import read_logs
 from mjfriction.diagnose import misplaced
 from mjfriction.diagnose.audit import find_faults
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.mend import audited
 from mjfriction.diagnose.misplaced import find_misplaced
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.diagnose.units import find_degrees, find_degrees_by_velocity
@@ -26,6 +27,9 @@ from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.report.result import data_problems
 from mjfriction.robot.files import read_robot
+from mjfriction.robot.predict import predict_log
+from mjfriction.robot.robot import Robot
+from tests.diagnose.test_planar_arm import JOINT, LINK
 from tests.hidden.machine import Machine, write_case
 
 Columns = dict[str, np.ndarray]
@@ -65,6 +69,45 @@ def test_effort_of_wrong_sign_unit_or_joint(
     assert (kind, where) in {(fault.kind, fault.where) for fault in diagnosis.faults}
     assert diagnosis.findings == ()
     assert diagnosis.robot.table == diagnosis.gap.robot.table
+
+
+def test_efforts_that_look_alike_and_are_exchanged_are_known_by_their_sizes(tmp_path: Path) -> None:
+    # Both turn to and fro together, without gravity: friction is all there is, of either the same course.
+    stated = upright(tmp_path)
+    time = np.arange(0.0, 30.0, 0.004)
+    angle = 0.8 * np.arcsin(np.sin(1.3 * time))
+    rng = np.random.default_rng(1)
+    columns = {"time": time} | {f"position.{joint}": angle for joint in stated.joints}
+    blank = columns | {f"effort.{joint}": np.zeros(time.size) for joint in stated.joints}
+    predicted = predict_log(log_from_table(pa.table(blank), "blank"), stated)
+    for joint in stated.joints:
+        effort = predicted[f"effort.{joint}"]
+        columns[f"effort.{joint}"] = effort + 0.03 * np.std(effort) * rng.normal(size=time.size)
+    swapped = columns | {"effort.near": columns["effort.far"], "effort.far": columns["effort.near"]}
+    audit = audited(log_from_table(pa.table(swapped), "swapped"), stated)
+    assert [(fault.kind, fault.where) for fault in audit.faults] == [("data.swap", "effort.far and that of near")]
+    assert not audit.refused
+    np.testing.assert_array_equal(audit.gap.log.columns["effort.near"], columns["effort.near"])
+    # One alone of the wrong size is in another unit.
+    scaled = columns | {"effort.near": columns["effort.near"] / 8.0}
+    faults = find_faults(measure_gap(log_from_table(pa.table(scaled), "scaled"), stated))
+    assert [(fault.kind, fault.where) for fault in faults] == [("data.unit", "effort.near")]
+
+
+def upright(folder: Path) -> Robot:
+    """Return an arm of two joints that turn about the vertical, of which the far one has an eighth of the friction."""
+    bars = [LINK.format(name=name, mass=0.2, centre=0.0, inertia=0.002) for name in ("bar", "tip")]
+    pairs = (("near", "base", "bar"), ("far", "bar", "tip"))
+    hinges = [JOINT.format(name=name, parent=parent, child=child, z=0.1) for name, parent, child in pairs]
+    urdf = "".join(['<robot name="upright"><link name="base"/>', *bars, *hinges, "</robot>"])
+    (folder / "upright.urdf").write_text(urdf.replace("0 1 0", "0 0 1"))
+    joints = "".join(
+        f'[[joint]]\nname = "{name}"\n'
+        f'friction = {{ law = "coulomb_viscous", parameters = {{ coulomb = {level}, viscous = {0.3 * level} }} }}\n'
+        for name, level in (("near", 4.0), ("far", 0.5))
+    )
+    (folder / "upright.toml").write_text(f'name = "upright"\nmodel = "upright.urdf"\n{joints}')
+    return read_robot(folder / "upright.toml")
 
 
 @pytest.mark.parametrize(("factor", "kind"), [(1000.0, "data.unit"), (-1.0, "data.sign")])

@@ -23,7 +23,9 @@ CANDIDATES, SPARE = 1000, 40
 def trial(chance: float) -> Trial:
     """Return a trial that is large in everything, so likely by chance."""
     wald = float(fisher.isf(chance, 1, SPARE))
-    return Trial(Chosen(Offset(), Site(0)), np.full(41, 2.0), np.full(41, 3.0), 0.0, 0.5, 0.3, 0.04, wald, 1, SPARE)
+    return Trial(
+        Chosen(Offset(), Site(0)), np.full(41, 2.0), np.full(41, 3.0), 0.0, 0.5, 0.3, 0.005, 0.04, wald, 1, SPARE
+    )
 
 
 @pytest.mark.parametrize(("times", "chosen", "kept"), [(0.5, True, True), (2.0, False, True), (20.0, False, False)])

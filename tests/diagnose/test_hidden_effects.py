@@ -15,7 +15,7 @@ import pyarrow.parquet as pq
 import pytest
 
 import mjfriction.diagnose.diagnosis as module
-from mjfriction.diagnose import link_finding, nuisance, trial, untold
+from mjfriction.diagnose import link_finding, nuisance, stated, trial, untold
 from mjfriction.diagnose.causes import links
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.model import Chosen, Model, build_model
@@ -516,9 +516,13 @@ def test_courses_of_time_are_found_on_any_clock(begin: float, tmp_path: Path) ->
 def test_the_stated_level_may_be_that_of_after_a_step(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     machine = Machine(noise=0.1, hidden={2: lambda i: 3.0 * np.sign(i.v) * (i.time < 24.0)})
     step, level = ("event.change", "elbow_joint"), ("friction.coulomb_viscous", "elbow_joint")
+    asked = []
+    monkeypatch.setattr(stated, "scaled_levels", lambda _, __, own, ___: asked.append(own.chosen.site.joint))
     assert names(run(tmp_path / "as it is", machine, seed=21)) == [step]
-    monkeypatch.setattr("mjfriction.diagnose.stated._of_another_time", lambda *_: False)
+    assert asked == []  # whether one factor explains it
+    monkeypatch.setattr(stated, "_of_another_time", lambda *_: False)
     assert set(names(run(tmp_path / "told", machine, seed=21))) == {step, level}
+    assert asked == [2]
 
 
 def test_friction_that_is_a_little_uneven_everywhere_is_no_finding(
@@ -536,9 +540,24 @@ def test_friction_that_is_a_little_uneven_everywhere_is_no_finding(
     one = Machine(noise=0.03, hidden={2: uneven(2)})
     assert names(run(tmp_path / "one", one, seed=21)) == [("friction.position", "elbow_joint")]
     monkeypatch.setattr("mjfriction.diagnose.unevenness.UNEVEN", np.inf)
+    monkeypatch.setattr("mjfriction.diagnose.trial.STANDS_OUT", 0.0)
     told = [cause for cause, _ in names(run(tmp_path / "told", machine, seed=21))]
     assert set(told) == {"friction.position"}
     assert len(told) >= 5
+
+
+def test_the_ripple_of_gears_is_told_where_it_stands_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def cogs(joint: int, share: float) -> Callable[[Instant], np.ndarray]:
+        return lambda i: share * UR5_COULOMB[joint] * np.cos(50.0 * i.q + joint)
+
+    alike = Machine(noise=0.03, hidden={1: cogs(1, 0.09), 2: cogs(2, 0.08), 4: cogs(4, 0.09)})
+    assert names(run(tmp_path / "alike", alike, seed=21)) == []
+    larger = Machine(noise=0.03, hidden={1: cogs(1, 0.09), 2: cogs(2, 0.25), 4: cogs(4, 0.09)})
+    assert names(run(tmp_path / "larger", larger, seed=21)) == [("drive.cogging", "elbow_joint")]
+    monkeypatch.setattr("mjfriction.diagnose.trial.STANDS_OUT", 0.0)
+    told = names(run(tmp_path / "told", alike, seed=21))
+    assert len(told) >= 2
+    assert {cause for cause, _ in told} == {"drive.cogging"}
 
 
 def test_a_warm_up_of_two_time_constants_is_one_warm_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,7 +8,8 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from mjfriction.record.faults import clipped, frozen, held_rows, repeated_rows, stuck
+from mjfriction.record import faults
+from mjfriction.record.faults import clipped, frozen, held_rows, in_words, repeated_rows, stuck
 from mjfriction.record.log import Log
 from mjfriction.record.readers.table import log_from_table
 
@@ -345,6 +346,23 @@ def test_a_reading_that_turns_about_at_rest_comes_loose_by_usual_steps() -> None
     assert not np.any(stuck(course, np.diff(course, append=course[-1]) * RATE))
     course[time > 9.0] -= 0.016  # it was not at rest, but on its way, by as far as no longer seems a jump
     assert np.any(stuck(course, np.diff(course, append=course[-1]) * RATE))
+
+
+def test_noise_that_is_cut_off_for_long_is_clipped_though_much_lies_beside(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Friction that grows with speed: clipped at its most, and read in counts of which the limit is none.
+    speed = np.abs(np.sin(np.arange(COUNT) / 700.0))
+    friction = np.where(np.arange(COUNT) % 2500 < 1250, 0.3, -0.3) - 0.3 * speed**40
+    values = np.round((friction + 0.04 * np.random.default_rng(1).normal(size=COUNT)) / 0.0221) * 0.0221
+    values = np.clip(values, -0.4191, 0.4191)
+    moving = np.ones(COUNT, dtype=bool)
+    np.testing.assert_array_equal(clipped(values, moving), values == -0.4191)
+    monkeypatch.setattr(faults, "OUTLASTS", np.inf)
+    assert not np.any(clipped(values, moving))
+
+
+def test_moments_of_a_clock_that_counts_since_1970_are_told_apart() -> None:
+    assert in_words([(1700020043.5202, 1700020044.0)]) == "1700020043.520 s to 1700020044.000 s"
+    assert in_words([(43.5202, 43.5202)]) == "43.5202 s"
 
 
 def test_an_effort_that_is_clipped_while_its_joint_is_held_is_clipped_all_the_same() -> None:

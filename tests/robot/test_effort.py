@@ -18,7 +18,7 @@ from mjfriction.robot.files import read_robot
 from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.rubbing import direction, resting_level, term_torque
+from mjfriction.robot.rubbing import direction, friction_along, resting_level, term_torque, unsettled_along
 from tests.hidden.machine import Machine, write_case
 
 
@@ -137,6 +137,39 @@ def test_a_joint_at_rest_may_hold_all_that_its_law_gives_there() -> None:
     level = resting_level(changed, motion, load, load, np.full(6, 0.02))
     assert level[2] == pytest.approx(9.0, rel=0.01)
     assert level[1] == pytest.approx(stated_level(robot, 1), rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("law", "values"),
+    [
+        ("maxwell_slip", {"stiffness": (400.0, 200.0), "level": (4.0, 5.0), "viscous": 1.0}),
+        ("lugre", {"coulomb": 9.0, "static": 9.0, "stribeck_velocity": 0.1, "bristle_stiffness": 400.0}),
+    ],
+)
+def test_friction_is_settled_once_it_is_what_it_would_be_had_its_motion_been_seen_before(
+    law: str, values: dict[str, float]
+) -> None:
+    if law == "lugre":
+        values = values | {"bristle_damping": 1.0, "viscous": 1.0, "stribeck_exponent": 2.0}
+    robot = read_robot("ur5")
+    elbow = robot.joint("elbow_joint").model_copy(update={"friction": (FrictionTerm(law=law, parameters=values),)})
+    robot = robot.with_joint(elbow)
+    time, broken_off = np.arange(6000) / 1000.0, (np.arange(6000) >= 3500).astype(np.int64)
+    columns = {f"position.{name}": np.sin(2.0 * time) for name in robot.joints}
+    load = np.zeros((6000, 6))
+    whole, parts = (
+        estimate_motion(Log("test", time, segment, robot.joints, columns), robot.joints, 20.0)
+        for segment in (np.zeros(6000, dtype=np.int64), broken_off)
+    )
+    seen, unseen = (friction_along(robot, motion, load, load)[3500:, 2] for motion in (whole, parts))
+    unsettled = unsettled_along(robot, parts, load, load)[3500:, 2]
+    off = np.abs(unseen - seen)
+    assert off[0] > 4.0  # what the springs hold after sliding
+    assert np.all(off[~unsettled] < 0.05 * 9.0 + 0.05)
+    told = np.flatnonzero(~unsettled)[0]
+    assert np.all(unsettled[:told])
+    assert 0.02 < abs(np.ptp(columns["position.elbow_joint"][3500 : 3500 + told])) < 0.2  # some times the travel
+    assert not np.any(unsettled_along(read_robot("ur5"), parts, load, load))
 
 
 def stated_level(robot: Robot, index: int) -> float:

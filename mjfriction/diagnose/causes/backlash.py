@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 
 from mjfriction.diagnose.causes.cause import Site, near_around
-from mjfriction.diagnose.causes.moved_link import ROUNDS, as_drawn, felt_by_itself, own_slopes
+from mjfriction.diagnose.causes.moved_link import as_drawn, felt_by_itself, own_slopes
 from mjfriction.diagnose.causes.play import Play
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
@@ -18,7 +18,7 @@ from mjfriction.record.motion import smooth_derivatives
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.transmission import coasting
 
-PLAYS = tuple(6.4e-2 * 0.8**k for k in range(38))  # rad or m: from 64 mrad to 17 µm
+PLAYS = tuple(0.1 * 0.8**k for k in range(40))  # rad or m: from 0.1 rad to 17 µrad
 FINER = 1.15  # half of a step of these
 
 
@@ -49,15 +49,9 @@ class Backlash(Play):
         load = gap.known.effort.load[:, [joint]]
         if not np.all(plays):
             return 0.5 * np.sign(load)  # no play to coast across: whether any would be felt
-        stiffness, damping, inertia = (slope[:, None] for slope in own_slopes(gap, joint))
-        following = np.repeat(load, plays.size, axis=1)
-        for _ in range(ROUNDS):
-            # What a link would need to follow the motor from where it is.
-            pairs = zip(following.T, plays.tolist(), strict=True)
-            place = [coasting(gap.motion, own, inertia[:, 0], play) for own, play in pairs]
-            behind = 0.5 * np.column_stack(place)
-            following = load - plays * (stiffness * behind + damping * gap.motion.differentiated(behind))
-        return behind
+        stiffness, _, inertia = own_slopes(gap, joint)
+        place = [coasting(gap.motion, load[:, 0], inertia, stiffness, play) for play in plays.tolist()]
+        return 0.5 * np.column_stack(place)
 
     def shift(self, gap: Gap, site: Site) -> list[Floats]:
         """Half the place of the link in its play, through the position's filter, and its derivatives."""

@@ -16,6 +16,7 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.laws.ambient import ROOM_TEMPERATURE
 from mjfriction.parameter import Parameter
+from mjfriction.record.faults import moment
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction_tables import Event, Thermal, WarmUp
 from mjfriction.robot.robot import Robot
@@ -217,4 +218,5 @@ class Step(Varying):
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give the moment and the step."""
-        return f"at {site.shape[0]:.4g} s friction steps by {_words(strengths, gap.body.sliding[site.joint])} and stays"
+        change = _words(strengths, gap.body.sliding[site.joint])
+        return f"at {moment(site.shape[0])} s friction steps by {change} and stays"

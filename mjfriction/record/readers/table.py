@@ -9,6 +9,7 @@ from mjfriction.errors import LogError, suggestion
 from mjfriction.record.clock_bursts import without_bursts
 from mjfriction.record.clock_rate import without_clock_drift
 from mjfriction.record.clock_steps import without_clock_steps
+from mjfriction.record.faults import moment
 from mjfriction.record.log import Floats, Integers, Log
 from mjfriction.record.repair import in_seconds, repaired, without_repeats
 
@@ -89,9 +90,9 @@ def _check_time(time: Floats, segment: Integers, source: str) -> None:
     if wrong.size == 0:
         return
     row = int(wrong[0])
-    what = "is doubled" if step[row] == 0.0 else f"runs backwards (after {time[row]:.6g} s)"
+    what = "is doubled" if step[row] == 0.0 else f"runs backwards (after {moment(time[row])} s)"
     raise LogError(
-        f"{source}: row {row + 2}: time {time[row + 1]:.6g} s {what} ({wrong.size} such rows); "
+        f"{source}: row {row + 2}: time {moment(time[row + 1])} s {what} ({wrong.size} such rows); "
         "time must increase; number separate motions in a 'segment' column, or drop the doubled rows"
     )
 

@@ -1,0 +1,42 @@
+"""What all joints show alike is told of an even machine though it makes less than what one joint may show."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from mjfriction.diagnose import trial
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import Instant, Machine, write_case
+
+TILT = 0.004  # rad
+
+
+def leaning(model: mujoco.MjModel) -> None:
+    model.opt.gravity[:] = 9.81 * np.array([np.sin(TILT), 0.0, -np.cos(TILT)])
+
+
+def diagnosed(folder: Path, machine: Machine) -> Diagnosis:
+    log, robot = write_case(folder, machine, seed=21, seconds=30.0)
+    return diagnose_log(read_log(log), read_robot(robot))
+
+
+def test_a_base_that_leans_a_little_is_told_of_an_even_machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    machine = Machine(noise=0.02, change=leaning)
+    assert [finding.cause for finding in diagnosed(tmp_path / "told", machine).findings] == ["body.gravity_direction"]
+    monkeypatch.setattr(trial, "EVENEST", 1.0)
+    monkeypatch.setattr("mjfriction.diagnose.unevenness.EVENEST", 1.0)
+    assert diagnosed(tmp_path / "as of an uneven one", machine).findings == ()
+
+
+def test_as_little_at_one_joint_is_not_told(tmp_path: Path) -> None:
+    def pulls(at: Instant) -> np.ndarray:
+        return 0.12 * (at.q - np.mean(at.q))
+
+    assert diagnosed(tmp_path, Machine(noise=0.02, hidden={1: pulls})).findings == ()
