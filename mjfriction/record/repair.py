@@ -79,7 +79,7 @@ def repaired(log: Log) -> Log:
             name = f"{quantity}.{joint}"
             if name in columns:
                 wild = glitches(columns[name])
-                if quantity in (EFFORT, CURRENT):
+                if quantity != POSITION:
                     wild &= ~felt(wild, columns[name], columns[f"{POSITION}.{joint}"], piece)
                 columns[name], found = _bridged(log, name, wild)
                 faults += found

@@ -26,7 +26,7 @@ from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import forward_share, friction_along, states_along, waves_along
 from mjfriction.robot.schema import EffortSensor, Joint
 from mjfriction.robot.spring import spring_along
-from mjfriction.robot.transmission import lag
+from mjfriction.robot.transmission import Link, lag
 
 GIVING_ROUNDS = 2  # enough for what gives a few percent of the motion
 POSES = 50.0  # Hz: between two of these no joint turns far enough for its inertia to bend
@@ -225,9 +225,9 @@ def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
     ]
     if not any(transmission.gives for transmission in transmissions):
         return motion
-    inertia, stiffness = (
-        _at_poses(motion, functools.partial(told, body)) for told in (inertia_along, _stiffness_along)
-    )
+    inertia = _at_poses(motion, functools.partial(inertia_along, body))
+    coasts = any(transmission.backlash and transmission.coasting for transmission in transmissions)
+    stiffness = _at_poses(motion, functools.partial(_stiffness_along, body)) if coasts else np.zeros_like(inertia)
     rubbed = np.array([joint.transmission.carries_friction for joint in robot.table.joint])
     behind = np.zeros_like(inertia)
     linked = motion
@@ -241,10 +241,8 @@ def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
             if transmission.gives:
                 ahead = motion.acceleration[:, i] - linked.acceleration[:, i]
                 following = carried[:, i] + inertia[:, i] * ahead
-                at_motor = following + stiffness[:, i] * behind[:, i]
-                behind[:, i] = lag(
-                    transmission, motion, carried[:, i], following, at_motor, inertia[:, i], stiffness[:, i]
-                )
+                link = Link(carried[:, i], behind[:, i], following, inertia[:, i], stiffness[:, i])
+                behind[:, i] = lag(transmission, motion, link)
                 for part, derivative in zip(parts, smooth_derivatives(motion, behind[:, i]), strict=True):
                     part[:, i] -= derivative
         linked = replace(motion, position=parts[0], velocity=parts[1], acceleration=parts[2])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from mjfriction.laws.law import Floats
@@ -16,30 +18,34 @@ CROSSING_BAND = 0.05  # of the position filter's cutoff: where a load changes si
 LOAD_BAND = 0.2  # of the position filter's cutoff: a load holds accelerations, and what gives under it their noise
 
 
-def lag(
-    own: Transmission,
-    motion: Motion,
-    carried: Floats,
-    following: Floats,
-    at_motor: Floats,
-    inertia: Floats,
-    stiffness: Floats,
-) -> Floats:
-    """Return how far the motor's sensor is ahead of the link along a motion, (n,).
+@dataclass(frozen=True)
+class Link:
+    """A link along a motion as its transmission feels it, (n,) each.
 
-    ``carried`` (n,) is the load along the link's own motion, ``following`` (n,) what the link would need to follow the
-    motor from where it is, ``at_motor`` (n,) from where the motor is, ``inertia`` (n,) what it weighs and ``stiffness``
-    (n,) how its load grows with its position.
+    ``carried`` is the load along the link's own motion, ``behind`` how far the motor's sensor is ahead of it there,
+    ``following`` what it would need to follow the motor from where it is, ``inertia`` what it weighs, and ``stiffness``
+    how its load grows with its position.
     """
+
+    carried: Floats
+    behind: Floats
+    following: Floats
+    inertia: Floats
+    stiffness: Floats
+
+
+def lag(own: Transmission, motion: Motion, link: Link) -> Floats:
+    """Return how far the motor's sensor is ahead of a link along a motion, (n,), once it has followed what it feels."""
     if own.compliance > 0.0 and own.damping_ratio is not None:
-        out = swinging(motion, following, inertia, own.compliance, own.damping_ratio)
+        out = swinging(motion, link.following, link.inertia, own.compliance, own.damping_ratio)
     else:
-        out = own.compliance * smooth_derivatives(motion, carried, LOAD_BAND)[0]
+        out = own.compliance * smooth_derivatives(motion, link.carried, LOAD_BAND)[0]
     if own.backlash > 0.0:
+        at_motor = link.following + link.stiffness * link.behind
         place = (
-            coasting(motion, at_motor, inertia, stiffness, own.backlash)
+            coasting(motion, at_motor, link.inertia, link.stiffness, own.backlash)
             if own.coasting
-            else crossing(slow_load(motion, carried), own.crossing_load)
+            else crossing(slow_load(motion, link.carried), own.crossing_load)
         )
         out = out + 0.5 * own.backlash * place
     return np.asarray(out)

@@ -117,3 +117,15 @@ def test_a_blow_that_the_joint_answers_to_is_none() -> None:
     columns = {"time": 0.002 * np.arange(count), "position.hinge": position, "effort.hinge": effort}
     (fault,) = log_from_table(pa.table(columns), "log").faults
     assert (fault.kind, fault.where) == ("data.glitch", "effort.hinge, 2 s")
+
+
+@pytest.mark.parametrize("moved", [True, False])
+def test_a_speed_that_the_joint_had_is_no_wild_reading_of_it(moved: bool) -> None:
+    rate, count = 125.0, 4000
+    velocity = 0.4 * np.sin(np.arange(count) / 300.0)
+    jolt = np.where(np.arange(count) == 2100, 0.3, 0.0)
+    position = np.cumsum(velocity + moved * jolt) / rate
+    noise = 1e-4 * np.random.default_rng(4).normal(size=count)
+    columns = {"time": np.arange(count) / rate, "position.a": position, "velocity.a": velocity + jolt + noise}
+    log = log_from_table(pa.table(columns | {"effort.a": np.sign(velocity)}), "log")
+    assert [fault.kind for fault in log.faults] == ([] if moved else ["data.glitch"])
