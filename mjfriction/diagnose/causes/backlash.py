@@ -18,7 +18,7 @@ from mjfriction.record.motion import smooth_derivatives
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.transmission import coasting
 
-PLAYS = tuple(0.1 * 0.8**k for k in range(40))  # rad or m: from 0.1 rad to 17 µrad
+PLAYS = tuple(6.4e-2 * 0.8**k for k in range(38))  # rad or m: from 64 mrad to 17 µm
 FINER = 1.15  # half of a step of these
 
 
