@@ -14,6 +14,7 @@ import pyarrow.parquet
 from mjfriction.benchmark.effects.catalog import EFFECTS, Draw
 from mjfriction.benchmark.effects.effect import OUTSIDE_NAME, Effect, Place
 from mjfriction.control.servo import Control
+from mjfriction.errors import SimulationError
 from mjfriction.laws.law import Floats
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import KNOTS, excitation, pick_and_place
@@ -31,6 +32,7 @@ SEVERITY = {"small": 0.6, "medium": 1.5, "large": 4.0}  # residual the effect ma
 SCALINGS = 12
 CLOSE = 0.05  # of the severity asked
 POSES = 24
+MOST_HALVINGS = 3  # of the severity, until a machine is one that its controller holds
 LEAST_REACHED = 0.5  # of it, else the effect is drawn at another joint: a tilted axis of gravity has no zero to be off
 
 
@@ -83,8 +85,19 @@ def make_case(seed: int, setting: Setting, draws: tuple[Draw, ...], severity: fl
     """Make a case with the given effects hidden, each on a joint of its own, scaled to a severity.
 
     The severity of an effect is the RMS that it adds to the effort of the joint where it shows most, over that joint's
-    noise, along the motion of the log.
+    noise, along the motion of the log.  A machine that the controller of the stated one cannot hold, as with a rotor of
+    a twentieth behind play, is made again with half of it.  Raises :class:`~mjfriction.errors.SimulationError` where
+    an eighth is too much.
     """
+    for _ in range(MOST_HALVINGS):
+        try:
+            return _made(seed, setting, draws, severity)
+        except SimulationError:
+            severity *= 0.5
+    return _made(seed, setting, draws, severity)
+
+
+def _made(seed: int, setting: Setting, draws: tuple[Draw, ...], severity: float) -> Case:
     rng = np.random.default_rng([seed, 31])
     machine = _equipped(read_robot(setting.robot), setting)
     joints = machine.joints

@@ -9,13 +9,15 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
+from mjfriction.benchmark import cases
 from mjfriction.benchmark.cases import SEVERITY, Case, Setting, draw_of, make_case, write_case
 from mjfriction.benchmark.drawing import draw_case
-from mjfriction.benchmark.effects.catalog import EFFECTS
+from mjfriction.benchmark.effects.catalog import EFFECTS, Draw
 from mjfriction.benchmark.score import Finding, Outcome, score
 from mjfriction.diagnose import as_known, kin, refusal
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.errors import SimulationError
 from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
@@ -257,3 +259,22 @@ def test_of_several_causes_each_counts_once_as_named_whether_all_were_found_or_n
     assert both.named == 0.5
     assert both.hit == 0.5
     assert np.isnan(score([clean]).named)
+
+
+def test_a_machine_that_its_controller_cannot_hold_is_made_again_with_half(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked, limit, kept = [], [0.9], cases._made
+
+    def made(seed: int, setting: Setting, draws: tuple[Draw, ...], severity: float) -> Case:
+        asked.append(severity)
+        if severity > limit[0]:
+            raise SimulationError("the run went out of bounds")
+        return kept(seed, setting, draws, severity)
+
+    monkeypatch.setattr(cases, "_made", made)
+    short = Setting(robot="linear_axis", seconds=5.0, rate=250.0)
+    (hidden,) = make_case(3, short, (draw_of("drive.offset"),), 3.0).hidden
+    assert asked == [3.0, 1.5, 0.75]
+    assert hidden.severity == pytest.approx(0.75, rel=0.06)
+    limit[0] = 0.0
+    with pytest.raises(SimulationError):
+        make_case(3, short, (draw_of("drive.offset"),), 3.0)
