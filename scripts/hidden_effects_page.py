@@ -26,8 +26,8 @@ of sines or of moves from pose to pose, noise of 5 to 20 % of each joint's Coulo
 or 500 Hz, efforts or currents, velocity measured or not. None, one, two or three effects are hidden in it, sometimes
 one that no cause of the table is; the robot file knows nothing of them, and its masses and levels may be 3 % off. A
 second log is of another motion. The severity of an effect is the RMS it adds at the joint where it shows most over
-that joint's noise: about 1.5 is medium, 4 is large; some effects cannot reach that much within what is physical. One
-that adds less than {faint} of the noise ({drawn} were drawn here) is asked of no tool and held against none. The
+that joint's noise: about 1.5 is medium, 4 is large; some effects cannot reach that much within what is physical, and a
+machine that its controller cannot hold is made again with half of it. One that adds less than {faint} of the noise ({drawn} were drawn here) is asked of no tool and held against none. The
 effects are the plant's own parts, but friction laws and rigid bodies are the ones that the diagnosis knows: logs of
 other physics will be harder.
 

@@ -87,7 +87,8 @@ def settle(model: Model, asked: Field) -> Settled:
         joint = level.site.joint
         if level.near:
             continue
-        if _bent(model, joint) and change[joint] > _bar(change, joint, off):
+        bar = _bar(change, joint, off)
+        if _bent(model, joint) and change[joint] > bar:
             unbent = _unbent(model, joint, asked)
             if unbent is not None:
                 model = unbent
@@ -96,10 +97,10 @@ def settle(model: Model, asked: Field) -> Settled:
         trial = try_out(held, Chosen(STATED_LEVELS, level.site))
         if trial is None or trial.chance > FALSE_ALARM or trial.gain <= 0.0:
             model = held
-        elif trial.passes(field_size) and change[joint] > _bar(change, joint, off):
+        elif trial.passes(field_size) and change[joint] > bar:
             held, trial = _unmoved(model, held, trial)
             rival = _simpler(held, trial, asked)
-            elsewhen = _of_another_time(model, level, _bar(change, joint, off))
+            elsewhen = _of_another_time(model, level, bar)
             scaled = scaled_levels(model, held, trial, change) if rival is None and not elsewhen else None
             if rival is not None:
                 model = build_model(held.gap, held.nuisance, (*without_contained(held.chosen, rival), rival))
@@ -107,7 +108,7 @@ def settle(model: Model, asked: Field) -> Settled:
                 model = scaled.model
             elif (other := one_for_both(model, joint, asked)) is not None:
                 model = other
-            elif not elsewhen and _own(model, level, change[joint], _bar(change, joint, off)):
+            elif not elsewhen and _own(model, level, change[joint], bar):
                 findings.append(trial.chosen)
             alike |= {joint: scaled.spread} if scaled is not None else {}
     model = with_levels_as_stated(model)

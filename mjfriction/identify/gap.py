@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from mjfriction.body.inverse import motion_derivatives
 from mjfriction.body.model import Body
 from mjfriction.body.regressor import link_and_moment_torques
+from mjfriction.errors import LogError
 from mjfriction.identify.blocks import Blocks, cut_blocks
 from mjfriction.identify.blows import blows, quick_accelerations
 from mjfriction.identify.doubt import WITHIN, YIELDING, doubt_speeds, rows_of_rests, share_in_doubt, unusable_rows
@@ -253,7 +254,8 @@ def measure_gap(log: Log, robot: Robot, *, yielding: float = YIELDING, highest: 
     none where laws are fitted that say how friction builds up.  ``highest`` is the most that the position filter's
     cutoff may be (Hz).
 
-    Raises :class:`LogError` when the log is not of this robot, nothing moves, or it is too short;
+    Raises :class:`LogError` when the log is not of this robot, nothing moves, or says nothing while it does, or the log
+    is too short;
     :class:`~mjfriction.errors.RobotError` when the robot's model cannot be read.
     """
     body = robot.body()
@@ -264,7 +266,13 @@ def measure_gap(log: Log, robot: Robot, *, yielding: float = YIELDING, highest: 
     torque = motion.torque * _per_reported(robot, motion)
     filtered = filtered_from(motion, effort, torque)
     chain = make_chain(motion, log.source, whole_below(filtered))
-    return _held_against(log, robot, body, motion, effort, chain, filtered, yielding)
+    gap = _judging(_held_against(log, robot, body, motion, effort, chain, filtered, yielding))
+    if not gap.examined:
+        raise LogError(
+            f"{log.source}: no joint moves for a while and reports an effort or a current that changes meanwhile; "
+            "record motion that neither creeps nor jumps from rest to rest, with what the drives give"
+        )
+    return gap
 
 
 def thinned(gap: Gap) -> Gap:
@@ -274,7 +282,7 @@ def thinned(gap: Gap) -> Gap:
         return gap
     effort = predict_effort(gap.robot, gap.body, motion)
     chain = make_chain(motion, gap.log.source, whole_below(gap.filtered))
-    return _held_against(gap.log, gap.robot, gap.body, motion, effort, chain, gap.filtered, gap.yielding)
+    return _judging(_held_against(gap.log, gap.robot, gap.body, motion, effort, chain, gap.filtered, gap.yielding))
 
 
 def thinning(motion: Motion) -> int:
@@ -292,16 +300,18 @@ def gap_along(robot: Robot, motion: Motion, along: Gap) -> Gap:
     """Return the gap of another robot with the same joints along another estimate of the same motion, row by row."""
     body = robot.body()
     robot = robot.with_stated_friction(body)
-    return _held_against(
-        along.log,
-        robot,
-        body,
-        motion,
-        predict_effort(robot, body, motion),
-        along.chain,
-        along.filtered,
-        along.yielding,
-    )
+    effort = predict_effort(robot, body, motion)
+    gap = _held_against(along.log, robot, body, motion, effort, along.chain, along.filtered, along.yielding)
+    # The same joints are examined: one whose friction this robot leaves in doubt all along on the rows that were clear.
+    both = np.any(gap.clear, axis=0) & np.any(along.clear, axis=0)
+    return _judging(replace(gap, clear=np.where(both, gap.clear, along.clear)))
+
+
+def _judging(gap: Gap) -> Gap:
+    # The gap in which no joint is examined of which no row is clear.
+    judged = np.any(gap.clear, axis=0)
+    measured, residual = (np.where(judged, values, np.nan) for values in (gap.measured, gap.residual))
+    return replace(gap, measured=measured, residual=residual)
 
 
 def _per_reported(robot: Robot, motion: Motion) -> Floats:
@@ -357,15 +367,13 @@ def _held_against(
     felt, struck = blows(body, motion, chain, slow)
     doubt = doubt + felt
     spoilt = unusable | struck
-    doubt = np.where(spoilt, HOPELESS * np.nanmax(np.abs(measured)), doubt)
+    doubt = np.where(spoilt, HOPELESS * np.max(np.abs(np.nan_to_num(measured))), doubt)
     floor = np.array(noise) * np.sqrt(motion.rate * motion.clock.step) * chain.noise_gain
     clear = (touched < CLEAR) & (felt <= floor) & ~spoilt
     few = (np.mean(clear, axis=0) < FEWEST_CLEAR) & (np.sum(clear, axis=0) < ENOUGH_CLEAR)
-    # What is spoilt comes last; a row within a rest says nothing, and a joint of which there are no others neither.
+    # What is spoilt comes last; a row within a rest says nothing.
     unclear = touched + spoilt
     clear[:, few] |= ((unclear <= np.quantile(unclear, FEWEST_CLEAR, axis=0)) & (unclear < WITHIN))[:, few]
-    mute = ~np.any(clear, axis=0)
-    measured[:, mute], residual[:, mute] = np.nan, np.nan
     return Gap(
         robot=robot,
         body=body,

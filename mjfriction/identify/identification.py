@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mjfriction.errors import LogError
 from mjfriction.identify.background import Background, OffsetChange, offset_changes
 from mjfriction.identify.balance import SPREADS, Balance, as_far_off, balance, first_friction, fitted_friction
 from mjfriction.identify.choose import CANDIDATES, Choice, choose_law
@@ -85,12 +84,7 @@ class _Fit:
 
 
 def _fit(stated: Gap, wanted: Sequence[Sequence[str]], side: Side, *, links: bool, tell: Tell) -> _Fit:
-    joints = [j for j in stated.examined if np.ptp(stated.measured[:, j]) > 0.0]
-    if not joints:
-        raise LogError(
-            f"{stated.log.source}: no joint moves and reports an effort or a current that changes; nothing can be "
-            "identified"
-        )
+    joints = list(stated.examined)
     without = stated.robot
     for joint in joints:
         without = _with_friction(without, joint, ())

@@ -12,8 +12,9 @@ import pytest
 
 from mjfriction.body.inverse import inertia_along
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.errors import LogError
 from mjfriction.identify.doubt import doubt_speeds
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import Gap, gap_of, measure_gap
 from mjfriction.record.log import Log
 from mjfriction.record.motion import estimate_motion
 from mjfriction.record.readers import read_log
@@ -21,9 +22,13 @@ from mjfriction.robot.bandwidth import choose_cutoff
 from mjfriction.robot.effort import _at_poses, bare, predict_effort
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.friction import raised_levels
+from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Coupling, EffortSensor, PositionSensor, Spring, Transmission
 from tests.hidden.machine import UR5_COULOMB, Machine, write_case
+
+SECONDS = np.arange(0.0, 40.0, 0.004)
+NOISE = np.random.default_rng(1).normal(size=SECONDS.size)
 
 
 @pytest.fixture(scope="module")
@@ -172,3 +177,46 @@ def test_what_is_spoilt_judges_no_joint_that_mostly_rests(demo: Log) -> None:
     judged = gap.chain.time[gap.clear[:, 2]] - demo.time[0]
     assert judged.size > 10
     assert np.max(judged) < 2.1
+
+
+def recorded(position: np.ndarray, effort: np.ndarray) -> Log:
+    joints = read_robot("ur5").joints
+    noisy = position + 1e-6 * np.random.default_rng(0).normal(size=position.size)
+    columns = {f"position.{joint}": noisy for joint in joints} | {f"effort.{joint}": effort for joint in joints}
+    return Log("log", SECONDS, np.zeros(SECONDS.size, dtype=np.int64), joints, columns)
+
+
+@pytest.mark.parametrize(
+    ("course", "effort"),
+    [
+        (np.sin(SECONDS), np.ones(SECONDS.size)),
+        (1e-3 * np.sin(0.05 * SECONDS), NOISE),
+        (0.1 * np.floor(SECONDS / 4.0), NOISE),
+    ],
+)
+def test_a_log_in_which_no_joint_shows_anything_is_refused(course: np.ndarray, effort: np.ndarray) -> None:
+    log = recorded(course, effort)
+    with pytest.raises(LogError, match="log: no joint moves for a while and reports an effort or a current that"):
+        measure_gap(log, read_robot("ur5"))
+
+
+def test_a_joint_that_jumps_from_rest_to_rest_is_examined_with_no_robot() -> None:
+    log, robot = recorded(np.sin(SECONDS), NOISE), read_robot("ur5")
+    jumping = 0.1 * np.floor(SECONDS / 4.0) + 1e-6 * NOISE
+    gap = measure_gap(replace(log, columns={**log.columns, "position.elbow_joint": jumping}), robot)
+    assert gap.examined == (0, 1, 3, 4, 5)
+    elbow = robot.joint("elbow_joint")
+    loose = robot.with_joint(elbow.model_copy(update={"friction": ()}))
+    assert gap_of(loose, gap).examined == gap.examined
+
+
+def test_a_joint_whose_friction_another_robot_leaves_in_doubt_is_examined_all_the_same(demo: Log) -> None:
+    robot = read_robot("ur5")
+    gap = measure_gap(demo, robot)
+    far = {"stiffness": (0.01,), "level": (20.0,), "viscous": 0.0}  # what its spring held is never forgotten
+    table = robot.joint("elbow_joint").model_copy(
+        update={"friction": (FrictionTerm(law="maxwell_slip", parameters=far),)}
+    )
+    doubtful = gap_of(robot.with_joint(table), gap)
+    assert doubtful.examined == gap.examined
+    np.testing.assert_array_equal(doubtful.clear[:, 2], gap.clear[:, 2])

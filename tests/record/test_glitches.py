@@ -63,11 +63,11 @@ def test_a_blow_that_begins_or_dies_away_is_none(before: bool, monkeypatch: pyte
     assert not np.any(felt(wild, blow, STILL, WHOLE))
 
 
-@pytest.mark.parametrize("share", ["neighbours", "speed"])
-def test_noise_and_coarse_counts_are_hardly_ever_a_blow(share: str, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("by", ["neighbours", "speed"])
+def test_noise_and_coarse_counts_are_hardly_ever_a_blow(by: str, monkeypatch: pytest.MonkeyPatch) -> None:
     count, blows, told = 6000, 0, 0
     position = np.round(np.cumsum(np.full(count, 0.0001)) / 0.003) * 0.003
-    monkeypatch.setattr(glitches_, "_answered" if share == "neighbours" else "_touches", lambda *_: False)
+    monkeypatch.setattr(glitches_, "_answered" if by == "neighbours" else "_touches", lambda *_: False)
     for seed in range(8):
         effort = 0.05 * np.random.default_rng(seed).normal(size=count)
         wild = np.isin(np.arange(count), np.arange(100, count - 100, 211))
@@ -75,7 +75,7 @@ def test_noise_and_coarse_counts_are_hardly_ever_a_blow(share: str, monkeypatch:
         np.testing.assert_array_equal(glitches(effort), wild)
         blows += np.count_nonzero(wild)
         told += np.count_nonzero(felt(wild, effort, position, np.zeros(count, dtype=np.int64)))
-    assert told < (0.05 if share == "neighbours" else 0.01) * blows
+    assert told < (0.05 if by == "neighbours" else 0.01) * blows
 
 
 def test_a_wild_sample_is_known_where_friction_turns_over() -> None:

@@ -165,6 +165,7 @@ def test_friction_is_settled_once_it_is_what_it_would_be_had_its_motion_been_see
     unsettled = unsettled_along(robot, parts, load, load)[3500:, 2]
     off = np.abs(unseen - seen)
     assert off[0] > 4.0  # what the springs hold after sliding
+    # And what velocities differ by that are told with what was before, and without.
     assert np.all(off[~unsettled] < 0.05 * 9.0 + 0.05)
     told = np.flatnonzero(~unsettled)[0]
     assert np.all(unsettled[:told])

@@ -10,7 +10,6 @@ import numpy as np
 
 from mjfriction.diagnose.causes.cause import Quantity, Site
 from mjfriction.diagnose.causes.moved_link import (
-    ROUNDS,
     WIDEST,
     MovedLink,
     as_drawn,
@@ -32,6 +31,7 @@ RESONANCES = tuple(2.5 * 1.1**k for k in range(25))  # Hz: from 2.5 to 25 Hz
 RESONANCE_BAND = 0.5  # of the position filter's cutoff, below which a resonance shows
 FINER_RESONANCE, NEIGHBOURS = 1.1, 5  # half of a step of these, as compliances, and what is tried within it
 DAMPINGS = (0.025, 0.05, 0.1, 0.2, 0.4)  # of critical
+ROUNDS = 2  # in which where a link is and what it needs there are found
 SCREENED_AT = 0.2  # of critical: a link that swings longer falls out of step with what is not quite its resonance
 
 

@@ -16,7 +16,6 @@ from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 
 WIDEST = 0.2  # rad or m of play or of give
-ROUNDS = 2  # in which where a link is and what it needs there are found
 NEAR = (0.6, 1.6)  # times the strength that the columns were drawn around
 AT_A_TIME = 1_000_000  # samples of many sites that are drawn at a time
 FELT = 1e-6  # of the noise floor, below which a shift is felt by no joint
