@@ -21,15 +21,15 @@ PAGE_TEXT = """# Hidden effects: how often the cause is named
 Made by `{command} --cases {count} --first {first}{beside}`; seeds make cases, so anybody can make the same ones.
 [Five of them, from the picture to the cause](hidden_effects_five.md).
 
-Each case is a machine in closed loop in MuJoCo: an arm of six axes, a linear axis, a table or a cylinder, 70 s of sums
-of sines or of moves from pose to pose, noise of 5 to 20 % of each joint's Coulomb level, encoders of 15 to 19 bit, 250
-or 500 Hz, efforts or currents, velocity measured or not. None, one, two or three effects are hidden in it, sometimes
-one that no cause of the table is; the robot file knows nothing of them, and its masses and levels may be 3 % off. A
-second log is of another motion. The severity of an effect is the RMS it adds at the joint where it shows most over
-that joint's noise: about 1.5 is medium, 4 is large; some effects cannot reach that much within what is physical, and a
-machine that its controller cannot hold is made again with half of it. One that adds less than {faint} of the noise ({drawn} were drawn here) is asked of no tool and held against none. The
-effects are the plant's own parts, but friction laws and rigid bodies are the ones that the diagnosis knows: logs of
-other physics will be harder.
+Each case is a machine in closed loop in MuJoCo: an arm of six axes, a linear axis, a table or a cylinder, 70 s of
+sums of sines or of moves from pose to pose, noise of 5 to 20 % of each joint's Coulomb level, encoders of 15 to 19
+bit, 250 or 500 Hz, efforts or currents, velocity measured or not. None, one, two or three effects are hidden in it,
+sometimes one that no cause of the table is; the robot file knows nothing of them, and its masses and levels may be 3
+% off. A second log is of another motion. The severity of an effect is the RMS it adds at the joint where it shows
+most over that joint's noise: about 1.5 is medium, 4 is large; some effects cannot reach that much within what is
+physical, and a machine that its controller cannot hold is made again with half of it. One that adds less than {faint}
+of the noise ({drawn} were drawn here) is asked of no tool and held against none. The effects are the plant's own
+parts, but friction laws and rigid bodies are the ones that the diagnosis knows: logs of other physics will be harder.
 
 *Exact*: just what was hidden was found, and what no cause fits was left open (or, of a soft stop, told as the
 `body.spring` that a torque in position is by definition). *Hit*: every hidden cause is, at its

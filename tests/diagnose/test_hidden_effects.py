@@ -554,6 +554,9 @@ def test_the_ripple_of_gears_is_told_where_it_stands_out(tmp_path: Path, monkeyp
     assert names(run(tmp_path / "alike", alike, seed=21)) == []
     larger = Machine(noise=0.03, hidden={1: cogs(1, 0.09), 2: cogs(2, 0.25), 4: cogs(4, 0.09)})
     assert names(run(tmp_path / "larger", larger, seed=21)) == [("drive.cogging", "elbow_joint")]
+    large = Machine(noise=0.03, hidden={1: cogs(1, 0.25), 2: cogs(2, 0.25)})
+    both = {("drive.cogging", "shoulder_lift_joint"), ("drive.cogging", "elbow_joint")}
+    assert set(names(run(tmp_path / "large", large, seed=21))) == both
     monkeypatch.setattr("mjfriction.diagnose.trial.STANDS_OUT", 0.0)
     told = names(run(tmp_path / "told", alike, seed=21))
     assert len(told) >= 2

@@ -11,6 +11,8 @@ import pytest
 from mjfriction.diagnose import trial
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.diagnose.visible import visible_causes
+from mjfriction.identify.gap import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Instant, Machine, write_case
@@ -33,6 +35,15 @@ def test_a_base_that_leans_a_little_is_told_of_an_even_machine(tmp_path: Path, m
     monkeypatch.setattr(trial, "EVENEST", 1.0)
     monkeypatch.setattr("mjfriction.diagnose.unevenness.EVENEST", 1.0)
     assert diagnosed(tmp_path / "as of an uneven one", machine).findings == ()
+
+
+def test_how_little_an_even_machine_could_show_is_said(tmp_path: Path) -> None:
+    log, robot = write_case(tmp_path, Machine(noise=0.02), seed=21, seconds=30.0)
+    shown = visible_causes(measure_gap(read_log(log), read_robot(robot)))
+    tilts = [one.share for one in shown if one.cause == "body.gravity_direction"]
+    offsets = [one.share for one in shown if one.cause == "drive.offset"]
+    assert 0.0 < min(tilts) < 0.9 * trial.LEAST_EFFECT
+    assert min(offsets) == pytest.approx(trial.LEAST_EFFECT)
 
 
 def test_as_little_at_one_joint_is_not_told(tmp_path: Path) -> None:
