@@ -8,6 +8,7 @@ from pathlib import Path
 from markupsafe import Markup
 
 from mjfriction.identify.comparison import Comparison
+from mjfriction.report.digits import kept
 from mjfriction.report.figures import bars, courses, figure_html
 from mjfriction.report.html import rendered
 from mjfriction.report.rerun_view import write_compared_recording
@@ -17,7 +18,7 @@ def comparison_table(comparison: Comparison) -> dict[str, object]:
     """Return a comparison as plain data, numbers to seven digits."""
 
     def number(value: float | None) -> float | None:
-        return None if value is None else float(f"{value:.7g}")
+        return None if value is None else kept(value)
 
     return {
         "log": comparison.gap.log.name,

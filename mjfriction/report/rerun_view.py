@@ -20,6 +20,7 @@ from mjfriction.identify.comparison import Comparison
 from mjfriction.identify.gap import Gap, gap_of
 from mjfriction.identify.outcome import Identification
 from mjfriction.record.log import Floats
+from mjfriction.report.digits import digits
 from mjfriction.report.entity import place_of
 from mjfriction.report.figures import MEASURED, MODELS
 from mjfriction.report.friction_plane import plane_view, send_plane
@@ -201,7 +202,9 @@ def _findings_text(report: Report) -> str:
     lines = [f"# {report.verdict}", report.summary]
     for finding in report.findings:
         lines += [f"## {finding.cause}" + (f" at {finding.joint}" if finding.joint else ""), finding.evidence]
-        lines += [f"- {p.name} = {p.value:.4g} {'' if p.unit == '1' else p.unit}" for p in finding.parameters]
+        lines += [
+            f"- {p.name} = {digits(p.value, p.unit)} {'' if p.unit == '1' else p.unit}" for p in finding.parameters
+        ]
     return "\n\n".join(lines)
 
 
@@ -209,5 +212,7 @@ def _laws_text(report: Report) -> str:
     lines = ["# identified", report.summary]
     for law in report.identified:
         lines += [f"## {law.joint}: {law.law}"]
-        lines += [f"- {p.name} = {p.value:.4g} {'' if p.unit == '1' else p.unit} {p.note}" for p in law.parameters]
+        lines += [
+            f"- {p.name} = {digits(p.value, p.unit)} {'' if p.unit == '1' else p.unit} {p.note}" for p in law.parameters
+        ]
     return "\n\n".join(lines)

@@ -14,11 +14,12 @@ from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
 from mjfriction.record.faults import Fault, moment
+from mjfriction.report.digits import kept
 
 SCHEMA: Literal["mjfriction.report/1"] = "mjfriction.report/1"
 
 # Seven digits: more than any log carries, and few enough that libraries' last bits do not show.
-Number = Annotated[float, PlainSerializer(lambda value: float(f"{value:.7g}"), return_type=float)]
+Number = Annotated[float, PlainSerializer(kept, return_type=float)]
 Interval = tuple[Number, Number]
 
 UNEVEN = 0.08  # spread of a clock's steps, from which on it is worth a word: less is how computers note the time

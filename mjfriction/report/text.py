@@ -15,6 +15,7 @@ from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.identify.comparison import Comparison
 from mjfriction.record.faults import moment
 from mjfriction.record.mapping import Mapping
+from mjfriction.report.digits import digits
 from mjfriction.report.result import FindingEntry, ParameterEntry, Report
 from mjfriction.reproduce.outcome import Reproduction
 
@@ -97,7 +98,8 @@ def _print_parameter(parameter: ParameterEntry, console: Console) -> None:
     low, high = parameter.ci95
     unit = "" if parameter.unit == "1" else f" {parameter.unit}"
     note = f"; {parameter.note}" if parameter.note else ""
-    console.print(f"  {parameter.name} = {parameter.value:.4g}{unit}  (95 %: {low:.4g} to {high:.4g}{note})")
+    value, least, most = (digits(own, parameter.unit) for own in (parameter.value, low, high))
+    console.print(f"  {parameter.name} = {value}{unit}  (95 %: {least} to {most}{note})")
 
 
 def _joint_table(report: Report) -> Table:
