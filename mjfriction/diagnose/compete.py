@@ -18,7 +18,7 @@ from mjfriction.diagnose.oscillations import new_oscillations
 from mjfriction.diagnose.refusal import proved, refused
 from mjfriction.diagnose.richer import enriched, in_richer_form
 from mjfriction.diagnose.shapes import reshaped
-from mjfriction.diagnose.short_list import SHORT_LIST, all_tried, fairly, passing, ranked
+from mjfriction.diagnose.short_list import SHORT_LIST, all_tried, best_bent, fairly, passing, ranked
 from mjfriction.diagnose.tangent import straightened
 from mjfriction.diagnose.trial import Trial, try_out
 from mjfriction.identify.gap import Gap
@@ -176,7 +176,7 @@ def _passing(model: Model, field: Field, chances: Chances) -> list[Trial]:
     # candidates there rank before what is plain at another.
     choices, tried = ranked(model, field), list[Trial]()
     for first in range(0, len(choices), SHORT_LIST):
-        own = all_tried(model, choices[first : first + SHORT_LIST])
+        own = best_bent(model, all_tried(model, choices[first : first + SHORT_LIST]), chances)
         tried += own
         best = [trial for trial in passing(own, chances) if not _stands_for_less(model, trial, tried, chances)]
         if best:

@@ -36,6 +36,17 @@ def fairly(model: Model, trials: list[Trial]) -> list[Trial]:
     return [_bent(model, trial) if trial.merit > NEAR_BEST * best else trial for trial in trials]
 
 
+def best_bent(model: Model, trials: list[Trial], chances: Chances) -> list[Trial]:
+    """Return trials of which the one that does most is tried on the real balance, where it is not beyond chance.
+
+    Of a play of half the stroke a straight line leaves so much that it might be chance.
+    """
+    best = max(trials, key=lambda trial: trial.merit, default=None)
+    if best is None or best.merit <= 0.0 or best.beyond_chance(chances.among(best.chosen.cause)):
+        return trials
+    return [_bent(model, trial) if trial is best else trial for trial in trials]
+
+
 def all_tried(model: Model, choices: list[Chosen]) -> list[Trial]:
     """Return the trials of candidates, each at its best shape; what nature does not allow has none."""
     trials = [_tried(model, choice) for choice in choices]

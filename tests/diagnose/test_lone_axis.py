@@ -8,6 +8,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
+from mjfriction.benchmark.cases import Setting, draw_of, make_case
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
@@ -72,6 +73,15 @@ def test_a_torque_constant_is_told_beside_levels_that_are_as_stated_with_it(tmp_
     (finding,) = diagnose_log(log_from_table(pa.table(columns), "swing"), robot).findings
     assert finding.cause == "drive.torque_constant"
     assert finding.parameters[0].value == pytest.approx(0.93, abs=0.01)
+
+
+def test_play_of_centimetres_on_a_slide_is_judged_on_the_real_balance() -> None:
+    """The link flies for a tenth of a second: near a play of 23 mm no straight line says where it lands."""
+    setting = Setting(robot="linear_axis", seconds=30.0, rate=250.0, noise=0.2, encoder=1.9e-4)
+    case = make_case(8, setting, (draw_of("drive.backlash"),), 4.0)
+    (finding,) = diagnose_log(log_from_table(pa.table(case.log), "slide"), case.stated).findings
+    assert finding.cause == "drive.backlash"
+    assert finding.parameters[0].value == pytest.approx(case.hidden[0].strength, rel=0.02)
 
 
 def test_a_heavier_rod_may_be_a_load_at_its_end(tmp_path: Path) -> None:
