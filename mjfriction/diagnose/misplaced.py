@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mjfriction.diagnose.look import FEWEST_ROWS, HALF, NO_WORSE, SOME, Look, look_at
 from mjfriction.diagnose.read_so import off_as_stated, read_so
@@ -24,6 +25,7 @@ TURN, TURN_JOINT = "turn its sign", "turn their signs: this joint is counted the
 EXCHANGE, EXCHANGE_JOINTS = "exchange the two columns", "exchange the two joints"
 NOTICED = 0.05  # of an effort's variance left unexplained, that is worth a look where another joint leaves as much
 MENDED_BOTH = 0.2  # of that, which may be left at both once they are in their places
+EXPLAINED = 0.01  # of an effort's variance in clear motion, that the stated robot leaves where the columns are right
 CLEARLY = 0.7  # of what one explanation leaves, that a better one leaves
 
 _Reading = tuple[Sequence[Floats], Floats, Fault]
@@ -81,17 +83,32 @@ def find_misplaced(gap: Gap, span: Span = EVER) -> list[Fault]:
         return []  # what a joint shows that rests there is noise
     look = look_at(gap, span)
     as_logged = look.left_as_logged
+    # Efforts that rests make the most of, which may hold any friction, look like nothing that a model knows.
+    doubted = (as_logged <= SOME) | (_left_as_stated(gap, span) > EXPLAINED)
+    as_logged = as_logged[doubted]
     columns: list[Fault] = []
     if np.any(as_logged > POOR):
-        columns = _least(look, _columns_misplaced(look), functools.partial(_mended, as_logged))
+        columns = _least(look, _columns_misplaced(look), doubted, functools.partial(_mended, as_logged))
     if not columns and np.count_nonzero(as_logged > NOTICED) > 1:
         exchanged = (reading for reading in _columns_misplaced(look) if reading[-1].kind == "data.swap")
-        columns = _least(look, exchanged, functools.partial(_both_mended, as_logged))
+        columns = _least(look, exchanged, doubted, functools.partial(_both_mended, as_logged))
     if columns:
         return columns
     if np.any(as_logged > SOME):
-        return _least(look, _joints_misplaced(look), functools.partial(_all_mended, as_logged))
+        return _least(look, _joints_misplaced(look), doubted, functools.partial(_all_mended, as_logged))
     return []
+
+
+def _left_as_stated(gap: Gap, span: Span) -> Floats:
+    # The share of the variance of each examined joint's effort that the stated robot leaves in clear motion.
+    within_span = within(span, gap.chain.time)
+    out = np.ones(len(gap.examined))
+    for place, joint in enumerate(gap.examined):
+        rows = within_span & gap.clear[:, joint]
+        if np.count_nonzero(rows) >= FEWEST_ROWS:
+            measured, residual = gap.measured[rows, joint], gap.residual[rows, joint]
+            out[place] = float(np.mean(np.square(residual)) / max(float(np.var(measured)), 1e-300))
+    return out
 
 
 def _mended(as_logged: Floats, left: Floats) -> bool:
@@ -116,10 +133,12 @@ def _all_mended(as_logged: Floats, left: Floats) -> bool:
     return bool(better and together and np.all(left < as_logged + SLIGHTLY))
 
 
-def _least(look: Look, readings: Iterator[_Reading], accepted: Callable[[Floats], bool]) -> list[Fault]:
-    # The fault of the reading that leaves least, of those accepted.  Where another leaves hardly more, which of them it
-    # is, is not sure.
-    judged = [(look.left(course, effort), fault) for course, effort, fault in readings]
+def _least(
+    look: Look, readings: Iterator[_Reading], doubted: NDArray[np.bool_], accepted: Callable[[Floats], bool]
+) -> list[Fault]:
+    # The fault of the reading that leaves least at the doubted joints, of those accepted.  Where another leaves hardly
+    # more, which of them it is, is not sure.
+    judged = [(look.left(course, effort)[doubted], fault) for course, effort, fault in readings]
     passing = [(float(np.sum(left)), fault) for left, fault in judged if accepted(left)]
     if not passing:
         return []

@@ -22,7 +22,7 @@ SCHEMA: Literal["mjfriction.report/1"] = "mjfriction.report/1"
 Number = Annotated[float, PlainSerializer(kept, return_type=float)]
 Interval = tuple[Number, Number]
 
-UNEVEN = 0.08  # spread of a clock's steps, from which on it is worth a word: less is how computers note the time
+UNEVEN = 0.12  # spread of a clock's steps, from which on it is worth a word: less is how computers note the time
 
 
 class Entry(BaseModel):

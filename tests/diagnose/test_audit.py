@@ -12,6 +12,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from mjfriction.benchmark.cases import Setting, make_case
+from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.cli.logs import read_logs
 from mjfriction.diagnose import misplaced
 from mjfriction.diagnose.audit import find_faults
@@ -29,6 +30,7 @@ from mjfriction.report.result import data_problems
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
+from tests.diagnose.test_lone_axis import pendulum
 from tests.diagnose.test_planar_arm import JOINT, LINK
 from tests.hidden.machine import Machine, write_case
 
@@ -122,6 +124,22 @@ def test_arms_that_mostly_rest_are_judged_where_they_move(factor: float, kind: s
         assert (fault.kind, fault.where) == (kind, column)
 
 
+def test_a_rod_that_mostly_rests_about_its_upright_has_no_sign_turned(tmp_path: Path) -> None:
+    """It comes to rest past its upright, and what the contact holds there outweighs it: the drive seems to push it on
+    where it has to hold it back.
+    """
+    robot = pendulum(tmp_path, "rod", inertia=0.08, rotor=2e-6, coulomb=3.0, noise=0.0)
+    time = np.arange(0.0, 144.0, 0.004)
+    since, way = time % 24.0, np.where(time // 24.0 % 2 == 0, 1.0, -1.0)
+    angle = np.pi + 0.1 * way * np.where(since < 1.0, -np.cos(np.pi * since), 1.0)
+    speed = np.gradient(angle, time)
+    rigid = inverse_dynamics(robot.body(), *(own[:, None] for own in (angle, speed, np.gradient(speed, time))))[:, 0]
+    noise = 0.05 * np.random.default_rng(1).normal(size=time.size)
+    effort = rigid + 3.0 * way + 0.2 * speed + noise
+    log = log_from_table(pa.table({"time": time, "position.swing": angle, "effort.swing": effort}), "rod")
+    assert find_faults(measure_gap(log, robot)) == []
+
+
 def test_a_log_that_is_refused_is_not_fitted_however_it_hums(case: tuple[Path, Path]) -> None:
     time = read_log(case[0]).time
     hum = 6.0 * np.sin(2.0 * np.pi * 4.74 * time)
@@ -191,7 +209,7 @@ def test_degrees_and_a_clock_that_is_off_are_known_by_measured_velocities(case: 
         assert faults(with_velocities(factor)) == set()
 
 
-@pytest.mark.parametrize(("spread", "told"), [(0.003, False), (0.05, False), (0.1, True)])
+@pytest.mark.parametrize(("spread", "told"), [(0.003, False), (0.1, False), (0.15, True)])
 def test_a_clock_is_at_fault_where_it_is_uneven_and_not_where_it_is_but_read_by_a_computer(
     spread: float, *, told: bool, case: tuple[Path, Path]
 ) -> None:
