@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mjfriction.diagnose.look import FEWEST_ROWS, HALF, NO_WORSE, SOME, Look, look_at
 from mjfriction.diagnose.read_so import off_as_stated, read_so
@@ -82,32 +81,29 @@ def find_misplaced(gap: Gap, span: Span = EVER) -> list[Fault]:
     if span != EVER and np.any(np.count_nonzero(clear, axis=0) < FEWEST_ROWS):
         return []  # what a joint shows that rests there is noise
     look = look_at(gap, span)
-    as_logged = look.left_as_logged
-    # Efforts that rests make the most of, which may hold any friction, look like nothing that a model knows.
-    doubted = (as_logged <= SOME) | (_left_as_stated(gap, span) > EXPLAINED)
-    as_logged = as_logged[doubted]
+    as_logged, sound = look.left_as_logged, _sound(gap, span)
     columns: list[Fault] = []
     if np.any(as_logged > POOR):
-        columns = _least(look, _columns_misplaced(look), doubted, functools.partial(_mended, as_logged))
+        columns = _least(look, _columns_misplaced(look, sound), functools.partial(_mended, as_logged))
     if not columns and np.count_nonzero(as_logged > NOTICED) > 1:
-        exchanged = (reading for reading in _columns_misplaced(look) if reading[-1].kind == "data.swap")
-        columns = _least(look, exchanged, doubted, functools.partial(_both_mended, as_logged))
+        exchanged = (reading for reading in _columns_misplaced(look, sound) if reading[-1].kind == "data.swap")
+        columns = _least(look, exchanged, functools.partial(_both_mended, as_logged))
     if columns:
         return columns
     if np.any(as_logged > SOME):
-        return _least(look, _joints_misplaced(look), doubted, functools.partial(_all_mended, as_logged))
+        return _least(look, _joints_misplaced(look, sound), functools.partial(_all_mended, as_logged))
     return []
 
 
-def _left_as_stated(gap: Gap, span: Span) -> Floats:
-    # The share of the variance of each examined joint's effort that the stated robot leaves in clear motion.
-    within_span = within(span, gap.chain.time)
-    out = np.ones(len(gap.examined))
-    for place, joint in enumerate(gap.examined):
+def _sound(gap: Gap, span: Span) -> set[int]:
+    # The joints whose effort the stated robot explains while they move.  Efforts that rests make the most of, which may
+    # hold any friction, look like nothing that a model knows.
+    within_span, out = within(span, gap.chain.time), set[int]()
+    for joint in gap.examined:
         rows = within_span & gap.clear[:, joint]
-        if np.count_nonzero(rows) >= FEWEST_ROWS:
-            measured, residual = gap.measured[rows, joint], gap.residual[rows, joint]
-            out[place] = float(np.mean(np.square(residual)) / max(float(np.var(measured)), 1e-300))
+        measured, residual = gap.measured[rows, joint], gap.residual[rows, joint]
+        if residual.size >= FEWEST_ROWS and np.mean(np.square(residual)) < EXPLAINED * np.var(measured):
+            out.add(joint)
     return out
 
 
@@ -133,12 +129,10 @@ def _all_mended(as_logged: Floats, left: Floats) -> bool:
     return bool(better and together and np.all(left < as_logged + SLIGHTLY))
 
 
-def _least(
-    look: Look, readings: Iterator[_Reading], doubted: NDArray[np.bool_], accepted: Callable[[Floats], bool]
-) -> list[Fault]:
-    # The fault of the reading that leaves least at the doubted joints, of those accepted.  Where another leaves hardly
-    # more, which of them it is, is not sure.
-    judged = [(look.left(course, effort)[doubted], fault) for course, effort, fault in readings]
+def _least(look: Look, readings: Iterator[_Reading], accepted: Callable[[Floats], bool]) -> list[Fault]:
+    # The fault of the reading that leaves least, of those accepted.  Where another leaves hardly more, which of them it
+    # is, is not sure.
+    judged = [(look.left(course, effort), fault) for course, effort, fault in readings]
     passing = [(float(np.sum(left)), fault) for left, fault in judged if accepted(left)]
     if not passing:
         return []
@@ -147,28 +141,32 @@ def _least(
     return [fault if alone else replace(fault, mend=None)]
 
 
-def _columns_misplaced(look: Look) -> Iterator[_Reading]:
-    # Every column turned and every pair exchanged: how the log would read without that, and the fault.
+def _columns_misplaced(look: Look, sound: Collection[int]) -> Iterator[_Reading]:
+    # Every column turned and every pair exchanged, but for joints that are sound: how the log would read without that,
+    # and the fault.
     gap = look.gap
-    for i in range(len(gap.robot.joints)):
+    every = [i for i in range(len(gap.robot.joints)) if i not in sound]
+    for i in every:
         yield look.position_turned(i), look.effort, _turned(position_column(gap, i))
-        for j in range(i):
+        for j in every[: every.index(i)]:
             yield look.positions_exchanged(i, j), look.effort, _exchanged(gap, position_column, i, j)
-    for i in gap.examined:
+    measured = [i for i in gap.examined if i not in sound]
+    for i in measured:
         yield look.course, look.effort_turned(i), _turned(effort_column(gap, i))
-        for j in gap.examined[: gap.examined.index(i)]:
+        for j in measured[: measured.index(i)]:
             yield look.course, look.efforts_exchanged(i, j), _exchanged(gap, effort_column, i, j)
 
 
-def _joints_misplaced(look: Look) -> Iterator[_Reading]:
+def _joints_misplaced(look: Look, sound: Collection[int]) -> Iterator[_Reading]:
     # The same with positions and efforts together.
     gap, names = look.gap, look.gap.robot.joints
-    for i in gap.examined:
+    measured = [i for i in gap.examined if i not in sound]
+    for i in measured:
         columns = (position_column(gap, i), effort_column(gap, i))
         mend = Mend(factors=tuple((column, -1.0) for column in columns))
         turned = look.position_turned(i), look.effort_turned(i)
         yield *turned, Fault("data.sign", f"all columns of {names[i]}", TURN_JOINT, mend=mend)
-        for j in gap.examined[: gap.examined.index(i)]:
+        for j in measured[: measured.index(i)]:
             one, other = (_exchanged(gap, column, i, j).mend for column in (position_column, effort_column))
             both = Mend(exchanged=(*one.exchanged, *other.exchanged)) if one and other else None
             exchanged = look.positions_exchanged(i, j), look.efforts_exchanged(i, j)

@@ -344,7 +344,7 @@ def test_which_of_two_readings_it_is_that_leave_as_little_is_not_sure() -> None:
     faults = [Fault("data.sign", name, "turn it", mend=Mend(factors=((name, -1.0),))) for name in "ab"]
     for other, sure in ((0.5, True), (0.11, False)):
         readings = zip(([np.array([0.1])], [np.array([other])]), 2 * [np.zeros(1)], faults, strict=True)
-        (fault,) = misplaced._least(Looked(), readings, np.ones(1, dtype=bool), lambda _: True)
+        (fault,) = misplaced._least(Looked(), readings, lambda _: True)
         assert fault.where == "a"
         assert (fault.mend is not None) is sure
 

@@ -6,6 +6,8 @@ import numpy as np
 
 from mjfriction.benchmark.effects.effect import Effect, Place, on_joint, sign, updated, wave_along
 from mjfriction.body.inverse import inertia_at
+from mjfriction.robot.common_drives import with_drive_turned_too
+from mjfriction.robot.friction import stated_levels
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import CommonDrive, Coupling
 
@@ -83,11 +85,13 @@ def rotor_inertia(rng: np.random.Generator, place: Place) -> Effect:
 
 
 def coupling(rng: np.random.Generator, place: Place) -> Effect:
-    """What a neighbour's motion or effort brings, or a drive shared with it."""
+    """What a neighbour's motion or effort brings, a drive shared with it, or the joint's own that turns with it too."""
     names = place.robot.joints
     i = names.index(place.joint)
     other = names[i + 1] if i + 1 < len(names) else names[i - 1]
-    kind = rng.choice(["friction", "motion", "effort", "drive"])
+    kind = rng.choice(["friction", "motion", "effort", "drive", "own drive"])
+    if kind == "own drive":
+        return _turned_too(place, other, sign(rng))
     if kind == "drive" and i + 1 < len(names):
         ratio = sign(rng)
 
@@ -109,6 +113,17 @@ def coupling(rng: np.random.Generator, place: Place) -> Effect:
         return updated(robot, place.joint, coupling=(own,))
 
     return on_joint("drive.coupling", place, change, 0.3, 3.0)
+
+
+def _turned_too(place: Place, other: str, way: float) -> Effect:
+    # The joint's drive, with all of its friction and of its rotor, turns with a neighbour's motion besides.
+    def change(robot: Robot, a: float) -> Robot:
+        coulomb, viscous = stated_levels(robot.joint(place.joint))
+        inertia = robot.joint(place.joint).actuator.reflected_inertia
+        own = CommonDrive(joint=other, ratio=way * a, coulomb=coulomb, viscous=viscous, inertia=inertia)
+        return with_drive_turned_too(robot, place.joint, own)
+
+    return on_joint("drive.coupling", place, change, 0.1, 1.2)
 
 
 def delay(rng: np.random.Generator, place: Place) -> Effect:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from mjfriction.diagnose.causes.asymmetry import Asymmetry
 from mjfriction.diagnose.causes.backlash import Backlash
+from mjfriction.diagnose.causes.carried_drive import DifferenceCarried, SumCarried
 from mjfriction.diagnose.causes.cause import Cause
 from mjfriction.diagnose.causes.coulomb_viscous import CoulombViscous
 from mjfriction.diagnose.causes.coupling import DifferenceDrive, SharedEffort, SharedFriction, SharedMotion, SumDrive
@@ -59,6 +60,8 @@ STRUCTURAL: tuple[Cause, ...] = (
     SharedEffort(),
     SumDrive(),
     DifferenceDrive(),
+    SumCarried(),
+    DifferenceCarried(),
     Elasticity(),
     LinkSideElasticity(),
     SwingingElasticity(),

@@ -11,6 +11,7 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
+from mjfriction.robot.common_drives import with_common_drive, without_rotor
 from mjfriction.robot.effort import shared_effort
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import direction
@@ -121,13 +122,14 @@ class SharedEffort(_Coupling):
         return f"it carries {100 * strengths[0]:.3g} % of the effort of {self.from_name(gap, site)}"
 
 
-class _SharedDrive(_Coupling):
+class SharedDrive(_Coupling):
     """C·sgn u + V·u of a drive that turns with u = vₖ + ratio·v, felt by both joints.
 
     What each feels of its own motion is taken for its own damping as well, so that velocities show the ratio only as
     far as the stated dampings are right.
     """
 
+    takes: ClassVar[tuple[Parameter, ...]] = (COULOMB, VISCOUS)
     way: ClassVar[float]  # the ratio's sign
     shape_parameters = (RATIO,)
 
@@ -194,20 +196,18 @@ class _SharedDrive(_Coupling):
         }
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """Level and damping of the drive."""
-        return (Quantity(COULOMB), Quantity(VISCOUS))
+        """What the drive takes."""
+        return tuple(Quantity(own) for own in self.takes)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """State the common drive at the joint whose motor it is."""
-        coulomb, viscous = (float(strength) for strength in strengths)
-        return self.driven(robot, site, coulomb=coulomb, viscous=viscous)
-
-    def driven(self, robot: Robot, site: Site, **strengths: float) -> Robot:
-        """Return the robot with the common drive stated."""
         assert site.other is not None, "sites names another joint"
-        table = robot.table.joint[site.other]
-        drive = CommonDrive(joint=robot.joints[site.joint], ratio=self.ratio(site), **strengths)
-        return robot.with_joint(table.model_copy(update={"common_drive": (*table.common_drive, drive)}))
+        return with_common_drive(robot, robot.joints[site.other], self.drive(robot, site, strengths))
+
+    def drive(self, robot: Robot, site: Site, strengths: Floats) -> CommonDrive:
+        """Return the common drive as a robot file states it."""
+        own = dict(zip((parameter.name for parameter in self.takes), strengths.tolist(), strict=True))
+        return CommonDrive(joint=robot.joints[site.joint], ratio=self.ratio(site), **own)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Name the joints."""
@@ -226,12 +226,14 @@ class _SharedDrive(_Coupling):
         )
 
 
-class _SharedRotor(_SharedDrive):
+class _SharedRotor(SharedDrive):
     """C·sgn u + V·u + I·u̇: the rotor turns with both joints too.
 
     Of a rotor that the robot file states at one of the joints, the part that turns with both was stated there already:
     what is new to that joint is what the other's acceleration brings.
     """
+
+    takes = (COULOMB, VISCOUS, INERTIA)
 
     def at_drive(self, gap: Gap, site: Site, joint: int) -> Floats:
         """What the friction takes, and the inertia, (n, 3)."""
@@ -242,10 +244,6 @@ class _SharedRotor(_SharedDrive):
             takes = takes - (1.0 if joint == other else ratio) * hard[:, joint]
         return np.column_stack([super().at_drive(gap, site, joint), takes])
 
-    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """Level, damping and inertia of the drive."""
-        return (*super().quantities(gap, site), Quantity(INERTIA))
-
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """Nor has its rotor a negative inertia."""
         return bool(strengths[2] >= 0.0) and super().admissible(gap, site, strengths)
@@ -253,10 +251,9 @@ class _SharedRotor(_SharedDrive):
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """State the common drive at the joint whose motor it is, its inertia no longer in the rotors of both joints."""
         assert site.other is not None, "sites names another joint"
-        coulomb, viscous, inertia = (float(strength) for strength in strengths)
         for joint, ratio in ((site.joint, self.ratio(site)), (site.other, 1.0)):
-            robot = _without_rotor(robot, joint, ratio**2 * inertia)
-        return self.driven(robot, site, coulomb=coulomb, viscous=viscous, inertia=inertia)
+            robot = without_rotor(robot, robot.joints[joint], ratio**2 * float(strengths[2]))
+        return super().extend(robot, site, strengths)
 
 
 @final
@@ -274,7 +271,7 @@ class DifferenceRotor(_SharedRotor):
 
 
 @final
-class SumDrive(_SharedDrive):
+class SumDrive(SharedDrive):
     """The drive turns with vₖ + ratio·v."""
 
     way = 1.0
@@ -282,19 +279,11 @@ class SumDrive(_SharedDrive):
 
 
 @final
-class DifferenceDrive(_SharedDrive):
+class DifferenceDrive(SharedDrive):
     """The drive turns with vₖ − ratio·v."""
 
     way = -1.0
     fuller = DifferenceRotor
-
-
-def _without_rotor(robot: Robot, joint: int, inertia: float) -> Robot:
-    # The robot with an inertia (at the joint) taken from what a joint states of its rotor, as far as it states any.
-    table = robot.table.joint[joint]
-    rest = max(0.0, table.actuator.rotor_inertia - inertia / table.actuator.gear_ratio**2)
-    actuator = table.actuator.model_copy(update={"rotor_inertia": rest})
-    return robot.with_joint(table.model_copy(update={"actuator": actuator}))
 
 
 def _coupled(robot: Robot, site: Site, **strengths: float) -> Robot:

@@ -1,0 +1,99 @@
+"""A drive of a joint's own that turns with its neighbour too: what is stated of its friction turns with both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mjfriction.diagnose.causes.carried_drive import (
+    DifferenceCarried,
+    DifferenceCarriedRotor,
+    SumCarried,
+    SumCarriedRotor,
+)
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.identify.gap import measure_gap
+from mjfriction.record.readers import read_log
+from mjfriction.robot.effort import predict_effort
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import UR5_COULOMB, UR5_JOINTS, UR5_VISCOUS, Instant, Machine, write_case
+
+WRIST = 4
+ROTOR = 0.08
+
+
+def turning(own: int, neighbour: int, ratio: float) -> dict[int, Callable[[Instant], np.ndarray]]:
+    """Return what it makes of two joints' efforts that the drive of one turns with the other too."""
+    coulomb, viscous = UR5_COULOMB[own], UR5_VISCOUS[own]
+
+    def rubs(speed: np.ndarray) -> np.ndarray:
+        return coulomb * np.sign(speed) + viscous * speed
+
+    def turn(instant: Instant) -> np.ndarray:
+        return instant.velocities[:, own] + ratio * instant.velocities[:, neighbour]
+
+    return {
+        own: lambda instant: rubs(turn(instant)) - rubs(instant.velocities[:, own]),
+        neighbour: lambda instant: ratio * rubs(turn(instant)),
+    }
+
+
+@pytest.mark.parametrize(
+    ("own", "neighbour", "ratio"),
+    [(WRIST + 1, WRIST, 0.15), pytest.param(WRIST, WRIST + 1, -0.8, marks=pytest.mark.bench)],
+)
+def test_it_is_one_finding_at_the_joint_whose_drive_it_is(
+    own: int, neighbour: int, ratio: float, tmp_path: Path
+) -> None:
+    machine = Machine(hidden=turning(own, neighbour, ratio))
+    log, robot = write_case(tmp_path, machine, seed=3, seconds=40.0)
+    diagnosis = diagnose_log(read_log(log), read_robot(robot))
+    (finding,) = diagnosis.findings
+    assert (finding.cause, finding.joint) == ("drive.coupling", UR5_JOINTS[own])
+    found = {fitted.name: fitted.value for fitted in finding.parameters}
+    truth = {"coulomb": UR5_COULOMB[own], "viscous": UR5_VISCOUS[own], "ratio": abs(ratio)}
+    assert found == pytest.approx(truth, rel=0.1)
+    # None of its friction is left to the joint alone.
+    (drive,) = diagnosis.robot.joint(UR5_JOINTS[own]).common_drive
+    assert np.sign(drive.ratio) == np.sign(ratio)
+    left = sum(term.value("coulomb") for term in diagnosis.robot.joint(UR5_JOINTS[own]).friction or ())
+    assert left < 0.1 * UR5_COULOMB[own]
+
+
+@pytest.mark.parametrize("cause", [SumCarriedRotor(), DifferenceCarriedRotor()])
+@pytest.mark.parametrize("neighbour", [WRIST - 1, WRIST + 1])
+def test_what_turns_with_both_is_what_the_extended_robot_predicts(
+    cause: SumCarriedRotor | DifferenceCarriedRotor, neighbour: int, tmp_path: Path
+) -> None:
+    log, path = write_case(tmp_path, Machine(), seed=3, seconds=10.0)
+    robot = read_robot(path)
+    table = robot.table.joint[WRIST]
+    actuator = table.actuator.model_copy(update={"rotor_inertia": ROTOR / table.actuator.gear_ratio**2})
+    gap = measure_gap(read_log(log), robot.with_joint(table.model_copy(update={"actuator": actuator})))
+    strengths, site = np.array([1.2, 0.5, 0.6 * ROTOR]), Site(neighbour, (0.3,), other=WRIST)
+    extended = cause.extend(gap.robot, site, strengths)
+    before, after = (predict_effort(one, one.body(), gap.motion).reported for one in (gap.robot, extended))
+    expected = np.zeros_like(before)
+    expected[:, neighbour] = cause.samples(gap, site) @ strengths
+    expected[:, WRIST] = cause.at_drive(gap, site, WRIST) @ strengths
+    # While a joint turns over, its own damping is taken at a speed that is not quite zero.
+    assert np.max(np.abs(after - before - expected)) < 1e-3 * np.max(np.abs(expected))
+
+
+def test_it_takes_no_more_than_is_stated_and_stands_against_the_motion(tmp_path: Path) -> None:
+    log, robot = write_case(tmp_path, Machine(), seed=3, seconds=10.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    coulomb, viscous = UR5_COULOMB[WRIST], UR5_VISCOUS[WRIST]
+    site = Site(WRIST - 1, (0.3,), other=WRIST)
+    for cause in (SumCarried(), DifferenceCarried()):
+        assert cause.admissible(gap, site, np.array([coulomb, viscous]))
+        assert not cause.admissible(gap, site, 1.3 * np.array([coulomb, viscous]))
+        assert not cause.admissible(gap, site, np.array([-0.1 * coulomb, 0.0]))
+        # What is less when slow and more when fast is two values that make up for each other.
+        assert cause.admissible(gap, site, np.array([0.8 * coulomb, 1.2 * viscous]))
+    # A rotor of which nothing is stated cannot turn with another joint.
+    assert not SumCarriedRotor().admissible(gap, site, np.array([coulomb, viscous, 0.01]))
