@@ -28,6 +28,7 @@ from mjfriction.diagnose.causes.stribeck import GONE_BY, UNFINISHED
 from mjfriction.diagnose.causes.varying import EDGE, Step
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.compete import KEPT, MOST_CAUSES
+from mjfriction.diagnose.contacts import NO_CONTACT, RIGID
 from mjfriction.diagnose.exact import EXACT, MOST_JOINTS
 from mjfriction.diagnose.exchange import MOST_EXCHANGED
 from mjfriction.diagnose.findings import FAINTEST, ONE_OF_MANY
@@ -45,7 +46,7 @@ from mjfriction.diagnose.stated import FADED, LEFT, OUTLYING
 from mjfriction.diagnose.stroke_curve import FEWEST_HARMONIC, HARMONIC, HIGHEST
 from mjfriction.diagnose.trial import EVENEST, FALSE_ALARM, FEWEST_JOINTS, LEAST_EFFECT, STANDS_OUT, UNEVEN, WAVIEST
 from mjfriction.diagnose.unevenness import TOLD_BY
-from mjfriction.diagnose.untold import BRISTLE_MISFIT, DROWNED, LEAST_SEEN, MISFIT, NO_CONTACT, SURELY_SEEN
+from mjfriction.diagnose.untold import BRISTLE_MISFIT, DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
 from mjfriction.diagnose.verdict import LEAST_FRICTION, MUCH_COLOURED
 from mjfriction.diagnose.which_log import LOUDER
 from mjfriction.identify import choose, conclude, gap, landings, turning
@@ -228,6 +229,7 @@ def test_how_it_decides_tells_when_columns_are_out_of_place_and_when_a_log_is_me
     assert f"explained less well, by {100 * NO_WORSE:g} % of its effort's variance" in told
     assert f"by {100 * glitches.TOUCHED:g} % of its height" in told
     assert NO_CONTACT == 3.0, "the page says three quarters"
+    assert RIGID == 0.3, "the page says less than a third"
     assert (mend.MOST_ROUNDS, AS_KNOWN) == (3, 1.25), "three times, within a quarter"
     assert (mend.ANOTHER_SIZE, mend.NEAR) == (1.25, 0.1), "a quarter larger and smaller, within a tenth"
 

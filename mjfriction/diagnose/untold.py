@@ -11,12 +11,13 @@ from mjfriction.diagnose.causes.moved_link import MovedLink
 from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.causes.varying import Step, WarmUpDrift
+from mjfriction.diagnose.contacts import more_than_contacts
 from mjfriction.diagnose.exact import stated_exactly
 from mjfriction.diagnose.links_off import links_far_off
 from mjfriction.diagnose.model import Chosen, Key, Model, build_model, partners
 from mjfriction.diagnose.stated import Settled
 from mjfriction.diagnose.stroke_curve import StrokeCurve, vague_waves
-from mjfriction.diagnose.trial import FEWEST_JOINTS, effects, negligible
+from mjfriction.diagnose.trial import effects, negligible
 from mjfriction.diagnose.verdict import beside_oscillations
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
@@ -29,9 +30,6 @@ BRISTLE_MISFIT = 0.005  # of what a bristle takes off its joint, that no machine
 # Times the mean square that is left unexplained at a joint that it must take away: half of the RMS.  Beside a load that
 # swings or a tone, which are known and refitted along, once.
 DROWNED = 3.0
-# Times the mean square left at a joint, that friction takes away there which builds up within what any contact yields,
-# for it to be more than that.
-NO_CONTACT = 3.0
 COURSES = frozenset({WarmUpDrift.name, Step.name})  # of friction over time
 LEAST_OF_COURSES = 0.2  # of the largest on a joint, that another must reach: no warm-up is quite the one fitted
 
@@ -60,8 +58,8 @@ def find_untold(
     all links a few percent off, in all of their ten parameters, do as well, nor is a torque constant or a rotor a few
     percent off on a robot that is so throughout, or at a joint that has play or gives: what its accelerations are in
     between is a matter of how that is drawn.  The other half of a cause that is told was asked for by name, and is
-    told too.  Friction that builds up within what any contact yields is one where it is by far the most that is wrong
-    with its joint, at one joint or two.
+    told too.  Friction that builds up within what any contact yields is one at one joint or two, as
+    :func:`~mjfriction.diagnose.contacts.more_than_contacts` says.
     """
     model, strengths = settled.model, settled.model.strengths
     gap = model.gap
@@ -82,7 +80,7 @@ def find_untold(
     }
     causes = (*model.chosen, *settled.levels)
     before = {choice.key: without_cause(model, choice).heldout_residual() for choice in causes}
-    common -= _more_than_contacts(model, before, heldout)
+    common -= more_than_contacts(model, before, heldout)
     small = {
         choice.key
         for choice, place in zip(model.chosen, model.places, strict=True)
@@ -106,26 +104,6 @@ def find_untold(
     asked = {choice.key for choice in model.chosen if partners(choice, told)}
     spelling = frozenset(key for curve in curves for key in curve.keys) | vague_waves(model)
     return Untold(frozenset(common | (small - asked)) | spelling, left, bare)
-
-
-def _more_than_contacts(model: Model, before: Mapping[Key, Floats], after: Floats) -> set[Key]:
-    # Friction that builds up within the travel that any contact yields is none of a machine that yields so throughout.
-    gap = model.gap
-    short = [
-        choice
-        for choice, place in zip(model.chosen, model.places, strict=True)
-        if choice.cause.name == Presliding.name
-        and not choice.cause.noteworthy(gap, choice.site, model.strengths[place])
-    ]
-    if len(short) >= FEWEST_JOINTS:
-        return set()
-
-    def gained(choice: Chosen) -> float:
-        joint = choice.site.joint
-        without, own = (gap.rms(left[:, joint], joint) ** 2 for left in (before[choice.key], after))
-        return without / own - 1.0
-
-    return {choice.key for choice in short if gained(choice) > NO_CONTACT}
 
 
 def _beside_larger_courses(model: Model) -> set[Key]:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import untold
+from mjfriction.diagnose import contacts
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.exact import usual_nuisance
@@ -85,5 +85,22 @@ def test_at_one_joint_alone_it_is_one_where_it_is_most_of_what_is_wrong(
     level, travel = finding.parameters
     assert level.value == pytest.approx(UR5_COULOMB[LIFT], rel=0.1)
     assert travel.value == pytest.approx(TRAVEL, rel=0.1)
-    monkeypatch.setattr(untold, "NO_CONTACT", np.inf)
+    monkeypatch.setattr(contacts, "RIGID", -np.inf)
+    assert [one.cause for one in diagnosed(tmp_path, machine).findings] == ["friction.presliding"]
+    monkeypatch.setattr(contacts, "NO_CONTACT", np.inf)
+    assert diagnosed(tmp_path, machine).findings == ()
+
+
+def test_at_one_joint_alone_it_is_one_where_others_are_seen_to_be_rigid(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The sensor's noise is most of what is left there."""
+    machine = Machine(noise=0.25, velocity="clean", hidden={LIFT: builds_up})
+    found = diagnosed(tmp_path, machine)
+    (finding,) = found.findings
+    assert (finding.cause, finding.joint) == ("friction.presliding", UR5_JOINTS[LIFT])
+    error = found.joints[LIFT]
+    assert error.rms_heldout_before < 2.0 * error.rms_heldout_after
+    # Where nobody knows what others would show, any contact may yield so.
+    monkeypatch.setattr(contacts, "RIGID", -np.inf)
     assert diagnosed(tmp_path, machine).findings == ()
