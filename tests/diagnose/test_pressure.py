@@ -20,10 +20,11 @@ from mjfriction.robot.friction_tables import PressureFriction
 from tests.diagnose.test_lone_axis import COULOMB, pendulum
 
 
-def diagnosed(folder: Path, hidden: dict[str, float], noise: float) -> Diagnosis:
+def diagnosed(folder: Path, hidden: dict[str, float], noise: float, level: float = COULOMB) -> Diagnosis:
     stated = pendulum(folder, "stated", inertia=0.08, rotor=6e-5, coulomb=COULOMB, noise=noise)
     pressed = {"pressure_friction": PressureFriction(**hidden)}
-    machine = stated.with_joint(stated.joint("swing").model_copy(update=pressed))
+    rubs = pendulum(folder, "machine", inertia=0.08, rotor=6e-5, coulomb=level, noise=noise)
+    machine = rubs.with_joint(rubs.joint("swing").model_copy(update=pressed))
     motion = excitation(("swing",), np.zeros(1), np.full(1, 1.2), np.full(1, 4.0), 30.0, seed=3)
     # Either chamber is the higher one for half of the time.
     pressures = {
@@ -39,6 +40,17 @@ def test_which_pressure_seals_press_with_is_told(hidden: dict[str, float], tmp_p
     (finding,) = diagnosed(tmp_path, hidden, noise=0.1).findings
     assert finding.cause == "hydraulic.pressure"
     assert {value.name: value.value for value in finding.parameters} == pytest.approx(hidden, rel=0.05)
+
+
+@pytest.mark.parametrize(("level", "off"), [(COULOMB - 0.6, False), (COULOMB + 1.2, True)])
+def test_a_level_that_is_as_stated_under_some_pressure_of_the_log_is_not_off(
+    level: float, *, off: bool, tmp_path: Path
+) -> None:
+    """The pressures' mean makes 0.6 N·m: with that, what is left without pressure is what is stated, or never is."""
+    found = diagnosed(tmp_path, {"head": 5e-8, "rod": 1e-7}, noise=0.05, level=level)
+    causes = {finding.cause for finding in found.findings}
+    assert "hydraulic.pressure" in causes
+    assert ("friction.coulomb_viscous" in causes) is off
 
 
 def test_little_is_told_on_a_lone_axis_that_leaves_its_sensors_noise(

@@ -14,7 +14,7 @@ from mjfriction.record.log import HEAD_PRESSURE, ROD_PRESSURE, Floats
 from mjfriction.robot.robot import Robot
 
 
-class _Pressure(JointCause):
+class ChamberPressure(JointCause):
     """Pressures p(t) that seals hold: Σ kᵢ·pᵢ·sgn v."""
 
     name = "hydraulic.pressure"
@@ -36,8 +36,12 @@ class _Pressure(JointCause):
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """Pressures in the direction of motion, (n, m)."""
+        return gap.forward(site.joint)[:, None] * self.course(gap, site)
+
+    def course(self, gap: Gap, site: Site) -> Floats:
+        """Return the pressures that seals hold along the log, (n, m)."""
         head, rod = map(np.asarray, self._chambers(gap, site))
-        return gap.forward(site.joint)[:, None] * np.column_stack(self.held(head, rod))
+        return np.column_stack(self.held(head, rod))
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """Growth with each pressure, stated plus change."""
@@ -55,7 +59,7 @@ class _Pressure(JointCause):
 
 
 @final
-class Pressure(_Pressure):
+class Pressure(ChamberPressure):
     """(h·p₁ + r·p₂)·sgn v."""
 
     grows = ("head", "rod")
@@ -72,7 +76,7 @@ class Pressure(_Pressure):
 
 
 @final
-class PistonPressure(_Pressure):
+class PistonPressure(ChamberPressure):
     """d·|p₁ − p₂|·sgn v: the piston's seal stands between the chambers and presses whichever of them is higher."""
 
     grows = ("difference",)
