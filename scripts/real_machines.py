@@ -141,6 +141,7 @@ def universal(data: Path) -> str:
     rows = [[joint, *(f"{own[k]:.3g}" for own in columns)] for k, joint in enumerate(stated.joints)]
     heads = ("joint", "stated", "each joint the law it needs", "laws named", "diagnosed", "base parameters")
     laws = " and ".join(f"`{law}` at {joint}" for joint, law in ur10.STRUCTURES.items())
+    curve = ur10.stribeck_as_reported(first, diagnosis.robot, 0)
     return f"""## UR10
 
 Error of the effort, %, on the last 40 % of a log whose first 60 % were fitted. Named are {laws}.
@@ -148,7 +149,12 @@ The last column is what others reached with base parameters and Coulomb and visc
 
 {table(heads, rows)}
 
-Diagnosed from the first part: {told(diagnosis)}."""
+Diagnosed from the first part: {told(diagnosis)}.
+
+A Stribeck curve at {stated.joints[0]}, fitted to its efforts as they were reported, takes their error from
+{curve.plain:.3g} to {curve.stribeck:.3g} %, but with {curve.excess:.3g} N·m near rest beside a level of
+{curve.coulomb:.3g}: friction that is next to none there is what the filter of these efforts, of some 2 Hz, makes of one
+that turns over at once. Compared below that filter, no Stribeck curve is left to be told."""
 
 
 def pendulum(data: Path) -> str:

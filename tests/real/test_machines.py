@@ -17,7 +17,7 @@ from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import EffortSensor
 from scripts.real_runs.emps import force_error
-from scripts.real_runs.ur10 import BASE_PARAMETERS, STRUCTURES, parts, relative_errors
+from scripts.real_runs.ur10 import BASE_PARAMETERS, STRUCTURES, parts, relative_errors, stribeck_as_reported
 
 
 @pytest.fixture(scope="module")
@@ -114,6 +114,11 @@ def test_a_ur10_is_told_to_be_wrong_everywhere_and_what_is_told_of_it_holds_on_t
         "wrist_3_joint",
     }
     assert np.all(relative_errors(rest, diagnosis.robot) < BASE_PARAMETERS)
+    # What looks like a Stribeck curve to who does not know of the efforts' filter is friction that vanishes at rest.
+    assert ("friction.stribeck", "shoulder_pan_joint") not in found
+    curve = stribeck_as_reported(first, diagnosis.robot, 0)
+    assert curve.stribeck < 0.5 * curve.plain
+    assert curve.excess < -0.7 * curve.coulomb
 
 
 @pytest.mark.bench
