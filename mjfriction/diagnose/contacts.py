@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from mjfriction.diagnose.causes.presliding import Presliding
+from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.model import Chosen, Key, Model
 from mjfriction.diagnose.trial import FEWEST_JOINTS
 from mjfriction.record.log import Floats
@@ -23,7 +24,8 @@ FEWEST_RIGID = 2  # others, or all where a machine has fewer
 def more_than_contacts(model: Model, before: Mapping[Key, Floats], after: Floats) -> set[Key]:
     """Return which causes are friction that builds up within the travel that any contact yields, and are findings all
     the same: of a machine that does not yield so throughout, where it is by far the most that is wrong with its joint,
-    or where others would show as short a travel and do not.
+    or where others would show as short a travel and do not.  A contact that sticks yields besides: beside a Stribeck
+    curve others are no measure.
 
     ``before`` and ``after`` (rows, joints) are left on motion not fitted, without each cause and with all.
     """
@@ -42,7 +44,12 @@ def more_than_contacts(model: Model, before: Mapping[Key, Floats], after: Floats
         without, own = (gap.rms(left[:, joint], joint) ** 2 for left in (before[choice.key], after))
         return without / own - 1.0
 
-    return {choice.key for choice in short if gained(choice) > NO_CONTACT or _others_are_rigid(model, choice)}
+    sticking = {choice.site.joint for choice in model.chosen if choice.cause.name == Stribeck.name}
+    return {
+        choice.key
+        for choice in short
+        if gained(choice) > NO_CONTACT or (choice.site.joint not in sticking and _others_are_rigid(model, choice))
+    }
 
 
 def _others_are_rigid(model: Model, choice: Chosen) -> bool:

@@ -26,7 +26,9 @@ LEAST_FRICTION = 0.05  # and of its friction, on a machine as uneven as real one
 MUCH_LEFT = 0.1  # of a joint's effort; more than that left, and far above the noise, is never agreement
 MUCH_COLOURED = 0.3  # share of that, which is no noise
 FAR_ABOVE_NOISE = 5.0  # times the sensor's noise
-FEWEST_SHOWN = 3  # blocks in which a joint moves clearly: of one that moves but once nothing is known on other motion
+# Blocks in which a joint moves clearly, and their share: of one that moves but once or twice nothing is known on other
+# motion.
+FEWEST_SHOWN, LEAST_SHOWN = 3, 0.1
 REFITTED = 0.8  # of an error that is left when refitted values are worth a word
 
 
@@ -57,7 +59,7 @@ def beside_oscillations(model: Model, clean: Floats) -> dict[int, float]:
 def _followed(model: Model, joint: int, after: Sequence[Structure], heldout: Floats) -> list[Structure]:
     # What is left at a joint follows most, where too much is left.
     gap = model.gap
-    if np.unique(gap.blocks.row[gap.clear[:, joint]]).size < FEWEST_SHOWN:
+    if np.unique(gap.blocks.row[gap.clear[:, joint]]).size < max(FEWEST_SHOWN, LEAST_SHOWN * gap.blocks.count):
         return []
     name = gap.robot.joints[joint]
     curve = max((entry for entry in after if entry.joint == name), key=lambda entry: entry.share)

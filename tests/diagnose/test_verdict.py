@@ -11,11 +11,11 @@ from mjfriction.diagnose import verdict
 from mjfriction.identify.structure import Structure
 
 
-def told_of(stated: float, clear: np.ndarray, monkeypatch: pytest.MonkeyPatch) -> bool:
+def told_of(stated: float, clear: np.ndarray, monkeypatch: pytest.MonkeyPatch, blocks: int = 9) -> bool:
     """Return whether an error of 0.6 that follows speed is told of, at a joint whose friction came to 20."""
     gap = SimpleNamespace(
         robot=SimpleNamespace(joints=("swing",)),
-        blocks=SimpleNamespace(row=np.arange(9)),
+        blocks=SimpleNamespace(row=np.arange(9), count=blocks),
         clear=clear,
         rms=lambda course, _: float(np.sqrt(np.mean(np.square(course)))),
         measured=np.full((9, 1), 10.0),
@@ -37,11 +37,11 @@ def test_a_level_told_in_the_place_of_something_else_hides_nothing(
     assert told_of(stated, np.ones((9, 1), dtype=bool), monkeypatch) is told
 
 
-@pytest.mark.parametrize(("blocks", "told"), [(2, False), (3, True)])
-def test_of_a_joint_that_moves_once_nothing_is_known_on_other_motion(
-    blocks: int, *, told: bool, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(("moving", "blocks", "told"), [(2, 9, False), (3, 9, True), (5, 60, False), (6, 60, True)])
+def test_of_a_joint_that_moves_once_or_twice_nothing_is_known_on_other_motion(
+    moving: int, blocks: int, *, told: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It goes to where it is held: what is left while it does is in no other part of the log to be proved by."""
     clear = np.zeros((9, 1), dtype=bool)
-    clear[:blocks] = True
-    assert told_of(2.0, clear, monkeypatch) is told
+    clear[:moving] = True
+    assert told_of(2.0, clear, monkeypatch, blocks) is told

@@ -9,6 +9,7 @@ import pytest
 
 from mjfriction.diagnose import contacts
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
+from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.exact import usual_nuisance
 from mjfriction.diagnose.field import make_field
@@ -104,3 +105,14 @@ def test_at_one_joint_alone_it_is_one_where_others_are_seen_to_be_rigid(
     # Where nobody knows what others would show, any contact may yield so.
     monkeypatch.setattr(contacts, "RIGID", -np.inf)
     assert diagnosed(tmp_path, machine).findings == ()
+
+
+def test_beside_a_stribeck_curve_it_is_a_part_of_that_contact(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def sticks(at: Instant) -> np.ndarray:
+        return builds_up(at) + more_near_rest(at)
+
+    machine = Machine(noise=0.4, velocity="clean", hidden={LIFT: sticks})
+    assert [one.cause for one in diagnosed(tmp_path, machine).findings] == ["friction.stribeck"]
+    monkeypatch.setattr(contacts, "Stribeck", Offset)  # which none of its joints has
+    found = {one.cause for one in diagnosed(tmp_path, machine).findings}
+    assert found == {"friction.stribeck", "friction.presliding"}
