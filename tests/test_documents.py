@@ -14,6 +14,8 @@ from mjfriction.diagnose.alike import AT_THE_BAR, MOST_CONFIDENT, ROOM
 from mjfriction.diagnose.as_little import AS_GOOD
 from mjfriction.diagnose.audit import AS_KNOWN
 from mjfriction.diagnose.causes.along_stroke import FINEST
+from mjfriction.diagnose.causes.carried_drive import RATIOS as CARRIED
+from mjfriction.diagnose.causes.carried_drive import TRIED, WHOLE
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.coupling import RATIOS
 from mjfriction.diagnose.causes.elasticity import RESONANCE_BAND
@@ -37,6 +39,7 @@ from mjfriction.diagnose.held_links import NEARLY_ALL
 from mjfriction.diagnose.kin import FULLER_CHANCE, KIN_CHANCE, LEAST_KIN_EFFECT
 from mjfriction.diagnose.link_finding import ALWAYS_NOTED, SURELY
 from mjfriction.diagnose.look import NO_WORSE
+from mjfriction.diagnose.misplaced import EXPLAINED
 from mjfriction.diagnose.nuisance import CONSTANT, FARTHEST, LET_GO, LINK_SCALE, LINK_SHIFT, ROTOR
 from mjfriction.diagnose.oscillations import INSTEAD, LEAST_TOLD, NEAR, QUIETER, RESONANT
 from mjfriction.diagnose.refusal import ON_THE_WAY
@@ -47,7 +50,7 @@ from mjfriction.diagnose.stroke_curve import FEWEST_HARMONIC, HARMONIC, HIGHEST
 from mjfriction.diagnose.trial import EVENEST, FALSE_ALARM, FEWEST_JOINTS, LEAST_EFFECT, STANDS_OUT, UNEVEN, WAVIEST
 from mjfriction.diagnose.unevenness import TOLD_BY
 from mjfriction.diagnose.untold import BRISTLE_MISFIT, DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
-from mjfriction.diagnose.verdict import LEAST_FRICTION, MUCH_COLOURED
+from mjfriction.diagnose.verdict import FEWEST_SHOWN, LEAST_FRICTION, LEAST_SHOWN, MUCH_COLOURED
 from mjfriction.diagnose.which_log import LOUDER
 from mjfriction.identify import choose, conclude, gap, landings, turning
 from mjfriction.identify.colour import AROUND, COLOURED, EVEN_BELOW
@@ -230,6 +233,9 @@ def test_how_it_decides_tells_when_columns_are_out_of_place_and_when_a_log_is_me
     assert f"by {100 * glitches.TOUCHED:g} % of its height" in told
     assert NO_CONTACT == 3.0, "the page says three quarters"
     assert RIGID == 0.3, "the page says less than a third"
+    assert (FEWEST_SHOWN, LEAST_SHOWN, EXPLAINED) == (3, 0.1, 0.01), "the page says three, a tenth and a hundredth"
+    assert (WHOLE, CARRIED) == (1.2, (0.06, 1.5)), "the page says a fifth more, between 0.06 and 1.5"
+    assert (len(TRIED), min(TRIED), max(TRIED)) == (4, 0.12, 1.0), "the page says four, from an eighth to one"
     assert (mend.MOST_ROUNDS, AS_KNOWN) == (3, 1.25), "three times, within a quarter"
     assert (mend.ANOTHER_SIZE, mend.NEAR) == (1.25, 0.1), "a quarter larger and smaller, within a tenth"
 
