@@ -85,10 +85,12 @@ class _CarriedDrive(SharedDrive):
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Name the joints and the friction."""
         own, neighbour = gap.robot.joints[self.told_at(site)], gap.robot.joints[site.joint]
-        unit = "N" if gap.body.sliding[site.joint] else "N·m"
+        speed = float(np.sqrt(np.mean(np.square(gap.motion.velocity[:, self.told_at(site)]))))
+        stated = np.array(stated_levels(gap.robot.table.joint[self.told_at(site)]))
+        share = min(1.0, float(strengths[:2] @ (1.0, speed) / (stated @ (1.0, speed))))
         return (
-            f"its drive turns with {self.ratio(site):+.3g} times the velocity of {neighbour} besides its own, and "
-            f"{strengths[0]:.3g} {unit} of the friction stated of {own} with it: both joints feel it"
+            f"its drive turns with {self.ratio(site):+.3g} times the velocity of {neighbour} besides its own, and with "
+            f"it {100.0 * share:.0f} % of the friction stated of {own} at its usual speed: both joints feel it"
         )
 
 
