@@ -246,7 +246,11 @@ def _unmoved(model: Model, held: Model, own: Trial) -> tuple[Model, Trial]:
 
 def _simpler(held: Model, own: Trial, asked: Field) -> Chosen | None:
     joint = own.chosen.site.joint
-    here = tuple(entrant for entrant in asked if entrant.joint == joint) + in_place_of_levels(held.gap, joint)
+    # Beside a coupling that the joint has, another is none that is simpler.
+    coupled = [one for one in held.chosen if one.site.other is not None]
+    there = {one.cause.name for one in coupled if joint in (one.site.joint, one.site.other)}
+    here = tuple(entrant for entrant in asked if entrant.joint == joint and entrant.cause.name not in there)
+    here += in_place_of_levels(held.gap, joint)
     rivals = [one for one in passing(contenders(held, here), chances_in(asked)) if one.merit > own.merit]
     best = max(rivals, key=lambda trial: trial.merit, default=None)
     if best is None:
