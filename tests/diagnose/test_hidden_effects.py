@@ -520,7 +520,7 @@ def test_the_stated_level_may_be_that_of_after_a_step(tmp_path: Path, monkeypatc
     monkeypatch.setattr(stated, "scaled_levels", lambda _, __, own, ___: asked.append(own.chosen.site.joint))
     assert names(run(tmp_path / "as it is", machine, seed=21)) == [step]
     assert asked == []  # whether one factor explains it
-    monkeypatch.setattr(stated, "_of_another_time", lambda *_: False)
+    monkeypatch.setattr(stated, "_of_another_moment", lambda *_: False)
     assert set(names(run(tmp_path / "told", machine, seed=21))) == {step, level}
     assert asked == [2]
 
