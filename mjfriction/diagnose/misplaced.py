@@ -75,7 +75,8 @@ def find_misplaced(gap: Gap, span: Span = EVER) -> list[Fault]:
     Efforts that a model explains badly, but well once one column is turned or two are exchanged, are no physics.  Nor
     are those of two joints that are both explained far better once exchanged, though as logged neither is bad.  Where
     all columns of a joint are another's, or count it the other way round, its friction fits nevertheless, and what is
-    left is less: there all joints together have to tell.
+    left is less: there all joints together have to tell.  A joint whose effort the stated robot explains while it moves
+    has its columns where they belong.
     """
     clear = gap.clear[within(span, gap.chain.time)][:, list(gap.examined)]
     if span != EVER and np.any(np.count_nonzero(clear, axis=0) < FEWEST_ROWS):

@@ -6,8 +6,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 import pytest
 
+from mjfriction.benchmark.cases import Setting, make_case
+from mjfriction.benchmark.effects.drive import turned_too
+from mjfriction.benchmark.effects.effect import Effect, Place, sign
 from mjfriction.diagnose.causes.carried_drive import (
     DifferenceCarried,
     DifferenceCarriedRotor,
@@ -16,8 +20,10 @@ from mjfriction.diagnose.causes.carried_drive import (
 )
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.outcome import Verdict
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.readers import read_log
+from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.effort import predict_effort
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_COULOMB, UR5_JOINTS, UR5_VISCOUS, Instant, Machine, write_case
@@ -50,8 +56,9 @@ def test_it_is_one_finding_at_the_joint_whose_drive_it_is(
     own: int, neighbour: int, ratio: float, tmp_path: Path
 ) -> None:
     machine = Machine(hidden=turning(own, neighbour, ratio))
-    log, robot = write_case(tmp_path, machine, seed=3, seconds=40.0)
-    diagnosis = diagnose_log(read_log(log), read_robot(robot))
+    path, robot = write_case(tmp_path, machine, seed=3, seconds=40.0)
+    log = read_log(path)
+    diagnosis = diagnose_log(log, read_robot(robot))
     (finding,) = diagnosis.findings
     assert (finding.cause, finding.joint) == ("drive.coupling", UR5_JOINTS[own])
     found = {fitted.name: fitted.value for fitted in finding.parameters}
@@ -62,6 +69,25 @@ def test_it_is_one_finding_at_the_joint_whose_drive_it_is(
     assert np.sign(drive.ratio) == np.sign(ratio)
     left = sum(term.value("coulomb") for term in diagnosis.robot.joint(UR5_JOINTS[own]).friction or ())
     assert left < 0.1 * UR5_COULOMB[own]
+    assert diagnose_log(log, diagnosis.robot).verdict is Verdict.CONSISTENT
+
+
+@pytest.mark.bench
+def test_the_rotor_is_told_where_it_shows() -> None:
+    """In MuJoCo, all of a wrist's friction and rotor turn with both."""
+
+    def draw(rng: np.random.Generator, place: Place) -> Effect:
+        names = place.robot.joints
+        i = names.index(place.joint)
+        return turned_too(place, names[i + 1] if i + 1 < len(names) else names[i - 1], sign(rng))
+
+    case = make_case(1, Setting(seconds=50.0, rate=250.0, encoder=1.2e-5), (draw,), 5.0)
+    (finding,) = diagnose_log(log_from_table(pa.table(case.log), "case"), case.stated).findings
+    assert (finding.cause, finding.joint) == ("drive.coupling", case.hidden[0].joint)
+    found = {fitted.name: fitted.value for fitted in finding.parameters}
+    rotor = case.stated.joint(case.hidden[0].joint or "").actuator.reflected_inertia
+    assert found["inertia"] == pytest.approx(rotor, rel=0.1)
+    assert found["ratio"] == pytest.approx(case.hidden[0].strength, rel=0.05)
 
 
 @pytest.mark.parametrize("cause", [SumCarriedRotor(), DifferenceCarriedRotor()])

@@ -91,7 +91,7 @@ def coupling(rng: np.random.Generator, place: Place) -> Effect:
     other = names[i + 1] if i + 1 < len(names) else names[i - 1]
     kind = rng.choice(["friction", "motion", "effort", "drive", "own drive"])
     if kind == "own drive":
-        return _turned_too(place, other, sign(rng))
+        return turned_too(place, other, sign(rng))
     if kind == "drive" and i + 1 < len(names):
         ratio = sign(rng)
 
@@ -115,8 +115,9 @@ def coupling(rng: np.random.Generator, place: Place) -> Effect:
     return on_joint("drive.coupling", place, change, 0.3, 3.0)
 
 
-def _turned_too(place: Place, other: str, way: float) -> Effect:
-    # The joint's drive, with all of its friction and of its rotor, turns with a neighbour's motion besides.
+def turned_too(place: Place, other: str, way: float) -> Effect:
+    """A drive that turns with a neighbour's motion too, with all of its friction and of its rotor."""
+
     def change(robot: Robot, a: float) -> Robot:
         coulomb, viscous = stated_levels(robot.joint(place.joint))
         inertia = robot.joint(place.joint).actuator.reflected_inertia

@@ -83,14 +83,14 @@ class _CarriedDrive(SharedDrive):
         return with_drive_turned_too(robot, robot.joints[self.told_at(site)], self.drive(robot, site, strengths))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
-        """Name the joints and the friction."""
-        own, neighbour = gap.robot.joints[self.told_at(site)], gap.robot.joints[site.joint]
-        speed = float(np.sqrt(np.mean(np.square(gap.motion.velocity[:, self.told_at(site)]))))
-        stated = np.array(stated_levels(gap.robot.table.joint[self.told_at(site)]))
-        share = min(1.0, float(strengths[:2] @ (1.0, speed) / (stated @ (1.0, speed))))
+        """Name the joints and the share of the friction."""
+        own, names = self.told_at(site), gap.robot.joints
+        usual = 1.0, float(np.sqrt(np.mean(np.square(gap.motion.velocity[:, own]))))
+        share = min(1.0, float(strengths[:2] @ usual / (np.array(stated_levels(gap.robot.table.joint[own])) @ usual)))
         return (
-            f"its drive turns with {self.ratio(site):+.3g} times the velocity of {neighbour} besides its own, and with "
-            f"it {100.0 * share:.0f} % of the friction stated of {own} at its usual speed: both joints feel it"
+            f"its drive turns with {self.ratio(site):+.3g} times the velocity of {names[site.joint]} besides its own, "
+            f"and with it {100.0 * share:.0f} % of the friction stated of {names[own]} at its usual speed: both joints "
+            "feel it"
         )
 
 
