@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from mjfriction.diagnose.allowed import as_allowed
 from mjfriction.diagnose.as_little import leaves_as_little
 from mjfriction.diagnose.causes.along_stroke import FrictionAlongStroke
 from mjfriction.diagnose.causes.asymmetry import Asymmetry
@@ -119,7 +120,7 @@ def settle(model: Model, asked: Field) -> Settled:
         model = model.without_drives()
     model = held_links(model, asked, off, most) if _links_help(model) else model.without_links()
     # Holding levels moves what is left, and so what only spells a course along a stroke.
-    model = as_courses(model.admissible())
+    model = as_courses(as_allowed(model, asked))
     findings = [level for level in findings if not _rising(model, level.site.joint)]
     return Settled(model, tuple(findings), alike)
 

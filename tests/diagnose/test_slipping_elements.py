@@ -7,10 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mjfriction.diagnose.allowed import as_allowed
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.presliding import DampedPresliding, Presliding, SlippingElements
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.exact import usual_nuisance
+from mjfriction.diagnose.field import make_field
+from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.diagnose.stated import settle
 from mjfriction.identify.doubt import YIELDING
 from mjfriction.identify.gap import measure_gap
 from mjfriction.laws.maxwell_slip import MAXWELL_SLIP
@@ -105,3 +110,29 @@ def test_two_elements_are_elements_and_no_damped_bristle(seed: int, tmp_path: Pa
     assert [finding.cause for finding in diagnosis.findings] == ["friction.presliding"]
     assert "maxwell_slip" in {term.law for term in diagnosis.robot.joint(UR5_JOINTS[ELBOW]).friction or ()}
     predict_log(read_log(log), diagnosis.robot)
+
+
+@pytest.fixture(scope="module")
+def driving(tmp_path_factory: pytest.TempPathFactory) -> Model:
+    log, robot = write_case(tmp_path_factory.mktemp("driving"), Machine(hidden={ELBOW: slipping}), seed=4, seconds=20.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    too_short = Chosen(SlippingElements(), Site(ELBOW, (0.05,)))  # so that the middle one of them drives the joint
+    return build_model(gap, usual_nuisance(gap), (too_short,))
+
+
+def test_elements_of_which_one_drives_come_in_a_form_in_which_none_does(driving: Model) -> None:
+    assert driving.admissible().chosen == ()
+    allowed = as_allowed(driving, make_field(driving.gap, (Presliding(), DampedPresliding())))
+    (choice,) = allowed.chosen
+    assert isinstance(choice.cause, SlippingElements)
+    assert np.min(allowed.strengths[allowed.places[0]]) > 0.0
+    assert as_allowed(allowed, ()) is allowed
+
+
+def test_what_has_no_form_that_nature_allows_is_left_out(driving: Model) -> None:
+    assert as_allowed(driving, ()).chosen == ()
+
+
+def test_what_is_settled_keeps_them(driving: Model) -> None:
+    settled = settle(driving, make_field(driving.gap, (Presliding(), DampedPresliding())))
+    assert [choice.cause.name for choice in settled.model.chosen] == ["friction.presliding"]
