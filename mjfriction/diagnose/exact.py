@@ -64,15 +64,19 @@ def untouched(model: Model) -> list[int]:
 def usual_nuisance(gap: Gap) -> Nuisance:
     """Return what is refitted with every candidate along a gap: of drives too, where friction is not stated exactly.
 
-    What data sheets say of drives is as right as friction is: levels that are off throughout are the mark of that.  On
-    one joint or two a torque constant that is off looks so too, but with that all levels are as stated.
+    What data sheets say of drives is as right as friction is: levels that are off throughout are the mark of that.  A
+    torque constant that is off looks so too, at its own joint and at those that its joint's motion tells of, but with
+    that all levels are as stated.
     """
     nuisance = make_nuisance(gap)
     exact = stated_exactly(build_model(gap, nuisance, ()))
     if not exact and len(gap.examined) < FEWEST_JOINTS:
         constants = tuple(Chosen(TorqueConstant(), Site(joint)) for joint in gap.examined)
         exact = stated_exactly(build_model(gap, nuisance, constants))
-    return nuisance if exact else make_nuisance(gap, drives=True)
+    let_go = make_nuisance(gap, drives=True)
+    if not exact and len(gap.examined) >= FEWEST_JOINTS:
+        exact = stated_exactly(build_model(gap, let_go, ()))
+    return nuisance if exact else let_go
 
 
 def level_changes(model: Model) -> dict[int, float]:

@@ -19,6 +19,7 @@ BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "frictio
 PROOF_SEED = 0  # of the resampling by which a gain is held against zero
 ON_THE_WAY = 0.5  # of what friction that builds up over travel gains, that it must gain while its joint moves
 APART, SURELY_APART = 0.5, 2.0  # of a delay, and deviations, by which friction's part of it differs from the rest's
+EARLY = 0.03  # s, by which one joint's effort comes early behind the slowest filter of its position
 BLURRED = 0.1  # of a period of the position filter's cutoff, within which it is not known when a joint turns
 
 
@@ -109,7 +110,8 @@ def _torn(model: Model) -> list[Chosen]:
     # A drive that reports late reports all of its effort late.  Where friction tells of quite another delay than the
     # rest of the effort does, something else is wrong with one of the two; but friction that comes later still than a
     # rest that is late is that of a contact which yields, and earlier still than an early one, that of a joint which
-    # its drive winds up before it turns.  A shift within a sample is refitted along.
+    # its drive winds up before it turns.  One that is earlier than a filter of positions makes it is a shift only where
+    # its friction is known to be as early.  A shift within a sample is refitted along.
     gap = model.gap
     out = []
     for choice, place in zip(model.chosen, model.places, strict=True):
@@ -125,6 +127,8 @@ def _torn(model: Model) -> list[Chosen]:
         rest, beside = float(strengths[place][0]), float(strengths[-1])
         farther = rest * delay > APART * delay**2 and beside * delay > 0.0
         known = max(APART * abs(delay), SURELY_APART * deviation, BLURRED / gap.motion.cutoff)
-        if abs(beside) > known and not farther:
+        torn = abs(beside) > known and not farther
+        early = not choice.cause.whole_arm and delay < -EARLY
+        if torn or (early and abs(beside) + SURELY_APART * deviation > APART * abs(delay)):
             out.append(choice)
     return out

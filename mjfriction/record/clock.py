@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjfriction.record.faults import Fault
-from mjfriction.record.log import Floats, Log
+from mjfriction.record.log import POSITION, Floats, Log
 
 DEGREE = 5  # of the curves that the joints' courses are smooth by
 SURE = 10.0  # by which one clock is likelier than another, in logarithm
+CHUNK, FEWEST_HELD = 48, 3  # rows on which the joints' courses are held against two clocks, and of the last of them
 
 
 @dataclass(frozen=True)
@@ -47,3 +48,20 @@ def roughness(course: Floats, along: Floats) -> float:
     left = course - basis @ np.linalg.lstsq(basis, course, rcond=None)[0]
     least = np.finfo(float).eps * float(np.max(np.abs(course)))
     return 0.5 * course.size * float(np.log(np.mean(np.square(left)) + least**2))
+
+
+def evenness(log: Log, first: int, end: int) -> float:
+    """Return by how much likelier it is that rows ``first`` to ``end`` came evenly than that they came by their clock,
+    in logarithm: the joints' courses are smooth along the clock that is right.
+    """
+    for_rows = 0.0
+    for begin in range(first, end, CHUNK):
+        rows = slice(begin, min(begin + CHUNK, end) + 1)
+        if rows.stop - rows.start < FEWEST_HELD:
+            continue
+        by_clock: Floats = log.time[rows] - log.time[begin]
+        for joint in log.joints:
+            course = log.columns[f"{POSITION}.{joint}"][rows]
+            if np.ptp(course) > 0.0:
+                for_rows += roughness(course, by_clock) - roughness(course, np.arange(float(course.size)))
+    return for_rows

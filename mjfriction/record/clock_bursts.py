@@ -5,17 +5,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mjfriction.record.clock import SURE, Steps, put_right, roughness, steps_of
+from mjfriction.record.clock import SURE, Steps, evenness, put_right, steps_of
 from mjfriction.record.faults import Fault, in_words, spans
-from mjfriction.record.log import POSITION, Floats, Log
+from mjfriction.record.log import Floats, Log
 
 AT_ONCE, WAITED = 0.3, 1.7  # of the ordinary step: shorter, rows came at once; longer, the recorder waited
 LONG = 10.0  # times the usual step, that pauses are where that is next to none
 FEWEST_AT_ONCE, MOST_AT_ONCE = 3, 1000  # rows of a burst
 FEWEST_BURSTS = 8  # that say at which step rows were sampled
+ALIKE = 0.5  # of the usual step, by which a burst's may differ for none of its rows to be missing
 WHOLE = 0.5  # ordinary steps, by which a stretch may be longer or shorter than its rows: else some are missing
 DRIFT = 0.01  # of a stretch besides
-CHUNK = 48  # rows on which the joints' courses are held against both clocks
 
 
 def without_bursts(log: Log) -> Log:
@@ -30,7 +30,7 @@ def without_bursts(log: Log) -> Log:
     for first, end in spans(_odd(steps, ordinary)):
         at_once = _rows_at_once(steps.length[first:end], ordinary)
         even = _even(log.time, first, end, ordinary, at_once)
-        if at_once < FEWEST_AT_ONCE or even is None or not _evenly(log, first, end):
+        if at_once < FEWEST_AT_ONCE or even is None or evenness(log, first, end) <= -SURE:
             continue
         time[first : end + 1] = even
         places.append((float(log.time[first]), float(log.time[end])))
@@ -51,8 +51,10 @@ def burst_step(steps: Steps) -> float | None:
     rows = np.diff(waits)
     if rows.size < FEWEST_BURSTS or np.median(rows) < FEWEST_AT_ONCE or np.median(rows) > MOST_AT_ONCE:
         return None
-    ends = np.cumsum(np.nan_to_num(within))[waits]
-    return float(np.median(np.diff(ends) / rows))
+    took = np.diff(np.cumsum(np.nan_to_num(within))[waits])
+    # Packets as long as one another hold a row more or less by turns: it is many together that tell.
+    whole = np.abs(took / rows / np.median(took / rows) - 1.0) < ALIKE
+    return float(np.sum(took[whole]) / np.sum(rows[whole]))
 
 
 def _odd(steps: Steps, ordinary: float) -> NDArray[np.bool_]:
@@ -85,17 +87,3 @@ def _even(time: Floats, first: int, end: int, ordinary: float, at_once: int) -> 
 
 def _rows_at_once(length: Floats, ordinary: float) -> int:
     return max((b - a + 1 for a, b in spans(length < AT_ONCE * ordinary)), default=0)
-
-
-def _evenly(log: Log, first: int, end: int) -> bool:
-    for_rows = 0.0
-    for begin in range(first, end, CHUNK):
-        rows = slice(begin, min(begin + CHUNK, end) + 1)
-        if rows.stop - rows.start < FEWEST_AT_ONCE:
-            continue
-        by_clock: Floats = log.time[rows] - log.time[begin]
-        for joint in log.joints:
-            course = log.columns[f"{POSITION}.{joint}"][rows]
-            if np.ptp(course) > 0.0:
-                for_rows += roughness(course, by_clock) - roughness(course, np.arange(float(course.size)))
-    return for_rows > -SURE

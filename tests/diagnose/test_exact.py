@@ -13,7 +13,7 @@ import pytest
 from mjfriction.diagnose import exact, held_links, stated
 from mjfriction.diagnose.causes.links import LoneLink
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.exact import level_changes
+from mjfriction.diagnose.exact import level_changes, stated_exactly, usual_nuisance
 from mjfriction.diagnose.model import build_model
 from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.outcome import Diagnosis
@@ -174,3 +174,17 @@ def test_by_how_much_levels_are_off_one_by_one(off: float, tmp_path: Path) -> No
     assert exact.levels_off(model) == pytest.approx(off, abs=0.006)
     if off:
         assert max(level_changes(model).values()) < 0.6 * off
+
+
+def test_one_torque_constant_that_is_off_is_no_reason_to_let_all_drives_go(tmp_path: Path) -> None:
+    scaled = Machine(hidden={1: lambda at: -0.2 * (at.rigid + at.friction)}, pauses=True)
+    log, robot = write_case(tmp_path, scaled, seed=5, seconds=30.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    # The links that are refitted along make up for some of it, and others' friction for that.
+    assert not stated_exactly(build_model(gap, make_nuisance(gap), ()))
+    assert usual_nuisance(gap).drives == ()
+
+
+def test_drives_are_let_go_where_friction_is_off_throughout(tmp_path: Path) -> None:
+    log, robot = write_case(tmp_path, Machine(), seed=5, off=0.04, seconds=30.0)
+    assert usual_nuisance(measure_gap(read_log(log), read_robot(robot))).drives

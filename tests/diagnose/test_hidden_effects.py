@@ -418,10 +418,23 @@ def late(seconds: float) -> Callable[[Instant], np.ndarray]:
     return lambda i: np.interp(i.time - seconds, i.time, i.rigid + i.friction) - (i.rigid + i.friction)
 
 
+def early(rigid: float, friction: float) -> Callable[[Instant], np.ndarray]:
+    def effect(i: Instant) -> np.ndarray:
+        parts = ((i.rigid, rigid), (i.friction, friction))
+        return np.sum([np.interp(i.time + seconds, i.time, part) - part for part, seconds in parts], axis=0)
+
+    return effect
+
+
 @pytest.mark.bench
-@pytest.mark.parametrize(("early", "told"), [(0.02, True), (0.06, False)])
-def test_one_effort_comes_early_by_no_more_than_a_filter_of_positions(early: float, told: bool, tmp_path: Path) -> None:
-    log, robot = write_case(tmp_path, Machine(hidden={2: late(-early)}), 5, seconds=40.0)
+@pytest.mark.parametrize(
+    ("hidden", "told"),
+    [(early(0.02, 0.02), True), (early(0.06, 0.06), True), (early(0.06, 0.0), False), (early(0.05, 0.12), False)],
+)
+def test_an_effort_that_comes_early_does_so_with_its_friction(
+    hidden: Callable[[Instant], np.ndarray], told: bool, tmp_path: Path
+) -> None:
+    log, robot = write_case(tmp_path, Machine(hidden={2: hidden}), 5, seconds=40.0)
     found = {(one.cause, one.joint) for one in diagnose_log(read_log(log), read_robot(robot)).findings}
     assert (("sensor.delay", "elbow_joint") in found) is told
 

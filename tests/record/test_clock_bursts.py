@@ -49,6 +49,15 @@ def test_time_is_even_where_rows_came_in_bursts(rows: slice, apart: float, *, at
     np.testing.assert_allclose(log.recorded, clock)
 
 
+def test_packets_hold_a_row_more_or_less_by_turns() -> None:
+    packet = np.ceil(TRUE / (12.516 * STEP))
+    within = np.arange(COUNT) - np.searchsorted(packet, packet)
+    log = log_of(packet * 12.516 * STEP + 2e-5 * within)
+    np.testing.assert_allclose(np.diff(log.time), STEP, rtol=2e-3)
+    (fault,) = log.faults
+    assert fault.kind == "data.clock"
+
+
 def test_rows_that_are_missing_between_bursts_are_a_gap() -> None:
     clock, kept = in_bursts(slice(600, 1800), 2e-5), np.ones(COUNT, dtype=bool)
     kept[600:1800] = np.arange(1200) % (2 * ROWS) < ROWS

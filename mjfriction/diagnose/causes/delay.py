@@ -17,7 +17,6 @@ from mjfriction.robot.robot import Robot
 
 DELAY = Parameter("delay", "s", "time by which the reported effort comes after the motion it belongs to")
 LONGEST = 0.25  # s; a longer one is another clock
-EARLIEST = 0.03  # s, by which one joint's effort may come early: so slow is the slowest filter of a position
 GRID = (0.0, 0.015, 0.025, 0.04, 0.06, 0.09, 0.13, 0.2, -0.015, -0.03, -0.06, -0.12)  # s
 FINER = 1.6  # a step of the grid
 NEAR = 0.6  # relative, of the delay found to the one its columns were drawn for
@@ -80,10 +79,6 @@ class JointDelay(_Delay):
     def sites(self, gap: Gap) -> list[Site]:
         """Every examined joint, around every delay of the grid."""
         return [replace(site, around=delay) for site in super().sites(gap) for delay in GRID]
-
-    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """A drive reads its current no later than its position: one joint's effort is early by a position filter."""
-        return bool(strengths[0] > -EARLIEST) and super().admissible(gap, site, strengths)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Move the delay of the joint's effort sensor."""

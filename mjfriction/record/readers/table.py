@@ -8,6 +8,7 @@ import pyarrow as pa
 from mjfriction.errors import LogError, suggestion
 from mjfriction.record.clock_bursts import without_bursts
 from mjfriction.record.clock_rate import without_clock_drift
+from mjfriction.record.clock_resolution import without_coarse_clock
 from mjfriction.record.clock_steps import without_clock_steps
 from mjfriction.record.faults import moment
 from mjfriction.record.log import Floats, Integers, Log
@@ -45,6 +46,7 @@ def log_from_table(table: pa.Table, source: str) -> Log:
     time = columns.pop("time")
     segment = _segment(columns.pop("segment", None), time, source)
     log = in_seconds(Log(source=source, time=time, segment=segment, joints=joints, columns=columns))
+    log = without_coarse_clock(log)
     whole = without_clock_drift(without_clock_steps(without_bursts(without_repeats(log))))
     _check_time(whole.time, whole.segment, source)
     return repaired(whole)

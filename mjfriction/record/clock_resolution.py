@@ -1,0 +1,50 @@
+"""A clock that reads more coarsely than rows come: many share one stamp, and only the time is wrong there."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mjfriction.record.clock import SURE, evenness, put_right, steps_of
+from mjfriction.record.faults import Fault, moment
+from mjfriction.record.log import Floats, Log
+
+FEWEST_SHARED = 0.05  # of the rows, that have the stamp of the row before
+EVERY = 0.05  # of the clock's resolution, by which steps may differ from it: stamps are written with few digits
+MISSING = 1.5  # times the resolution, from which on a step is a gap in the recording
+FEWEST = 30  # rows of a stretch that such a clock is told by
+
+
+def without_coarse_clock(log: Log) -> Log:
+    """Return the log with even time where its clock stood still for a row or more and went on by the same step each
+    time, though the joints' courses are smooth from row to row, and with that said.
+
+    What lies between gaps is one stretch; each has its own step and begin, those of the straight line through its
+    stamps.
+    """
+    steps = steps_of(log)
+    if steps is None or np.mean(steps.length[steps.joined] == 0.0) < FEWEST_SHARED:
+        return log
+    resolution, time = steps.ordinary, log.time.copy()
+    # What the last row of a stretch shares its stamp with, or the first, may be cut off: a whole one lies inside.
+    bounds = np.flatnonzero(~steps.joined | (np.abs(steps.length) > MISSING * resolution)) + 1
+    likelier, every = 0.0, 0.0
+    for first, past in zip([0, *bounds.tolist()], [*bounds.tolist(), time.size], strict=True):
+        own = steps.length[first : past - 1]
+        ticks = own[own != 0.0]
+        if past - first < FEWEST or not np.all(np.abs(ticks / resolution - 1.0) < EVERY):
+            continue
+        likelier += evenness(log, first, past - 1)
+        time[first:past] = _even(log.time[first:past])
+        every = float(time[past - 1] - time[first]) / (past - first - 1)
+    increasing = np.all(np.diff(time)[steps.joined] > 0.0)
+    if likelier < SURE or not increasing:
+        return log
+    where = f"{moment(log.time[0])} s to {moment(log.time[-1])} s"
+    how = f"it reads in steps of {resolution:.4g} s, and a row came every {every:.4g} s: time goes on evenly there"
+    return put_right(log, time, [Fault("data.clock", where, how)])
+
+
+def _even(stamps: Floats) -> Floats:
+    rows: Floats = np.arange(float(stamps.size))
+    slope, begin = np.polyfit(rows, stamps - stamps[0], 1)
+    return np.asarray(stamps[0] + begin + slope * rows)
