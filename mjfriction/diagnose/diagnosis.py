@@ -22,7 +22,7 @@ from mjfriction.diagnose.stated import settle
 from mjfriction.diagnose.stroke_curve import stroke_curves
 from mjfriction.diagnose.unevenness import as_uneven, with_unevenness
 from mjfriction.diagnose.untold import find_untold
-from mjfriction.diagnose.verdict import reach_verdict, summarize, unexplained, with_faults
+from mjfriction.diagnose.verdict import judged, reach_verdict, summarize, unexplained, with_faults
 from mjfriction.errors import InputError
 from mjfriction.identify.effort_bandwidth import find_bandwidths, with_bandwidths
 from mjfriction.identify.joint_error import joint_error
@@ -54,7 +54,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     model, gap = settled.model, settled.model.gap
     left, heldout = model.residual(oscillations=True, built=True), model.heldout_residual(oscillations=True)
     clean = model.heldout_residual()
-    after = tuple(find_structure(gap, heldout))
+    after = tuple(find_structure(judged(model), heldout))
     curves = stroke_curves(model, clean)
     remaining = tuple(unexplained(model, after, heldout, curves))
     untold = find_untold(settled, remaining, curves, clean)

@@ -17,6 +17,7 @@ from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.link_finding import link_finding
 from mjfriction.diagnose.model import Chosen, Key, Model
 from mjfriction.diagnose.one_factor import with_factor
+from mjfriction.diagnose.one_transmission import parts_of_drives
 from mjfriction.diagnose.outcome import Finding
 from mjfriction.diagnose.separate import Experiment, design_experiment, with_rival
 from mjfriction.diagnose.stated import Settled
@@ -54,20 +55,30 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
     heldout = model.heldout_residual(oscillations=True)
     strengths, widths = model.built, half_widths(model)
     found = []
-    for choice, place, width in zip(model.chosen, model.places, widths.causes, strict=True):
-        if choice.key in untold.keys:
+    parts = parts_of_drives(choice for choice in model.chosen if choice.key not in untold.keys)
+    fitted = {
+        choice.key: tuple(_fitted(model.gap, choice, strengths[place], width))
+        for choice, place, width in zip(model.chosen, model.places, widths.causes, strict=True)
+    }
+    for choice, place in zip(model.chosen, model.places, strict=True):
+        if choice.key in untold.keys or choice in parts.values():
             continue
-        found.append((choice, without_cause(model, choice), strengths[place], width))
+        part = parts.get(choice.key)
+        without = without_cause(model, choice)
+        without, more = (without, ()) if part is None else (without.without(part), fitted[part.key])
+        found.append((choice, without, strengths[place], (*fitted[choice.key], *more)))
     for choice in settled.levels:
         if choice.key in untold.keys:
             continue
         level = model.nuisance.of_level(choice.site.joint)
-        found.append((choice, without_cause(model, choice), strengths[level], widths.nuisance[level]))
+        own = strengths[level]
+        told = tuple(_fitted(model.gap, choice, own, widths.nuisance[level]))
+        found.append((choice, without_cause(model, choice), own, told))
     findings: list[Finding] = []
     throughout: list[Finding] = []  # payloads, that is, and not in some logs only
     of_many: set[Key] = set()
     unsure: list[tuple[float, Chosen, str, Model]] = []
-    for choice, without, own, width in found:
+    for choice, without, own, parameters in found:
         joint = choice.site.joint
         stands = standing(model, choice, field)
         if joint in settled.scaled:
@@ -86,7 +97,7 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
             joint=None if choice.cause.whole_arm else model.gap.robot.joints[choice.cause.told_at(choice.site)],
             confidence=stands.confidence,
             alternatives=stands.alternatives,
-            parameters=tuple(_fitted(model.gap, choice, own, width)),
+            parameters=parameters,
             gain=gain_at(model.gap, before, heldout, shown, seed),
             evidence=choice.cause.evidence(model.gap, choice.site, own),
             covariate=choice.cause.covariate,

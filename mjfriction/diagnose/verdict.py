@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from mjfriction.diagnose.causes.coupling import SharedFriction, SharedMotion
 from mjfriction.diagnose.mend import Audited
 from mjfriction.diagnose.model import Model
 from mjfriction.diagnose.oscillations import told_oscillations
@@ -49,16 +51,31 @@ def unexplained(
     return out
 
 
+def judged(model: Model) -> Gap:
+    """Return the gap in which rows tell of a joint only where that is clear whose friction enters its effort too: what
+    a joint that rests holds of its friction its motion does not tell.
+    """
+    gap = model.gap
+    clear = gap.clear.copy()
+    for choice in model.chosen:
+        other = choice.site.other
+        if isinstance(choice.cause, SharedFriction | SharedMotion) and other is not None:
+            both = clear[:, choice.site.joint] & gap.clear[:, other]
+            if np.any(both):
+                clear[:, choice.site.joint] = both
+    return gap if np.all(clear == gap.clear) else replace(gap, clear=clear)
+
+
 def beside_oscillations(model: Model, clean: Floats) -> dict[int, float]:
     """Return the share that is unexplained of what is left beside oscillations, ``clean`` (rows, joints), by joint."""
     joints = {source.joint for source in model.nuisance.sources}
-    after = find_structure(model.gap, clean) if joints else []
+    after = find_structure(judged(model), clean) if joints else []
     return {joint: entry.share for joint in joints for entry in _followed(model, joint, after, clean)}
 
 
 def _followed(model: Model, joint: int, after: Sequence[Structure], heldout: Floats) -> list[Structure]:
     # What is left at a joint follows most, where too much is left.
-    gap = model.gap
+    gap = judged(model)
     if np.unique(gap.blocks.row[gap.clear[:, joint]]).size < max(FEWEST_SHOWN, LEAST_SHOWN * gap.blocks.count):
         return []
     name = gap.robot.joints[joint]

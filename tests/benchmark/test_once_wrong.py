@@ -139,6 +139,7 @@ def test_a_torque_constant_is_told_by_the_loads_of_the_pose_that_was_found(monke
     assert named(diagnosed(560001)) > found
 
 
+@pytest.mark.bench
 def test_a_load_on_a_lone_axis_may_be_its_link_or_its_rotor() -> None:
     (finding,) = diagnosed(310265).findings
     told = {finding.cause, *finding.alternatives}

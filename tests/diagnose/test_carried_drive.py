@@ -72,6 +72,29 @@ def test_it_is_one_finding_at_the_joint_whose_drive_it_is(
     assert diagnose_log(log, diagnosis.robot).verdict is Verdict.CONSISTENT
 
 
+def test_where_the_neighbour_leans_on_the_drive_that_is_the_same_finding(tmp_path: Path) -> None:
+    """Its own drive then reports so much less of what the other gives, in place of a part of the other's friction."""
+    own, neighbour, ratio = 2, 3, 0.2
+    leant_on: list[np.ndarray] = []
+    turned = turning(own, neighbour, ratio)[own]
+
+    def turn(instant: Instant) -> np.ndarray:
+        leant_on.append(instant.rigid)
+        return turned(instant)
+
+    machine = Machine(hidden={own: turn, neighbour: lambda _: -ratio * leant_on[-1]})
+    path, robot = write_case(tmp_path, machine, seed=3, seconds=40.0)
+    log = read_log(path)
+    diagnosis = diagnose_log(log, read_robot(robot))
+    (finding,) = diagnosis.findings
+    assert (finding.cause, finding.joint) == ("drive.coupling", UR5_JOINTS[own])
+    found = {fitted.name: fitted.value for fitted in finding.parameters}
+    assert found["ratio"] == pytest.approx(ratio, rel=0.1)
+    assert found["effort"] == pytest.approx(-ratio, rel=0.1)
+    assert diagnosis.verdict is Verdict.EXPLAINED
+    assert diagnose_log(log, diagnosis.robot).verdict is Verdict.CONSISTENT
+
+
 @pytest.mark.bench
 def test_the_rotor_is_told_where_it_shows() -> None:
     """In MuJoCo, all of a wrist's friction and rotor turn with both."""

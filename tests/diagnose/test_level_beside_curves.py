@@ -32,7 +32,10 @@ def one_way_and_higher(at: Instant) -> np.ndarray:
     return 0.4 * UR5_VISCOUS[ELBOW] * np.abs(at.v) + HIGHER * np.sign(at.v)
 
 
-@pytest.mark.parametrize(("bend", "cause"), [(sticky, "friction.stribeck"), (worn, "friction.position")])
+@pytest.mark.parametrize(
+    ("bend", "cause"),
+    [(sticky, "friction.stribeck"), pytest.param(worn, "friction.position", marks=pytest.mark.bench)],
+)
 def test_they_are_told_beside_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, bend: Effect, cause: str) -> None:
     def found(higher: float) -> set[str]:
         machine = Machine(hidden={ELBOW: lambda at: bend(at) + higher * np.sign(at.v)}, noise=0.1)

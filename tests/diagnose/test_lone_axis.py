@@ -75,6 +75,7 @@ def test_a_torque_constant_is_told_beside_levels_that_are_as_stated_with_it(tmp_
     assert finding.parameters[0].value == pytest.approx(0.93, abs=0.01)
 
 
+@pytest.mark.bench
 def test_play_of_centimetres_on_a_slide_is_judged_on_the_real_balance() -> None:
     """The link flies for a tenth of a second: near a play of 23 mm no straight line says where it lands."""
     setting = Setting(robot="linear_axis", seconds=30.0, rate=250.0, noise=0.2, encoder=1.9e-4)

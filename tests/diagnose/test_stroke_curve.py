@@ -105,6 +105,7 @@ def harmonics(i: Instant) -> np.ndarray:
     return 5.0 * np.sin(longest * i.q) + 2.5 * np.cos(2.0 * longest * i.q) + 2.0 * np.cos(4.0 * longest * i.q)
 
 
+@pytest.mark.bench
 def test_harmonics_are_of_a_gear_though_one_curve_does_as_well(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     found = diagnosed(tmp_path / "as it is", harmonics)
     assert [finding.cause for finding in found.findings] == ["drive.cogging"] * 3

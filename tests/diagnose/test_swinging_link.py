@@ -63,6 +63,7 @@ def test_a_link_that_swings_on_its_transmission_is_one_that_gives() -> None:
     assert (again.verdict, again.findings) == (Verdict.CONSISTENT, ())
 
 
+@pytest.mark.bench
 def test_the_frequencies_of_a_link_that_swings_are_its_own_in_every_pose() -> None:
     gap = measure_gap(swinging(), read_robot("ur5"))
     soft = Chosen(SwingingElasticity(), Site(0, (DAMPING,), around=COMPLIANCE))

@@ -107,6 +107,7 @@ def test_at_one_joint_alone_it_is_one_where_others_are_seen_to_be_rigid(
     assert diagnosed(tmp_path, machine).findings == ()
 
 
+@pytest.mark.bench
 def test_beside_a_stribeck_curve_it_is_a_part_of_that_contact(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def sticks(at: Instant) -> np.ndarray:
         return builds_up(at) + more_near_rest(at)

@@ -100,6 +100,8 @@ class SharedMotion(_SharedMotion):
 class SharedEffort(_Coupling):
     """A share of the other joint's effort."""
 
+    first_order = 1  # it counts apart from what a drive that turns with both takes: its motor is one that both lean on
+
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The other joint's effort, (n, 1)."""
         other = self.source(gap, site)
