@@ -11,17 +11,17 @@ from mjfriction.diagnose.trial import try_out
 
 
 def as_allowed(model: Model, asked: Field) -> Model:
-    """Return the model with causes that came out as nature does not allow in the best form that it does: a plainer one,
-    or their own in another shape; without those that have none, for they explain nothing.
+    """Return the model with causes that came out as nature does not allow in the best form that it does: another of
+    their kind, or their own in another shape; without those that have none, for they explain nothing.
     """
     for choice in model.chosen:
         if _is_allowed(model, choice):
             continue
         without = model.without(choice)
-        plainer = [best_shape(without, form) for form in _plainer_forms(choice, asked)]
-        # A search that begins where nature allows nothing sees no way out; where a plainer form is best, it does.
-        own = [best_shape(without, replace(form, cause=choice.cause)) for form in plainer]
-        trials = [trial for form in (*plainer, *own) if (trial := try_out(without, form)) is not None]
+        others = [best_shape(without, form) for form in _other_forms(choice, asked)]
+        # A search that begins where nature allows nothing sees no way out; where another form is best, it does.
+        own = [best_shape(without, replace(form, cause=choice.cause)) for form in others]
+        trials = [trial for form in (*others, *own) if (trial := try_out(without, form)) is not None]
         model = without
         for trial in sorted(trials, key=lambda one: one.merit, reverse=True):
             other = without.with_also(trial.chosen)
@@ -36,10 +36,11 @@ def _is_allowed(model: Model, choice: Chosen) -> bool:
     return choice.cause.admissible(model.gap, choice.site, model.strengths[place])
 
 
-def _plainer_forms(choice: Chosen, asked: Field) -> list[Chosen]:
-    kind = type(choice.cause)
+def _other_forms(choice: Chosen, asked: Field) -> list[Chosen]:
+    # What competes under the same name with the same shapes.
     return [
         Chosen(entrant.cause, choice.site)
         for entrant in asked
-        if entrant.joint == choice.site.joint and kind in (entrant.cause.richer, entrant.cause.fuller)
+        if (entrant.joint, entrant.cause.name) == (choice.site.joint, choice.cause.name)
+        and entrant.cause.shape_parameters == choice.cause.shape_parameters
     ]

@@ -30,11 +30,11 @@ class Trial:
 
     ``improvement`` (blocks,) is the weighted squared error it takes off each block when fitted to the others,
     ``error`` (blocks,) what was there before, both at the joints it touches; ``relief`` is what it takes off the
-    refitted drives' and links' distance from what is stated, in the same unit.  At the joint that gains most,
-    ``effect`` is its RMS effort relative to the joint's, which has to be ``least_effect``, ``of_friction`` its most
-    beside levels, relative to the joint's friction, of which it has to be ``least_of_friction``.  ``wald`` is
-    θᵀC⁻¹θ/k of its k = ``count`` strengths θ, C being their covariance, the larger of the one clustered over blocks,
-    which leave ``spare``, and the one for white noise.
+    refitted drives' and links' distance from what is stated, in the same unit.  At the joint that loses the largest
+    share of its error, ``effect`` is its RMS effort relative to the joint's, which has to be ``least_effect``,
+    ``of_friction`` its most beside levels, relative to the joint's friction, of which it has to be
+    ``least_of_friction``.  ``wald`` is θᵀC⁻¹θ/k of its k = ``count`` strengths θ, C being their covariance, the larger
+    of the one clustered over blocks, which leave ``spare``, and the one for white noise.
     """
 
     chosen: Chosen
@@ -105,8 +105,8 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
     if not model.friction_is_physical(fitted, touched, choice):
         return None
     before, after = model.heldout_errors[touched], normal.heldout_errors(gap.blocks.folds, touched)
-    gained = dict(zip(touched, (before - after).sum(axis=1).tolist(), strict=True))
-    most = max(_feeling(columns), key=lambda joint: gained[joint])
+    left_of = dict(zip(touched, (after.sum(axis=1) / np.maximum(before.sum(axis=1), 1e-300)).tolist(), strict=True))
+    most = min(_feeling(columns), key=lambda joint: left_of[joint])
     groups = gap.blocks.group if repeating else np.arange(gap.blocks.count)
     covariances = [normal.covariance(groups)]
     if int(groups[-1]) + 1 == gap.blocks.count:

@@ -136,3 +136,11 @@ def test_what_has_no_form_that_nature_allows_is_left_out(driving: Model) -> None
 def test_what_is_settled_keeps_them(driving: Model) -> None:
     settled = settle(driving, make_field(driving.gap, (Presliding(), DampedPresliding())))
     assert [choice.cause.name for choice in settled.model.chosen] == ["friction.presliding"]
+
+
+def test_a_bristle_whose_damping_drives_it_is_one_without(driving: Model) -> None:
+    driven = Chosen(DampedPresliding(), Site(ELBOW, (0.2,)))
+    model = build_model(driving.gap, driving.nuisance, (driven,))
+    assert model.admissible().chosen == ()
+    (choice,) = as_allowed(model, make_field(model.gap, (Presliding(), DampedPresliding()))).chosen
+    assert isinstance(choice.cause, Presliding)

@@ -9,13 +9,16 @@ import numpy as np
 import pytest
 
 from mjfriction.diagnose import trial
+from mjfriction.diagnose.causes.gravity_direction import GravityDirection
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.exact import usual_nuisance
+from mjfriction.diagnose.model import Chosen, build_model
 from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.diagnose.visible import visible_causes
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
-from tests.hidden.machine import Instant, Machine, write_case
+from tests.hidden.machine import UR5_COULOMB, Instant, Machine, write_case
 
 TILT = 0.004  # rad
 
@@ -51,3 +54,22 @@ def test_as_little_at_one_joint_is_not_told(tmp_path: Path) -> None:
         return 0.12 * (at.q - np.mean(at.q))
 
     assert diagnosed(tmp_path, Machine(noise=0.02, hidden={1: pulls})).findings == ()
+
+
+def test_what_several_joints_feel_is_as_large_as_where_it_shows_most(tmp_path: Path) -> None:
+    """A quiet joint full of gravity gains most from a tilt that is next to nothing of its effort; not so at another."""
+
+    def tilted(model: mujoco.MjModel) -> None:
+        model.opt.gravity[:] = 9.81 * np.array([0.0, np.sin(3.0 * TILT), -np.cos(3.0 * TILT)])
+
+    quiet = Machine(noise=0.05, coulomb=(UR5_COULOMB[0], 1.0, 1.0, *UR5_COULOMB[3:]), change=tilted)
+    log, robot = write_case(tmp_path, quiet, seed=21, seconds=30.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    model, (site,) = build_model(gap, usual_nuisance(gap), ()), GravityDirection().sites(gap)
+    tilt = trial.try_out(model, Chosen(GravityDirection(), site))
+    assert tilt is not None
+    normal = model.with_candidate(tilt.chosen)
+    gains = np.sum(model.heldout_errors - normal.heldout_errors(gap.blocks.folds), axis=1)
+    assert np.argmax(gains) == 1
+    made = trial.effects(model, tilt.chosen, normal.fitted[-2:], 1)[0]
+    assert made < trial.LEAST_EFFECT < tilt.effect
