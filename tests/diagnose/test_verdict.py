@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from mjfriction.diagnose import verdict
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.coupling import SharedEffort, SharedFriction
+from mjfriction.diagnose.model import Chosen, build_model
+from mjfriction.diagnose.nuisance import make_nuisance
+from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.structure import Structure
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import Machine, write_case
 
 
 def told_of(stated: float, clear: np.ndarray, monkeypatch: pytest.MonkeyPatch, blocks: int = 9) -> bool:
@@ -23,7 +32,7 @@ def told_of(stated: float, clear: np.ndarray, monkeypatch: pytest.MonkeyPatch, b
         effort=SimpleNamespace(friction=np.full((9, 1), stated)),
         noise_floor=np.full(1, 0.1),
     )
-    model = SimpleNamespace(gap=gap, friction={0: 20.0}, nuisance=SimpleNamespace(uneven=1.0))
+    model = SimpleNamespace(gap=gap, friction={0: 20.0}, nuisance=SimpleNamespace(uneven=1.0), chosen=())
     monkeypatch.setattr(verdict, "coloured_share", lambda *_: 0.0)
     after = [Structure("swing", "velocity", 0.5)]
     return bool(verdict._followed(model, 0, after, np.full((9, 1), 0.6)))  # type: ignore[arg-type]
@@ -45,3 +54,17 @@ def test_of_a_joint_that_moves_once_or_twice_nothing_is_known_on_other_motion(
     clear = np.zeros((9, 1), dtype=bool)
     clear[:moving] = True
     assert told_of(2.0, clear, monkeypatch, blocks) is told
+
+
+def test_while_a_joint_rests_nothing_is_known_of_what_follows_its_friction(tmp_path: Path) -> None:
+    log, robot = write_case(tmp_path, Machine(pauses=True), seed=4, seconds=15.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    nuisance = make_nuisance(gap)
+    model = build_model(gap, nuisance, (Chosen(SharedFriction(), Site(5, other=4)),))
+    clear = verdict.judged(model).clear
+    np.testing.assert_array_equal(clear[:, 5], gap.clear[:, 5] & gap.clear[:, 4])
+    assert np.any(clear[:, 5] != gap.clear[:, 5])
+    np.testing.assert_array_equal(clear[:, :5], gap.clear[:, :5])
+    # What a resting joint's drive gives is in the log.
+    of_effort = build_model(gap, nuisance, (Chosen(SharedEffort(), Site(5, other=4)),))
+    assert verdict.judged(of_effort) is gap
