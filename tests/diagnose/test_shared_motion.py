@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from mjfriction.diagnose import diagnosis
-from mjfriction.diagnose.causes.coupling import SharedMotion
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.coupling import SharedFriction, SharedMotion
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Verdict
+from mjfriction.identify.gap import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_JOINTS, Instant, Machine, write_case
@@ -30,6 +32,25 @@ def test_a_rotor_that_turns_with_another_joint_is_told_with_it(tmp_path: Path) -
     told = {value.name: value.value for value in finding.parameters}
     assert told["inertia"] == pytest.approx(INERTIA, rel=0.05)
     assert told["viscous"] == pytest.approx(VISCOUS, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("coulomb", "viscous", "may_be"),
+    [
+        (1.0, 0.5, True),
+        (-1.0, -0.5, True),
+        (0.02, -0.5, True),
+        (1.0, -0.2, True),
+        (0.6, -1.0, False),
+        (-0.6, 1.0, False),
+    ],
+)
+def test_friction_that_enters_goes_one_way(coulomb: float, viscous: float, may_be: bool, tmp_path: Path) -> None:
+    log, robot = write_case(tmp_path, Machine(), seed=4, seconds=15.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    fast = float(np.quantile(np.abs(gap.motion.velocity[:, WRIST]), 0.9))
+    strengths = np.array([coulomb, viscous / fast])
+    assert SharedFriction().admissible(gap, Site(ELBOW, other=WRIST), strengths) is may_be
 
 
 @pytest.mark.bench

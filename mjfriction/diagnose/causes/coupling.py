@@ -26,7 +26,10 @@ RATIOS = (0.25, 4.0)  # by which a drive that is shared turns with one joint, on
 RATIO = Parameter("ratio", "1", "turns with the first joint of the two on the arm, once with the other", *RATIOS)
 NEARLY = 0.02  # of a ratio of 1, within which the drive turns with both as far
 MOST_SHARED = 0.9  # of another joint's effort
-SPEEDS = (0.1, 0.9)  # quantiles of a shared drive's speed, at which its friction is held to stand against its motion
+SPEEDS = (0.1, 0.9)  # quantiles of a speed, slow and fast, at which friction is asked for its sign
+
+# Of what friction is at one speed, that it may be the other way at another: a level of none comes out a little off.
+OTHER_WAY = 0.2
 
 
 class _Coupling(JointCause):
@@ -67,6 +70,12 @@ class _SharedMotion(_Coupling):
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """What each of them brings."""
         return tuple(Quantity(own) for own in self.brings)
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """Friction that enters goes one way with the other joint's motion, slow and fast."""
+        speeds = np.quantile(np.abs(gap.motion.velocity[:, self.source(gap, site)]), SPEEDS)
+        less, more = sorted(strengths[0] + strengths[1] * speeds, key=abs)
+        return bool(less * more > -OTHER_WAY * more**2)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """State the coupling."""
