@@ -5,7 +5,6 @@ They are found in the samples alone, before any model is asked, and repaired whe
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -142,7 +141,7 @@ def stuck(
     out = np.zeros(values.size, dtype=bool)
     piece = _pieces(piece, values.size)
     begin, end = np.searchsorted(piece, piece), np.searchsorted(piece, piece, side="right")
-    runs = [(a, b) for a, b in _runs(values, piece) if b - a > 1]
+    runs = _runs(values, piece, 2)
     if not runs or np.ptp(values) == 0.0:
         return out
     usual = float(np.sqrt(np.mean(np.square(speed))))
@@ -220,11 +219,10 @@ def _at_once(speed: Floats, usual: float) -> bool:
 def frozen(values: Floats, moving: Mask) -> Mask:
     """Return where a noisy channel repeats one value exactly while its joint moves, (n,)."""
     out = np.zeros(values.size, dtype=bool)
-    runs = _runs(values)
-    lengths = np.sort([b - a for a, b in runs])
+    lengths = np.sort(np.diff(_bounds(values)))
     ordinary = float(lengths[int(0.99 * (lengths.size - 1))])
-    for a, b in runs:
-        if b - a >= max(SHORTEST_STUCK, LONGER * ordinary) and np.mean(moving[a:b]) > MOVED:
+    for a, b in _runs(values, None, max(SHORTEST_STUCK, LONGER * ordinary)):
+        if np.mean(moving[a:b]) > MOVED:
             out[a:b] = True
     return out
 
@@ -269,9 +267,17 @@ def _breaks_off(values: Floats, start: int, stop: int, by: float) -> bool:
     return stop - start >= SHORTEST_STUCK and stop < values.size and bool(abs(values[stop] - values[start]) > by)
 
 
-def _runs(values: NDArray[np.generic], piece: Integers | None = None) -> list[tuple[int, int]]:
+def _bounds(values: NDArray[np.generic], piece: Integers | None = None) -> Integers:
+    # Where runs of equal values begin, and the end.
     cuts = np.flatnonzero((values[1:] != values[:-1]) | (np.diff(_pieces(piece, values.size)) != 0)) + 1
-    return list(itertools.pairwise([0, *cuts.tolist(), values.size]))
+    return np.concatenate([[0], cuts, [values.size]])
+
+
+def _runs(values: NDArray[np.generic], piece: Integers | None = None, least: float = 1.0) -> list[tuple[int, int]]:
+    # The runs (first, past) of equal values that are as long as the least.
+    bounds = _bounds(values, piece)
+    long = np.flatnonzero(np.diff(bounds) >= least)
+    return list(zip(bounds[long].tolist(), bounds[long + 1].tolist(), strict=True))
 
 
 def in_words(places: Sequence[tuple[float, float]]) -> str:
