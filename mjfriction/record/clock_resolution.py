@@ -1,4 +1,4 @@
-"""A clock that reads more coarsely than rows come: many share one stamp, and only the time is wrong there."""
+"""A clock that reads more coarsely than rows come: some share one stamp, and only the time is wrong there."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from mjfriction.record.faults import Fault, moment
 from mjfriction.record.log import Floats, Log
 
 FEWEST_SHARED = 0.05  # of the rows, that have the stamp of the row before
-EVERY = 0.05  # of the clock's resolution, by which steps may differ from it: stamps are written with few digits
-MISSING = 1.5  # times the resolution, from which on a step is a gap in the recording
+EVERY = 0.05  # of the clock's resolution, by which steps may differ from whole ones: stamps are written with few digits
+MISSING = 2.5  # rows' time, by which a step is longer than the resolution that is a gap in the recording
 FEWEST = 30  # rows of a stretch that such a clock is told by
 
 
 def without_coarse_clock(log: Log) -> Log:
-    """Return the log with even time where its clock stood still for a row or more and went on by the same step each
-    time, though the joints' courses are smooth from row to row, and with that said.
+    """Return the log with even time where its clock stood still for a row or more, time and again, and went on by whole
+    steps, though the joints' courses are smooth from row to row, and with that said.
 
     What lies between gaps is one stretch; each has its own step and begin, those of the straight line through its
     stamps.
@@ -25,13 +25,13 @@ def without_coarse_clock(log: Log) -> Log:
     if steps is None or np.mean(steps.length[steps.joined] == 0.0) < FEWEST_SHARED:
         return log
     resolution, time = steps.ordinary, log.time.copy()
-    # What the last row of a stretch shares its stamp with, or the first, may be cut off: a whole one lies inside.
-    bounds = np.flatnonzero(~steps.joined | (np.abs(steps.length) > MISSING * resolution)) + 1
+    row = float(np.mean(np.minimum(steps.length[steps.joined], 2.0 * resolution)))
+    bounds = np.flatnonzero(~steps.joined | (np.abs(steps.length) > resolution + MISSING * row)) + 1
     likelier, every = 0.0, 0.0
     for first, past in zip([0, *bounds.tolist()], [*bounds.tolist(), time.size], strict=True):
         own = steps.length[first : past - 1]
-        ticks = own[own != 0.0]
-        if past - first < FEWEST or not np.all(np.abs(ticks / resolution - 1.0) < EVERY):
+        ticks = own / resolution
+        if past - first < FEWEST or not np.all(np.abs(ticks - np.round(ticks)) < EVERY):
             continue
         likelier += evenness(log, first, past - 1)
         time[first:past] = _even(log.time[first:past])

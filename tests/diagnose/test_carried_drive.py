@@ -20,8 +20,9 @@ from mjfriction.diagnose.causes.carried_drive import (
 )
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.outcome import Verdict
+from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.identify.gap import measure_gap
+from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.effort import predict_effort
@@ -48,6 +49,16 @@ def turning(own: int, neighbour: int, ratio: float) -> dict[int, Callable[[Insta
     }
 
 
+def told(machine: Machine, own: int, folder: Path) -> tuple[Log, Diagnosis, dict[str, float]]:
+    """Return the log of a machine, its diagnosis, and what the one finding of that says of a joint's drive."""
+    path, robot = write_case(folder, machine, seed=3, seconds=40.0)
+    log = read_log(path)
+    diagnosis = diagnose_log(log, read_robot(robot))
+    (finding,) = diagnosis.findings
+    assert (finding.cause, finding.joint) == ("drive.coupling", UR5_JOINTS[own])
+    return log, diagnosis, {fitted.name: fitted.value for fitted in finding.parameters}
+
+
 @pytest.mark.parametrize(
     ("own", "neighbour", "ratio"),
     [(WRIST + 1, WRIST, 0.15), pytest.param(WRIST, WRIST + 1, -0.8, marks=pytest.mark.bench)],
@@ -55,13 +66,7 @@ def turning(own: int, neighbour: int, ratio: float) -> dict[int, Callable[[Insta
 def test_it_is_one_finding_at_the_joint_whose_drive_it_is(
     own: int, neighbour: int, ratio: float, tmp_path: Path
 ) -> None:
-    machine = Machine(hidden=turning(own, neighbour, ratio))
-    path, robot = write_case(tmp_path, machine, seed=3, seconds=40.0)
-    log = read_log(path)
-    diagnosis = diagnose_log(log, read_robot(robot))
-    (finding,) = diagnosis.findings
-    assert (finding.cause, finding.joint) == ("drive.coupling", UR5_JOINTS[own])
-    found = {fitted.name: fitted.value for fitted in finding.parameters}
+    log, diagnosis, found = told(Machine(hidden=turning(own, neighbour, ratio)), own, tmp_path)
     truth = {"coulomb": UR5_COULOMB[own], "viscous": UR5_VISCOUS[own], "ratio": abs(ratio)}
     assert found == pytest.approx(truth, rel=0.1)
     # None of its friction is left to the joint alone.
@@ -83,12 +88,7 @@ def test_where_the_neighbour_leans_on_the_drive_that_is_the_same_finding(tmp_pat
         return turned(instant)
 
     machine = Machine(hidden={own: turn, neighbour: lambda _: -ratio * leant_on[-1]})
-    path, robot = write_case(tmp_path, machine, seed=3, seconds=40.0)
-    log = read_log(path)
-    diagnosis = diagnose_log(log, read_robot(robot))
-    (finding,) = diagnosis.findings
-    assert (finding.cause, finding.joint) == ("drive.coupling", UR5_JOINTS[own])
-    found = {fitted.name: fitted.value for fitted in finding.parameters}
+    log, diagnosis, found = told(machine, own, tmp_path)
     assert found["ratio"] == pytest.approx(ratio, rel=0.1)
     assert found["effort"] == pytest.approx(-ratio, rel=0.1)
     assert diagnosis.verdict is Verdict.EXPLAINED

@@ -40,6 +40,14 @@ def test_time_is_even_where_the_clock_reads_coarsely(rows: float, rests: float) 
     np.testing.assert_allclose(log.recorded, clock)
 
 
+def test_stamps_of_whole_milliseconds_that_come_as_they_may_are_evened_out() -> None:
+    clock = STEP * np.maximum.accumulate(np.round(np.arange(COUNT) + np.random.default_rng(1).normal(0.0, 0.4, COUNT)))
+    assert {0, 1, 2} <= set(np.round(np.diff(clock) / STEP).astype(int).tolist())
+    log = log_of(clock)
+    np.testing.assert_allclose(np.diff(log.time), STEP, rtol=2e-3)
+    assert [fault.kind for fault in log.faults] == ["data.clock"]
+
+
 def test_a_gap_stays_one() -> None:
     true = np.where(np.arange(COUNT) < 1500, TRUE, TRUE + 0.7)
     log = log_of(np.floor(true / 0.01) * 0.01, true)
