@@ -13,8 +13,10 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 
 from mjfriction.benchmark.row import Row
-from mjfriction.benchmark.score import Outcome, reliability, score
+from mjfriction.benchmark.score import Named, Outcome, reliability, score
 from mjfriction.benchmark.tool import FAINT
+
+FOUND, ALTERNATIVE, MISSED = "found", "alternative", "missed"
 
 PAGE_TEXT = """# Hidden effects: how often the cause is named
 
@@ -60,6 +62,13 @@ folder: `log.parquet` and `robot.toml` for the tool; what was hidden, the machin
 """
 
 
+def told_as(one: Outcome, named: Named) -> str:
+    """Return how a tool told a cause that was hidden."""
+    if named in [(f.cause, f.joint) for f in one.found]:
+        return FOUND
+    return ALTERNATIVE if any(f.names(*named) for f in one.found) else MISSED
+
+
 def picture(outcomes: list[Outcome], target: Path) -> None:
     """Draw who was taken for whom, and how far confidence can be trusted."""
     causes = sorted(
@@ -68,12 +77,9 @@ def picture(outcomes: list[Outcome], target: Path) -> None:
     )
     counts = np.zeros((len(causes) + 1, len(causes) + 2))
     for one in outcomes:
-        found = [(f.cause, f.joint) for f in one.found]
-        alike = {(cause, f.joint) for f in one.found for cause in f.alternatives}
         for named in one.hidden:
             row = causes.index(named[0])
-            column = row if named in found else -2 if named in alike else -1
-            counts[row, column] += 1
+            counts[row, {FOUND: row, ALTERNATIVE: -2, MISSED: -1}[told_as(one, named)]] += 1
         for cause, _ in one.outside:
             counts[causes.index(cause), causes.index(cause) if one.left_open else -1] += 1
         for f in one.false_alarms:
@@ -144,15 +150,11 @@ def grouped(rows: list[Row]) -> Iterable[tuple[str, list[Outcome]]]:
 def page(rows: list[Row]) -> str:
     """Return the page."""
     outcomes = [row.ours for row in rows]
-    missed, alike = Counter(), Counter()
-    for one in outcomes:
-        found = {(f.cause, f.joint) for f in one.found}
-        told = {(cause, f.joint) for f in one.found for cause in f.alternatives}
-        missed.update(cause for cause, joint in one.hidden if (cause, joint) not in found)
-        alike.update(c for c, joint in one.hidden if (c, joint) not in found and (c, joint) in told)
-    asked = Counter(c for one in outcomes for c, _ in one.hidden)
+    told = Counter((named[0], told_as(one, named)) for one in outcomes for named in one.hidden)
     causes = ["| cause | hidden | named | as an alternative |", "|---|---:|---:|---:|"]
-    causes += [f"| `{c}` | {n} | {n - missed[c]} | {alike[c] or ''} |" for c, n in sorted(asked.items())]
+    for cause in sorted({cause for cause, _ in told}):
+        found, alike, missed = (told[cause, how] for how in (FOUND, ALTERNATIVE, MISSED))
+        causes.append(f"| `{cause}` | {found + alike + missed} | {found} | {alike or ''} |")
     outside = ["| outside all causes | hidden | left open | with a false alarm |", "|---|---:|---:|---:|"]
     for cause in sorted({c for one in outcomes for c, _ in one.outside}):
         own = [one for one in outcomes if cause in {c for c, _ in one.outside}]
