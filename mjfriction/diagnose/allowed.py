@@ -32,8 +32,10 @@ def as_allowed(model: Model, asked: Field) -> Model:
 
 
 def _is_allowed(model: Model, choice: Chosen) -> bool:
-    place = model.places[[one.key for one in model.chosen].index(choice.key)]
-    return choice.cause.admissible(model.gap, choice.site, model.strengths[place])
+    strengths = [
+        model.strengths[place] for one, place in zip(model.chosen, model.places, strict=True) if one.key == choice.key
+    ]
+    return all(choice.cause.admissible(model.gap, choice.site, own) for own in strengths)
 
 
 def _other_forms(choice: Chosen, asked: Field) -> list[Chosen]:

@@ -105,8 +105,7 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
     if not model.friction_is_physical(fitted, touched, choice):
         return None
     before, after = model.heldout_errors[touched], normal.heldout_errors(gap.blocks.folds, touched)
-    left_of = dict(zip(touched, (after.sum(axis=1) / np.maximum(before.sum(axis=1), 1e-300)).tolist(), strict=True))
-    most = min(_feeling(columns), key=lambda joint: left_of[joint])
+    most = _where_it_shows(columns, before.sum(axis=1), after.sum(axis=1))
     groups = gap.blocks.group if repeating else np.arange(gap.blocks.count)
     covariances = [normal.covariance(groups)]
     if int(groups[-1]) + 1 == gap.blocks.count:
@@ -201,6 +200,14 @@ def _rms_of(model: Model, errors: Floats, joint: int) -> float:
     # What weighted errors (blocks,) at a joint come to, RMS.
     power = float(np.sum(np.square(model.system.rows.weight[:, joint])))
     return float(np.sqrt(np.sum(errors) / max(power, 1e-300)))
+
+
+def _where_it_shows(columns: Columns, before: Floats, after: Floats) -> int:
+    # At which of the joints that feel a cause the largest share of the error goes; the errors (joints,) are those of
+    # all that have a column.
+    left = np.divide(after, before, out=np.ones_like(after), where=before > 0.0)
+    of_joint = dict(zip(columns, left.tolist(), strict=True))
+    return min(_feeling(columns), key=lambda joint: of_joint[joint])
 
 
 def _feeling(columns: Columns) -> list[int]:
