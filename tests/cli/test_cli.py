@@ -132,7 +132,7 @@ def test_demo_names_the_hidden_cause_and_proves_it(tmp_path: Path) -> None:
 
 constant = {f"position.{joint}": np.zeros(5000) for joint in UR5_JOINTS}
 ALREADY = (None, None)
-twice = np.repeat(np.arange(2500) * 0.008, 2)
+twice = np.append(0.0, np.arange(4999) * 0.004)
 absent = np.full(5000, np.nan)
 WRONG = {
     "missing file": ({}, ("absent.parquet", None), "absent.parquet: there is no such file"),

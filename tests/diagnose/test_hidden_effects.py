@@ -538,6 +538,7 @@ def test_the_stated_level_may_be_that_of_after_a_step(tmp_path: Path, monkeypatc
     assert asked == [2]
 
 
+@pytest.mark.bench
 def test_friction_that_is_a_little_uneven_everywhere_is_no_finding(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -64,7 +64,8 @@ def over_a_short_stroke(robots: tuple[Robot, Robot]) -> dict[str, np.ndarray]:
     return simulate(machine, short, recorder=Recorder(250.0), controller_robot=stated, seed=4)
 
 
-@pytest.mark.parametrize("seed", [5, pytest.param(6, marks=pytest.mark.bench)])
+@pytest.mark.bench
+@pytest.mark.parametrize("seed", [5, 6])
 def test_a_spring_over_a_short_stroke_may_be_an_offset(robots: tuple[Robot, Robot], seed: int) -> None:
     stated, machine = robots
     short = excitation(stated.joints, HOME, np.full(6, 0.12), np.full(6, 0.6), 40.0, seed=seed)

@@ -77,6 +77,7 @@ def builds_up(at: Instant) -> np.ndarray:
     return UR5_COULOMB[LIFT] * (bristle(at.q, TRAVEL) - np.sign(at.v))
 
 
+@pytest.mark.bench
 def test_at_one_joint_alone_it_is_one_where_it_is_most_of_what_is_wrong(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

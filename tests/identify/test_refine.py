@@ -121,6 +121,7 @@ def test_a_late_effort_is_played_when_it_acted(tmp_path: Path) -> None:
         assert fitted.value == pytest.approx(truth, rel=0.01)
 
 
+@pytest.mark.bench
 def test_a_piece_too_short_for_a_stretch_is_left_out(tmp_path: Path) -> None:
     whole = recorded(tmp_path)
     # A segment of a third of a second at the end: too short to be simulated for a second, long enough to be fitted.
