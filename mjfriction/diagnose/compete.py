@@ -14,6 +14,7 @@ from mjfriction.diagnose.field import Chances, Field, chances_in
 from mjfriction.diagnose.kin import by_temperature, fulfilled, plainer, with_kin
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, same_columns
 from mjfriction.diagnose.nuisance import Nuisance
+from mjfriction.diagnose.one_transmission import leaning
 from mjfriction.diagnose.oscillations import new_oscillations
 from mjfriction.diagnose.refusal import proved, refused
 from mjfriction.diagnose.richer import enriched, in_richer_form
@@ -107,7 +108,8 @@ def _forward(model: Model, field: Field, chances: Chances, tell: Tell, enough: C
         if more is not None:
             newcomer = more.chosen[-1]
             more = reshaped(more, cause_block(more.gap, newcomer)[0].keys())
-            model, asked, anew = as_known(straightened(more)), left, len(left) == len(field)
+            more = leaning(as_known(straightened(more)), chances)
+            model, asked, anew = more, left, len(left) == len(field)
         elif anew:
             break
         else:

@@ -23,7 +23,7 @@ TRIED = (0.12, 0.25, 0.5, 1.0)
 WHOLE = 1.2  # of what is stated, that the drive may take of it: stated levels are a little off
 
 
-class _CarriedDrive(SharedDrive):
+class CarriedDrive(SharedDrive):
     """C·(sgn u − sgn v) + V·(u − v) at the joint whose drive it is, u = v + ratio·vₖ, and ratio·(C·sgn u + V·u) at its
     neighbour k: of the friction that is stated of the joint, C and V turn with the drive.
 
@@ -94,7 +94,7 @@ class _CarriedDrive(SharedDrive):
         )
 
 
-class _CarriedRotor(_CarriedDrive):
+class _CarriedRotor(CarriedDrive):
     """I·ratio·aₖ besides at the joint, and ratio·I·(a + ratio·aₖ) at its neighbour: the stated rotor turns so too."""
 
     takes = (COULOMB, VISCOUS, INERTIA)
@@ -126,7 +126,7 @@ class DifferenceCarriedRotor(_CarriedRotor):
 
 
 @final
-class SumCarried(_CarriedDrive):
+class SumCarried(CarriedDrive):
     """The drive turns with v + ratio·vₖ."""
 
     way = 1.0
@@ -134,7 +134,7 @@ class SumCarried(_CarriedDrive):
 
 
 @final
-class DifferenceCarried(_CarriedDrive):
+class DifferenceCarried(CarriedDrive):
     """The drive turns with v − ratio·vₖ."""
 
     way = -1.0

@@ -105,11 +105,8 @@ class SharedMotion(_SharedMotion):
     brings = (COULOMB, VISCOUS, CARRIED)
 
 
-@final
 class SharedEffort(_Coupling):
     """A share of the other joint's effort."""
-
-    first_order = 1  # it counts apart from what a drive that turns with both takes: its motor is one that both lean on
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The other joint's effort, (n, 1)."""
@@ -131,6 +128,13 @@ class SharedEffort(_Coupling):
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Name the other joint and the share."""
         return f"it carries {100 * strengths[0]:.3g} % of the effort of {self.from_name(gap, site)}"
+
+
+@final
+class LeaningEffort(SharedEffort):
+    """A share of the effort of a drive that turns with both joints: asked for beside that drive, and told with it."""
+
+    first_order = 1
 
 
 class SharedDrive(_Coupling):
