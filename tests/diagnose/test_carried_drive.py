@@ -20,6 +20,10 @@ from mjfriction.diagnose.causes.carried_drive import (
 )
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.field import chances_in
+from mjfriction.diagnose.model import Chosen, build_model
+from mjfriction.diagnose.nuisance import make_nuisance
+from mjfriction.diagnose.one_transmission import leaning
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.log import Log
@@ -93,6 +97,24 @@ def test_where_the_neighbour_leans_on_the_drive_that_is_the_same_finding(tmp_pat
     assert found["effort"] == pytest.approx(-ratio, rel=0.1)
     assert diagnosis.verdict is Verdict.EXPLAINED
     assert diagnose_log(log, diagnosis.robot).verdict is Verdict.CONSISTENT
+
+
+@pytest.mark.parametrize(("carried", "leans"), [(-0.2, True), (0.2, False), (-0.5, False)])
+def test_a_neighbour_leans_by_the_ratio_or_not_at_all(carried: float, leans: bool, tmp_path: Path) -> None:
+    own, neighbour, ratio = 2, 3, 0.2
+    given: list[np.ndarray] = []
+    turned, feels = (turning(own, neighbour, ratio)[joint] for joint in (own, neighbour))
+
+    def turn(instant: Instant) -> np.ndarray:
+        given.append(instant.rigid + instant.friction + turned(instant))
+        return turned(instant)
+
+    machine = Machine(hidden={own: turn, neighbour: lambda instant: feels(instant) + carried * given[-1]})
+    log, robot = write_case(tmp_path, machine, seed=3, seconds=20.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    drive = Chosen(SumCarried(), Site(neighbour, (ratio,), other=own))
+    model = leaning(build_model(gap, make_nuisance(gap), (drive,)), chances_in(()))
+    assert [choice.cause.name for choice in model.chosen] == ["drive.coupling"] * (1 + leans)
 
 
 @pytest.mark.bench
