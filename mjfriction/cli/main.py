@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 from typing import Annotated
 
@@ -26,6 +27,8 @@ from mjfriction.errors import InputError
 
 WRONG_INPUT, OWN_FAILURE, INTERRUPTED = 2, 1, 130
 STOPPED = "stopped; nothing was written"
+# Objects made before the collector looks for circles among them: a command makes few, and lives for seconds.
+ALLOCATIONS = 50_000
 
 app = typer.Typer(
     name="mjfriction",
@@ -72,6 +75,7 @@ def _root(
 
 def run() -> None:
     """Run the command; exit 0 when it ran, 2 when the input is wrong, 1 when we failed, with one line on stderr."""
+    gc.set_threshold(ALLOCATIONS)
     if len(sys.argv) == 1:
         sys.argv.append("--help")
     command = typer.main.get_command(app)

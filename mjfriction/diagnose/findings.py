@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-
-import numpy as np
 
 from mjfriction.diagnose.alike import EVEN, Standing, standing
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
@@ -17,14 +16,12 @@ from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.link_finding import link_finding
 from mjfriction.diagnose.model import Chosen, Key, Model
 from mjfriction.diagnose.one_factor import with_factor
-from mjfriction.diagnose.one_transmission import parts_of_drives
 from mjfriction.diagnose.outcome import Finding
 from mjfriction.diagnose.separate import Experiment, design_experiment, with_rival
 from mjfriction.diagnose.stated import Settled
+from mjfriction.diagnose.to_tell import ToTell, to_tell
 from mjfriction.diagnose.trial import shown_at
-from mjfriction.diagnose.untold import Untold, without_cause
-from mjfriction.identify.fitted import Fitted
-from mjfriction.identify.gap import Gap
+from mjfriction.diagnose.untold import Untold
 from mjfriction.identify.proof import gain_at
 from mjfriction.record.log import Floats
 
@@ -52,70 +49,61 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
     the gains.
     """
     model = settled.model
-    heldout = model.heldout_residual(oscillations=True)
-    strengths, widths = model.built, half_widths(model)
-    found = []
-    parts = parts_of_drives(choice for choice in model.chosen if choice.key not in untold.keys)
-    fitted = {
-        choice.key: tuple(_fitted(model.gap, choice, strengths[place], width))
-        for choice, place, width in zip(model.chosen, model.places, widths.causes, strict=True)
-    }
-    for choice, place in zip(model.chosen, model.places, strict=True):
-        if choice.key in untold.keys or choice in parts.values():
-            continue
-        part = parts.get(choice.key)
-        without = without_cause(model, choice)
-        without, more = (without, ()) if part is None else (without.without(part), fitted[part.key])
-        found.append((choice, without, strengths[place], (*fitted[choice.key], *more)))
-    for choice in settled.levels:
-        if choice.key in untold.keys:
-            continue
-        level = model.nuisance.of_level(choice.site.joint)
-        own = strengths[level]
-        told = tuple(_fitted(model.gap, choice, own, widths.nuisance[level]))
-        found.append((choice, without_cause(model, choice), own, told))
-    findings: list[Finding] = []
-    throughout: list[Finding] = []  # payloads, that is, and not in some logs only
+    heldout, widths = model.heldout_residual(oscillations=True), half_widths(model)
+    entries, links = list(to_tell(settled, untold, widths)), link_finding(model, widths, untold, field, seed)
+    links_off = links is not None or any(entry.choice.cause.name == LinkScale.name for entry in entries)
+    findings = [] if links is None else [links]
     of_many: set[Key] = set()
-    unsure: list[tuple[float, Chosen, str, Model]] = []
-    for choice, without, own, parameters in found:
-        joint = choice.site.joint
+    unsure: list[_Unsure] = []
+    for entry in entries:
+        choice, joint = entry.choice, entry.choice.site.joint
         stands = standing(model, choice, field)
         if joint in settled.scaled:
             stands = _of_one_factor(choice, stands)
-        names_nothing = stands.alternatives and stands.confidence < ONE_OF_MANY and joint in untold.left
-        if names_nothing or stands.confidence < FAINTEST:
+        if (stands.alternatives and stands.confidence < ONE_OF_MANY and joint in untold.left) or (
+            stands.confidence < FAINTEST
+        ):
             of_many.add(choice.key)
             continue
-        before = without.heldout_residual(oscillations=True)
-        shown = shown_at(model, choice, before, heldout)
-        if stands.alternatives:
-            instead = _instead(settled, choice, stands)
-            unsure += [(stands.confidence, choice, *instead)] if instead is not None else []
-        finding = Finding(
-            cause=choice.cause.name,
-            joint=None if choice.cause.whole_arm else model.gap.robot.joints[choice.cause.told_at(choice.site)],
-            confidence=stands.confidence,
-            alternatives=stands.alternatives,
-            parameters=parameters,
-            gain=gain_at(model.gap, before, heldout, shown, seed),
-            evidence=choice.cause.evidence(model.gap, choice.site, own),
-            covariate=choice.cause.covariate,
-            picture=choice.cause.picture,
-            shown_at=model.gap.robot.joints[shown],
-        )
-        findings.append(finding)
-        throughout += [finding] if isinstance(choice.cause, Payload) else []
-    links = link_finding(model, widths, untold, field, seed)
-    if links is not None:
-        findings.append(links)
-    findings = [_beside_links(finding, findings) if finding in throughout else finding for finding in findings]
-    experiment = None
-    if unsure:
-        _, choice, rival, other = min(unsure, key=lambda entry: entry[0])
-        experiment = design_experiment(model, other, choice.site.joint, (choice.cause.name, rival))
+        instead = _instead(settled, choice, stands) if stands.alternatives else None
+        unsure += [] if instead is None else [_Unsure(stands.confidence, choice, *instead)]
+        findings.append(_finding(model, entry, _beside_links(choice, stands) if links_off else stands, heldout, seed))
     findings.sort(key=lambda finding: -finding.gain.reduction)
-    return Told(tuple(findings), experiment, untold.keys | of_many)
+    return Told(tuple(findings), _settling(model, unsure), untold.keys | of_many)
+
+
+@dataclass(frozen=True)
+class _Unsure:
+    confidence: float
+    choice: Chosen
+    rival: str  # its likeliest rival's cause
+    other: Model  # with that in its place
+
+
+def _settling(model: Model, unsure: Sequence[_Unsure]) -> Experiment | None:
+    # The motion that tells the least certain finding from its rival.
+    if not unsure:
+        return None
+    least = min(unsure, key=lambda entry: entry.confidence)
+    return design_experiment(model, least.other, least.choice.site.joint, (least.choice.cause.name, least.rival))
+
+
+def _finding(model: Model, told: ToTell, stands: Standing, heldout: Floats, seed: int) -> Finding:
+    choice, gap = told.choice, model.gap
+    before = told.without.heldout_residual(oscillations=True)
+    shown = shown_at(model, choice, before, heldout)
+    return Finding(
+        cause=choice.cause.name,
+        joint=None if choice.cause.whole_arm else gap.robot.joints[choice.cause.told_at(choice.site)],
+        confidence=stands.confidence,
+        alternatives=stands.alternatives,
+        parameters=told.parameters,
+        gain=gain_at(gap, before, heldout, shown, seed),
+        evidence=choice.cause.evidence(gap, choice.site, told.strengths),
+        covariate=choice.cause.covariate,
+        picture=choice.cause.picture,
+        shown_at=gap.robot.joints[shown],
+    )
 
 
 def _instead(settled: Settled, choice: Chosen, stands: Standing) -> tuple[str, Model] | None:
@@ -140,36 +128,8 @@ def _of_one_factor(choice: Chosen, stands: Standing) -> Standing:
     return replace(stands, alternatives=alternatives, confidence=min(stands.confidence, EVEN))
 
 
-def _beside_links(finding: Finding, findings: list[Finding]) -> Finding:
-    # What is held at the flange is a part of the last link: beside links that are off it may be that this one is too.
-    off = any(one.cause == LinkScale.name for one in findings)
-    if finding.alternatives or not off:
-        return finding
-    return replace(finding, alternatives=(LinkScale.name,), confidence=min(finding.confidence, EVEN))
-
-
-def _fitted(gap: Gap, choice: Chosen, strengths: Floats, half: Floats) -> list[Fitted]:
-    sliding = gap.body.sliding[choice.site.joint]
-    quantities = choice.cause.quantities(gap, choice.site)
-    entries = [
-        (quantity.parameter, quantity.shift + quantity.factor * value, abs(quantity.factor) * width)
-        for quantity, value, width in zip(quantities, strengths, half[: len(quantities)], strict=True)
-    ]
-    entries += [
-        (declared, value, width)
-        for declared, value, width in zip(
-            choice.cause.shape_parameters, choice.site.shape, half[len(quantities) :], strict=False
-        )
-    ]
-    return [
-        Fitted(
-            name=declared.name,
-            meaning=declared.meaning,
-            unit=declared.unit_for(sliding=sliding),
-            value=float(np.clip(value, declared.lower, declared.upper)),
-            low=float(max(declared.lower, value - width)),
-            high=float(min(declared.upper, value + width)),
-        )
-        for declared, value, width in entries
-        if width > 0.0  # what the motion does not show at all has no interval
-    ]
+def _beside_links(choice: Chosen, stands: Standing) -> Standing:
+    # What is held at the flange throughout is a part of the last link: that one may be off too where others are.
+    if not isinstance(choice.cause, Payload) or stands.alternatives:
+        return stands
+    return replace(stands, alternatives=(LinkScale.name,), confidence=min(stands.confidence, EVEN))

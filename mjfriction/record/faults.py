@@ -28,6 +28,7 @@ WORKS_ON, SMOOTHED = 0.3, 9  # of an effort's usual spread, that it has while it
 ALL_BUT_JUMPS, JUMP = 0.999, 5.0  # quantile of a channel's steps, and how many of it no joint makes at once
 LONGER = 4.0  # times the longest ordinary run of equal samples, for a run to be no rest of the encoder
 MOVED = 0.3  # of a frozen stretch that the joint moves in: more than a rest with its run-down
+RARELY = 0.01  # of the rows at rest, that noise repeats the one before in
 FEWEST_CLIPPED = 12  # samples at the same extreme, in runs
 CLIPPED_RUN = 4  # samples of one of them at least
 AT_THE_EDGE = 8.0  # times the samples at the extreme must be more than those beside it
@@ -217,12 +218,17 @@ def _at_once(speed: Floats, usual: float) -> bool:
 
 
 def frozen(values: Floats, moving: Mask) -> Mask:
-    """Return where a noisy channel repeats one value exactly while its joint moves, (n,)."""
+    """Return where a noisy channel repeats one value exactly while its joint moves, (n,); or while it rests, where that
+    is noisy in as many other rows at rest, and the value is none that a drive reads which is switched off.
+    """
     out = np.zeros(values.size, dtype=bool)
     lengths = np.sort(np.diff(_bounds(values)))
     ordinary = float(lengths[int(0.99 * (lengths.size - 1))])
+    again, resting = np.append(np.diff(values) == 0.0, False), np.logical_not(moving)
     for a, b in _runs(values, None, max(SHORTEST_STUCK, LONGER * ordinary)):
-        if np.mean(moving[a:b]) > MOVED:
+        noisy = np.sum(resting) - np.sum(resting[a:b]) > b - a
+        noisy = noisy and np.sum(again & resting) - np.sum(again[a:b] & resting[a:b]) < RARELY * np.sum(resting)
+        if np.mean(moving[a:b]) > MOVED or (noisy and values[a] != 0.0):
             out[a:b] = True
     return out
 

@@ -167,6 +167,15 @@ def test_an_effort_that_is_frozen_while_its_joint_moves_and_rests() -> None:
     assert np.flatnonzero(frozen(effort, moving)).tolist() == list(range(1200, 1800))
 
 
+def test_an_effort_that_is_noisy_at_rest_is_stuck_where_it_is_not() -> None:
+    rng = np.random.default_rng(3)
+    effort, moving = 2.0 + rng.normal(size=4000), np.arange(4000) < 1000
+    effort[2000:2400] = effort[2000]
+    assert np.flatnonzero(frozen(effort, moving)).tolist() == list(range(2000, 2400))
+    held = np.where(moving, effort, 2.0)  # by a brake, whenever it rests
+    assert not np.any(frozen(held, moving))
+
+
 def test_what_is_mended_is_what_was_recorded() -> None:
     whole = recording()
     for damaged in (repeat(whole, clock_runs_on=False), jolt(whole)):

@@ -30,6 +30,7 @@ SPEEDS = (0.1, 0.9)  # quantiles of a speed, slow and fast, at which friction is
 
 # Of what friction is at one speed, that it may be the other way at another: a level of none comes out a little off.
 OTHER_WAY = 0.2
+LITTLE = 0.2  # of what an acceleration brings, that friction with it may be and go either way
 
 
 class _Coupling(JointCause):
@@ -103,6 +104,14 @@ class SharedMotion(_SharedMotion):
     """C·sgn vₖ + V·vₖ + I·aₖ of the other joint k: a rotor that turns with it too."""
 
     brings = (COULOMB, VISCOUS, CARRIED)
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """Friction that is little beside what the other joint's acceleration brings may come out as any."""
+        rubs, turns, carries = (
+            abs(one) * float(np.sqrt(np.mean(np.square(course))))
+            for one, course in zip(strengths, self.courses(gap, site), strict=True)
+        )
+        return rubs + turns < LITTLE * carries or super().admissible(gap, site, strengths)
 
 
 class SharedEffort(_Coupling):
