@@ -49,11 +49,25 @@ def pseudo_inertias(model: pin.Model) -> Floats:
 
 
 def factors(pseudo: Floats) -> Floats:
-    """Return C (links, 4, 4) of pseudo-inertias (links, 4, 4), zero for links without a mass."""
+    """Return C (links, 4, 4) of pseudo-inertias (links, 4, 4), zero for links without a mass.
+
+    Of what no body has, as moments of inertia of which one is more than the two others, it is that of the nearest.
+    """
     out = np.zeros_like(pseudo)
     for own, factor in zip(pseudo, out, strict=True):
         if own[3, 3] > 0.0:
-            factor[:] = np.linalg.cholesky(own + np.diag([own[3, 3] * FINEST**2] * 3 + [0.0]))
+            factor[:] = np.linalg.cholesky(_spread_out(own) + np.diag([own[3, 3] * FINEST**2] * 3 + [0.0]))
+    return out
+
+
+def _spread_out(pseudo: Floats) -> Floats:
+    # A pseudo-inertia (4, 4) whose mass is spread out by nothing at least along every direction about its centre.
+    mass, first = pseudo[3, 3], pseudo[:3, 3]
+    values, vectors = np.linalg.eigh(pseudo[:3, :3] - np.outer(first, first) / mass)
+    if values[0] >= 0.0:
+        return pseudo
+    out = pseudo.copy()
+    out[:3, :3] = (vectors * np.maximum(values, 0.0)) @ vectors.T + np.outer(first, first) / mass
     return out
 
 

@@ -9,6 +9,8 @@ import numpy as np
 
 from mjfriction.diagnose.audit import find_faults
 from mjfriction.diagnose.look import NO_WORSE, look_at
+from mjfriction.diagnose.misplaced import effort_column
+from mjfriction.diagnose.of_another_kind import of_another_kind
 from mjfriction.diagnose.read_so import off_as_stated, read_so
 from mjfriction.errors import LogError
 from mjfriction.identify.gap import Gap, measure_gap
@@ -52,6 +54,9 @@ def audited(log: Log, robot: Robot, *, highest: float = HIGHEST) -> Audited:
     while faults := find_faults(gap):
         rounds.append(faults)
         mended = _mended(gap, faults, robot, highest) if len(rounds) <= MOST_ROUNDS else None
+        if mended is None and (instead := of_another_kind(gap, faults)):
+            rounds[-1] = instead
+            mended = _mended(gap, instead, robot, highest)
         if mended is None:
             # What is found beside a mend that is none is no fault of the log.
             return Audited(stated, stated, tuple(rounds[0]), refused=True)
@@ -68,15 +73,21 @@ def _mended(gap: Gap, faults: Sequence[Fault], robot: Robot, highest: float) -> 
     try:
         mended = read_so(gap, mends, robot, highest=highest)
         none_lost = set(gap.examined) <= set(mended.examined)
-        sure = none_lost and _fits_no_worse(mended, gap) and _of_their_size(gap, mends, mended)
+        sure = none_lost and _fits_no_worse(mended, gap, mends) and _of_their_size(gap, mends, mended)
     except LogError:
         return None  # read so nothing moves, or so fast that no filter follows: no reading of this log
     return mended if sure else None
 
 
-def _fits_no_worse(mended: Gap, gap: Gap) -> bool:
-    left = [dict(zip(one.examined, look_at(one).left_as_logged, strict=True)) for one in (mended, gap)]
-    return all(left[0][joint] < left[1][joint] + NO_WORSE for joint in left[1])
+def _fits_no_worse(mended: Gap, gap: Gap, mends: Sequence[Mend]) -> bool:
+    # Of efforts: one that is exchanged was explained as it was where it stood.
+    after, before = (dict(zip(one.examined, look_at(one).left_as_logged, strict=True)) for one in (mended, gap))
+    stood = {joint: joint for joint in before}
+    columns = {effort_column(gap, joint): joint for joint in before}
+    for one, other in (pair for mend in mends for pair in mend.exchanged):
+        if one in columns and other in columns:
+            stood[columns[one]], stood[columns[other]] = columns[other], columns[one]
+    return all(after[joint] < before[stood[joint]] + NO_WORSE for joint in before)
 
 
 def _of_their_size(gap: Gap, mends: Sequence[Mend], mended: Gap) -> bool:

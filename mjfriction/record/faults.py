@@ -226,8 +226,8 @@ def frozen(values: Floats, moving: Mask) -> Mask:
     ordinary = float(lengths[int(0.99 * (lengths.size - 1))])
     again, resting = np.append(np.diff(values) == 0.0, False), np.logical_not(moving)
     for a, b in _runs(values, None, max(SHORTEST_STUCK, LONGER * ordinary)):
-        noisy = np.sum(resting) - np.sum(resting[a:b]) > b - a
-        noisy = noisy and np.sum(again & resting) - np.sum(again[a:b] & resting[a:b]) < RARELY * np.sum(resting)
+        rows, repeated = (int(np.sum(own)) - int(np.sum(own[a:b])) for own in (resting, again & resting))
+        noisy = rows > b - a and repeated < RARELY * rows
         if np.mean(moving[a:b]) > MOVED or (noisy and values[a] != 0.0):
             out[a:b] = True
     return out

@@ -68,6 +68,7 @@ class Machine:
     velocity: str = "none"  # "none", "clean" or "noisy" measured velocity
     bristle_travel: float = 0.0  # rad over which the Coulomb level builds up after a reversal, and which a rest keeps
     pauses: bool = False  # whether the motion goes from way-point to way-point and rests at each
+    reach: tuple[float, ...] = ()  # of each joint's motion, once the usual one
     turning: float = 0.0  # rad/s over which friction turns with its direction, all joints creeping as fast besides
 
 
@@ -147,6 +148,8 @@ def record(machine: Machine, seed: int, seconds: float = 40.0, rate: float = 250
     rng = np.random.default_rng([seed, 1])
     count = len(machine.joints)
     time, q, v, a = (way_points if machine.pauses else multisine)(seed, count, seconds, rate)
+    if machine.reach:
+        q, v, a = (course * machine.reach for course in (q, v, a))
     if machine.turning:
         creeping = multisine(seed + 1, count, seconds, rate, reach=2.0 * machine.turning)
         q, v, a = (course + creep for course, creep in zip((q, v, a), creeping[1:], strict=True))

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mjfriction.body.inertia import factors, parameters_per_number, pseudo_inertias, symmetric
+from mjfriction.body.inertia import FINEST, factors, parameters_per_number, pseudo_inertias, symmetric
 from mjfriction.body.model import load_body
 from mjfriction.body.regressor import weighed_links
 from mjfriction.identify.base_parameters import base_parameters
@@ -61,6 +61,19 @@ def test_a_model_wrong_throughout_is_put_right(tmp_path: Path) -> None:
     assert wrong[0] < 0.05 < wrong[1]
     # Base parameters carry the truth of the sum that shows, whatever its parts are.
     assert len([fitted for fitted in found.background if "." in fitted.name]) > 20
+
+
+def test_a_link_that_no_body_could_be_is_near_one_that_can() -> None:
+    # Many a robot's file has a moment of inertia that is more than its two others together.
+    moments = np.diag([0.073, 0.016, 0.0924])
+    stated = pin.PseudoInertia.FromInertia(pin.Inertia(4.96, np.array([0.0, -0.083, 0.015]), moments)).toMatrix()
+    assert np.min(np.linalg.eigvalsh(stated)) < -1e-3
+    (factor,) = factors(stated[None])
+    near = factor @ factor.T
+    assert np.min(np.linalg.eigvalsh(near)) > 0.0
+    np.testing.assert_allclose(near[3], stated[3])
+    spread = np.diag([4.96 * FINEST**2] * 3 + [0.0])
+    assert np.linalg.norm(near - spread - stated) == pytest.approx(0.5 * (0.0924 - 0.073 - 0.016))
 
 
 def test_a_stated_payload_becomes_part_of_the_link_that_holds_it(tmp_path: Path) -> None:
