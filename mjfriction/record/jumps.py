@@ -29,6 +29,7 @@ SOME, MOSTLY = 0.5, 0.7  # of the jumps, that must lie there; the load taken alo
 OFTEN = 0.5  # of the load's turns, that must show one
 NEARLY = 0.9  # of the jumps seen so far, with which a wider window is taken
 FEWEST_ALIKE = 3  # jumps of one size
+FEWEST_STEPS = 12  # alike, that are looked at though no load is known that turns with them
 LARGE = 0.5  # of the jumps with the load, that a step must reach to be looked at
 ALIKE = 0.3  # of their size, by which jumps of one play may differ
 EDGES = (0.0, *np.geomspace(0.1, 1.6, 48))  # widths of an edge that are tried, times the one that was looked for
@@ -100,13 +101,19 @@ def _sure(jumps: Jumps, turns: LoadTurns) -> bool:
 
 def _jumps_of(position: Floats, motion: Motion, turns: LoadTurns) -> Jumps | None:
     best: tuple[int, float, Integers, Floats] | None = None
+    by_themselves: tuple[int, float, Integers, Floats] | None = None
     for width in WIDTHS:
-        at, size = _large(*_steps(position, motion, width), turns)
+        steps = _steps(position, motion, width)
+        at, size = _large(*steps, turns)
         met = turns.meet(at, size)
         count, before = int(np.sum(met)), 0 if best is None else best[0]
         # The widest window tells best how wide an edge is, and so how far it goes.
         if count > max(NEARLY * before, SOME * met.size) and turns.chance(met) < BY_CHANCE:
             best = count, width, at, np.sign(size)
+        if steps[0].size >= max(FEWEST_STEPS, NEARLY * (by_themselves[0] if by_themselves else 0)):
+            by_themselves = steps[0].size, width, steps[0], np.sign(steps[1])
+    # Jumps that accelerate more than the motion does make the load turn the other way: they are taken off first.
+    best = best or by_themselves
     return None if best is None else _measured(position, motion, turns.count, *best[1:])
 
 

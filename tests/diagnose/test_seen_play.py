@@ -22,7 +22,7 @@ from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
-from tests.hidden.machine import Instant, Machine, write_case
+from tests.hidden.machine import UR5_JOINTS, Instant, Machine, write_case
 
 WRIST, PLAY = 3, 2e-3
 
@@ -49,6 +49,16 @@ def test_a_sensor_that_jumps_with_the_load_is_play(case: tuple[Path, Path]) -> N
     again = diagnose_log(log, diagnosis.robot)
     assert (again.verdict, again.findings) == (Verdict.CONSISTENT, ())
     assert again.joints[WRIST].rms_before < 1.1 * again.joints[WRIST].noise_floor
+
+
+def test_jumps_that_accelerate_more_than_the_motion_does_are_seen(tmp_path: Path) -> None:
+    # As they are logged they make the load of an upright axis, which is all inertia, turn the other way.
+    pan, play = 0, 20e-3
+    loose = Machine(sensed={pan: lambda at: 0.5 * play * np.sign(at.rigid)}, reach=(0.2, 1.0, 1.0, 1.0, 1.0, 1.0))
+    log, robot = write_case(tmp_path, loose, seed=7)
+    (finding,) = diagnose_log(read_log(log), read_robot(robot)).findings
+    assert (finding.cause, finding.joint) == ("drive.backlash", UR5_JOINTS[pan])
+    assert finding.parameters[0].value == pytest.approx(play, rel=0.02)
 
 
 def test_without_looking_at_the_position_it_is_missed(case: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch) -> None:
