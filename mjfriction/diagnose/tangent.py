@@ -18,7 +18,6 @@ from mjfriction.robot.robot import Robot
 
 ROUNDS = 4
 SETTLED = 1e-3  # relative change of the strengths at which the rounds end
-STEP = 1e-3  # of a strength's own size, for its difference quotient
 NEAR = 0.1  # relative change of the strengths below which slopes are kept: where the curve itself runs is found anew
 
 
@@ -125,7 +124,7 @@ def _slopes(
     parts = []
     for k in range(own.size):
         step = np.zeros(own.size)
-        step[k] = STEP * max(abs(own[k]), 0.1 * float(np.linalg.norm(own)))
+        step[k] = choice.cause.tangent_step * max(abs(own[k]), 0.1 * float(np.linalg.norm(own)))
         parts.append((_predicted(gap, [*others, (choice, own + step)]) - whole) / step[k])
     slopes = np.stack(parts, axis=2)
     return {joint: slopes[:, joint] for joint in gap.examined}, own

@@ -205,7 +205,8 @@ def without_offsets(robot: Robot, motion: Motion) -> Motion:
 
 
 def _where_friction_acts(robot: Robot, motor: Motion, linked: Motion) -> Motion:
-    behind = np.array([joint.transmission.carries_friction for joint in robot.table.joint])
+    transmissions = [joint.transmission for joint in robot.table.joint]
+    behind = np.array([own.carries_friction or own.rubs_with_link for own in transmissions])
     if not np.any(behind):
         return motor
     position, velocity = (

@@ -146,7 +146,8 @@ class Transmission(Table):
     With ``damping_ratio``, of critical, it swings on its compliance, else it follows its load at once.
     With ``coasting`` the link crosses its play by its own inertia when the load changes sign, else as the load says:
     tanh(load / ``crossing_load``) in place of sgn(load), at once where that is 0.  With ``carries_friction`` the
-    joint's friction acts on the link's side and belongs to the load.
+    joint's friction acts on the link's side and belongs to the load; with ``rubs_with_link`` it acts there and does
+    not, as where it is the sensor's mount that gives.
     """
 
     compliance: NonNegative = 0.0
@@ -155,6 +156,7 @@ class Transmission(Table):
     coasting: bool = True
     crossing_load: NonNegative = 0.0
     carries_friction: bool = False
+    rubs_with_link: bool = False
 
     @property
     def jump(self) -> float:

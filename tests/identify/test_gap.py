@@ -110,6 +110,7 @@ def test_robots_that_differ_in_what_they_carry_or_rub_are_predicted_each_as_it_i
         {"spring": Spring(stiffness=5.0)},
         {"transmission": Transmission(compliance=2e-3)},
         {"transmission": Transmission(compliance=2e-3, carries_friction=True)},
+        {"transmission": Transmission(compliance=2e-3, rubs_with_link=True)},
     ]
     robots += [
         one.with_joint(one.joint("elbow_joint").model_copy(update=c)) for c in changes for one in (gap.robot, rubbing)

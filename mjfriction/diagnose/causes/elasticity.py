@@ -8,7 +8,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Quantity, Site
+from mjfriction.diagnose.causes.cause import Quantity, Site, near_around
 from mjfriction.diagnose.causes.moved_link import (
     WIDEST,
     MovedLink,
@@ -22,7 +22,9 @@ from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.record.motion import smooth_derivatives
+from mjfriction.robot.friction import stated_levels
 from mjfriction.robot.robot import Robot
+from mjfriction.robot.rubbing import direction
 from mjfriction.robot.transmission import LEAST_INERTIA, LOAD_BAND, natural_frequency, swinging
 
 COMPLIANCE = Parameter("compliance", "{length}/{force}", "how far the transmission gives per load", lower=0.0)
@@ -30,6 +32,8 @@ DAMPING_RATIO = Parameter("damping_ratio", "1", "damping of the link on what giv
 RESONANCES = tuple(2.5 * 1.1**k for k in range(25))  # Hz: from 2.5 to 25 Hz
 RESONANCE_BAND = 0.5  # of the position filter's cutoff, below which a resonance shows
 FINER_RESONANCE, NEIGHBOURS = 1.1, 5  # half of a step of these, as compliances, and what is tried within it
+GIVES = tuple(0.15 * 0.75**k for k in range(20))  # rad or m at the largest load: from 150 mrad to 0.6 mrad
+FINER_GIVE = 1.15  # half of a step of these
 DAMPINGS = (0.025, 0.05, 0.1, 0.2, 0.4)  # of critical
 ROUNDS = 2  # in which where a link is and what it needs there are found
 SCREENED_AT = 0.2  # of critical: a link that swings longer falls out of step with what is not quite its resonance
@@ -40,6 +44,7 @@ class _Elasticity(MovedLink):
 
     name = "drive.elasticity"
     carries_friction: ClassVar[bool]
+    rubs_with_link: ClassVar[bool] = False
 
     def load(self, gap: Gap, joint: int) -> Floats:
         """Return what the transmission carries, (n,)."""
@@ -64,7 +69,8 @@ class _Elasticity(MovedLink):
         """Move the compliance."""
         own = robot.table.joint[site.joint].transmission
         compliance = max(0.0, own.compliance + float(strengths[0]))
-        softer = own.model_copy(update={"compliance": compliance, "carries_friction": self.carries_friction})
+        where = {"carries_friction": self.carries_friction, "rubs_with_link": self.rubs_with_link}
+        softer = own.model_copy(update={"compliance": compliance, **where})
         return changed(robot, site, transmission=softer)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
@@ -89,6 +95,51 @@ class LinkSideElasticity(_Elasticity):
     """Friction acts on the link's side of what gives, and so belongs to the load."""
 
     carries_friction = True
+
+
+@final
+class SensorElasticity(_Elasticity):
+    """What gives carries no friction, as a sensor's mount does, and friction follows the link.
+
+    Between the turn of the link and that of its sensor friction points the other way: of wrists with little to carry
+    that is all that shows.  How long that is no line says: the columns are drawn around a compliance that is searched.
+    """
+
+    carries_friction = False
+    rubs_with_link = True
+    curved = True
+    tangent_step = 0.1  # friction goes over to the other side sample by sample
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """Every joint, giving by many ways at its largest load."""
+        sites = [site for site in super().sites(gap) if stated_levels(gap.robot.table.joint[site.joint])[0] > 0.0]
+        most = {site.joint: float(np.max(np.abs(self.load(gap, site.joint)))) for site in sites}
+        return [replace(site, around=give / most[site.joint]) for site in sites for give in GIVES]
+
+    def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
+        """What the joint itself feels."""
+        joint = sites[0].joint
+        felt = [gap.reported(joint, self.samples(gap, site))[::every] for site in sites]
+        return {joint: np.stack(felt, axis=1)}
+
+    def _torques(self, gap: Gap, site: Site) -> Floats:
+        torques = super()._torques(gap, site)
+        if site.around == 0.0:
+            return torques  # nothing gives: whether any load would be felt
+        coulomb, viscous = stated_levels(gap.robot.table.joint[site.joint])
+        velocity, sure = gap.motion.velocity[:, site.joint], gap.motion.sure_speed[:, site.joint]
+        slower = self.shift(gap, site)[1]
+        turned = direction(velocity - site.around * slower, sure)[0] - direction(velocity, sure)[0]
+        torques[:, site.joint] += 2.0 * coulomb * turned / site.around - viscous * slower
+        return torques
+
+    def around_sites(self, gap: Gap, site: Site) -> list[Site]:
+        """To the neighbours on the grid."""
+        return near_around(site, FINER_GIVE)
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """It is near the compliance that the columns were drawn for."""
+        return as_drawn(site, strengths) and super().admissible(gap, site, strengths)
 
 
 @final
