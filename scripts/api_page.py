@@ -20,7 +20,7 @@ from mjfriction.identify.joint_error import JointError
 from mjfriction.identify.outcome import Candidate, JointLaw
 from mjfriction.identify.proof import Gain
 from mjfriction.identify.structure import Structure
-from mjfriction.record.faults import Fault
+from mjfriction.record.fault import Fault
 
 PAGE = Path(__file__).resolve().parent.parent / "docs/api.md"
 TEXT = """# In Python

@@ -12,8 +12,9 @@ from mjfriction.diagnose.look import FEWEST_ROWS, look_at
 from mjfriction.diagnose.misplaced import effort_column, find_misplaced, of_efforts_or_positions
 from mjfriction.diagnose.units import alone, find_units, stretched_clock
 from mjfriction.identify.gap import Gap
-from mjfriction.record.faults import Fault, Mask, Mend
+from mjfriction.record.fault import Fault, Mend
 from mjfriction.record.log import EFFORT, Floats
+from mjfriction.record.runs import Mask
 from mjfriction.record.span import EVER, Span, within
 
 ALIKE = 0.9  # correlation from which on an effort is taken as the image of a prediction

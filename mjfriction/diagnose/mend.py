@@ -14,7 +14,7 @@ from mjfriction.diagnose.of_another_kind import of_another_kind
 from mjfriction.diagnose.read_so import off_as_stated, read_so
 from mjfriction.errors import LogError
 from mjfriction.identify.gap import Gap, measure_gap
-from mjfriction.record.faults import Fault, Mend
+from mjfriction.record.fault import Fault, Mend
 from mjfriction.record.log import POSITION, Log
 from mjfriction.robot.bandwidth import HIGHEST
 from mjfriction.robot.robot import Robot

@@ -11,7 +11,7 @@ import numpy as np
 from mjfriction.diagnose.look import FEWEST_ROWS, HALF, NO_WORSE, SOME, Look, look_at
 from mjfriction.diagnose.read_so import off_as_stated, read_so
 from mjfriction.identify.gap import Gap
-from mjfriction.record.faults import Fault, Mend
+from mjfriction.record.fault import Fault, Mend
 from mjfriction.record.log import POSITION, Floats
 from mjfriction.record.span import EVER, Span, within
 

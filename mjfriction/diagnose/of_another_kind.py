@@ -10,7 +10,7 @@ from mjfriction.diagnose.misplaced import CLEARLY, EXCHANGE, EXCHANGE_JOINTS, ef
 from mjfriction.diagnose.read_so import off_as_stated, read_so
 from mjfriction.errors import LogError
 from mjfriction.identify.gap import Gap
-from mjfriction.record.faults import Fault, Mend
+from mjfriction.record.fault import Fault, Mend
 
 MENDED = 0.3  # of what is left at each of the two, on the average, once they are in their places
 

@@ -15,7 +15,7 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.joint_error import JointError
 from mjfriction.identify.proof import Gain
 from mjfriction.identify.structure import Structure
-from mjfriction.record.faults import Fault
+from mjfriction.record.fault import Fault
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from mjfriction.identify.gap import Gap, measure_gap
-from mjfriction.record.faults import Mend
+from mjfriction.record.fault import Mend
 from mjfriction.record.log import POSITION, VELOCITY, Floats, Log
 from mjfriction.record.motion import velocity_ratio
 from mjfriction.record.reread import part_of, reread

@@ -11,7 +11,7 @@ from mjfriction.body.model import Body
 from mjfriction.diagnose.look import HALF, SOME, look_at
 from mjfriction.diagnose.read_so import off_as_stated, read_so
 from mjfriction.identify.gap import Gap
-from mjfriction.record.faults import Fault, Mend
+from mjfriction.record.fault import Fault, Mend
 from mjfriction.record.log import POSITION, VELOCITY, Log
 from mjfriction.record.motion import Motion, velocity_ratio
 from mjfriction.record.reread import part_of

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjfriction.identify.rows import Chain
-from mjfriction.record.faults import spans
 from mjfriction.record.log import Floats, Log
 from mjfriction.record.motion import Motion
+from mjfriction.record.runs import spans
 from mjfriction.robot.robot import Robot
 
 DOUBT_SPEED = 0.02  # of a joint's RMS speed while it moves: below it no law can be told from its own rounding at zero

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm, wilcoxon
 
-from mjfriction.record.faults import spans
 from mjfriction.record.log import Floats
+from mjfriction.record.runs import spans
 
 SPEEDS = np.geomspace(0.0015, 0.03, 16)  # of the fastest speed, that are tried
 USUAL = 0.4  # of the fastest speed, up to which the stated curve is straight enough to be put right by two numbers

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mjfriction.record.faults import Fault
+from mjfriction.record.fault import Fault
 from mjfriction.record.log import POSITION, Floats, Log
 
 DEGREE = 5  # of the curves that the joints' courses are smooth by

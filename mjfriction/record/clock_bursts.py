@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjfriction.record.clock import SURE, Steps, evenness, put_right, steps_of
-from mjfriction.record.faults import Fault, in_words, spans
+from mjfriction.record.fault import Fault, in_words
 from mjfriction.record.log import Floats, Log
+from mjfriction.record.runs import spans
 
 AT_ONCE, WAITED = 0.3, 1.7  # of the ordinary step: shorter, rows came at once; longer, the recorder waited
 LONG = 10.0  # times the usual step, that pauses are where that is next to none

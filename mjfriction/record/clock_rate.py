@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from mjfriction.record.clock import SURE, put_right, roughness, steps_of
-from mjfriction.record.faults import Fault, moment, spans
+from mjfriction.record.fault import Fault, moment
 from mjfriction.record.log import POSITION, VELOCITY, Log
 from mjfriction.record.resample import GAP_STEPS
+from mjfriction.record.runs import spans
 
 OFF = 0.02  # of the ordinary step, from which on a step is another
 STEADY = 0.2  # of what its steps are off by, that a stretch's steps may spread: a clock that jitters has no rate

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mjfriction.record.clock import SURE, evenness, put_right, steps_of
-from mjfriction.record.faults import Fault, moment
+from mjfriction.record.fault import Fault, moment
 from mjfriction.record.log import Floats, Log
 
 FEWEST_SHARED = 0.05  # of the rows, that have the stamp of the row before

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mjfriction.record.clock import put_right, steps_of
-from mjfriction.record.faults import Fault
+from mjfriction.record.fault import Fault
 from mjfriction.record.log import POSITION, Floats, Log
 from mjfriction.record.resample import GAP_STEPS
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mjfriction.record.faults import QUANTA, Floats, Integers, Mask, count_of, spans
+from mjfriction.record.counts import QUANTA, count_of
+from mjfriction.record.runs import Floats, Integers, Mask, spans
 
 LONGEST_SINGLE = 2  # samples of a glitch
 WILD = 25.0  # times the usual departure from its neighbours' median from which on a sample is wild

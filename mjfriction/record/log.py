@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjfriction.errors import LogError, suggestion
-from mjfriction.record.faults import Fault
+from mjfriction.record.fault import Fault
 from mjfriction.record.span import EVER, Span
 
 Floats = NDArray[np.float64]

@@ -6,24 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 
+from mjfriction.record.clipped import clipped
 from mjfriction.record.clock import steps_of
 from mjfriction.record.clock_bursts import burst_step
-from mjfriction.record.faults import (
-    Fault,
-    Mask,
-    clipped,
-    frozen,
-    held_rows,
-    in_words,
-    repeated_rows,
-    spans,
-    stuck,
-    written_again,
-)
+from mjfriction.record.fault import Fault, in_words
 from mjfriction.record.glitches import felt, glitches
 from mjfriction.record.log import CURRENT, EFFORT, POSITION, VELOCITY, Floats, Integers, Log
 from mjfriction.record.motion import HELD
+from mjfriction.record.repeats import held_rows, repeated_rows, written_again
 from mjfriction.record.resample import GAP_STEPS
+from mjfriction.record.runs import Mask, spans
+from mjfriction.record.stuck import frozen, stuck
 from mjfriction.record.ticks import TICKS, tick_of
 
 SLOWEST_CLOCK = 1.0  # s, steps from which on no clock counts seconds: one in milliseconds makes them 1 kHz at most

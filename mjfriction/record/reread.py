@@ -8,9 +8,10 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from mjfriction.record.faults import Mask, Mend
+from mjfriction.record.fault import Mend
 from mjfriction.record.log import Log
 from mjfriction.record.repair import without_rows
+from mjfriction.record.runs import Mask
 from mjfriction.record.span import Span, within
 
 Value = TypeVar("Value", bound=np.generic)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mjfriction.record.faults import LONG_AGO, moment
+from mjfriction.record.fault import LONG_AGO, moment
 
 WHOLE = 1e7  # from which on seven digits lose what is before the point
 

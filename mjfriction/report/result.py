@@ -13,7 +13,7 @@ from mjfriction.identify.falling import FASTER
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
-from mjfriction.record.faults import Fault, moment
+from mjfriction.record.fault import Fault, moment
 from mjfriction.report.digits import kept
 
 SCHEMA: Literal["mjfriction.report/1"] = "mjfriction.report/1"

@@ -13,7 +13,7 @@ from rich.text import Text
 
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.identify.comparison import Comparison
-from mjfriction.record.faults import moment
+from mjfriction.record.fault import moment
 from mjfriction.record.mapping import Mapping
 from mjfriction.report.digits import digits
 from mjfriction.report.result import FindingEntry, ParameterEntry, Report

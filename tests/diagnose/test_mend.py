@@ -22,7 +22,7 @@ from mjfriction.diagnose.read_so import off_as_stated, read_so
 from mjfriction.diagnose.units import find_units
 from mjfriction.errors import LogError
 from mjfriction.identify.gap import measure_gap
-from mjfriction.record.faults import Fault, Mend
+from mjfriction.record.fault import Fault, Mend
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table

@@ -8,10 +8,13 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from mjfriction.record import faults
-from mjfriction.record.faults import clipped, frozen, held_rows, in_words, repeated_rows, stuck
+from mjfriction.record import clipped as clipping
+from mjfriction.record.clipped import clipped
+from mjfriction.record.fault import in_words
 from mjfriction.record.log import Log
 from mjfriction.record.readers.table import log_from_table
+from mjfriction.record.repeats import held_rows, repeated_rows
+from mjfriction.record.stuck import frozen, stuck
 
 RATE, COUNT = 500.0, 10_000
 POSITION, EFFORT = "position.hinge", "effort.hinge"
@@ -365,7 +368,7 @@ def test_noise_that_is_cut_off_for_long_is_clipped_though_much_lies_beside(monke
     values = np.clip(values, -0.4191, 0.4191)
     moving = np.ones(COUNT, dtype=bool)
     np.testing.assert_array_equal(clipped(values, moving), values == -0.4191)
-    monkeypatch.setattr(faults, "OUTLASTS", np.inf)
+    monkeypatch.setattr(clipping, "OUTLASTS", np.inf)
     assert not np.any(clipped(values, moving))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mjfriction.record.faults import Mend
+from mjfriction.record.fault import Mend
 from mjfriction.record.log import Log
 from mjfriction.record.reread import reread
 

@@ -16,7 +16,7 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.laws.ambient import ROOM_TEMPERATURE
 from mjfriction.parameter import Parameter
-from mjfriction.record.faults import moment
+from mjfriction.record.fault import moment
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction_tables import Event, Thermal, WarmUp
 from mjfriction.robot.robot import Robot

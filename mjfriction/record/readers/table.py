@@ -10,7 +10,7 @@ from mjfriction.record.clock_bursts import without_bursts
 from mjfriction.record.clock_rate import without_clock_drift
 from mjfriction.record.clock_resolution import without_coarse_clock
 from mjfriction.record.clock_steps import without_clock_steps
-from mjfriction.record.faults import moment
+from mjfriction.record.fault import moment
 from mjfriction.record.log import Floats, Integers, Log
 from mjfriction.record.repair import in_seconds, repaired, without_repeats
 
