@@ -81,6 +81,7 @@ def test_a_hidden_effect_is_named_at_its_joint(cause: str, off: float) -> None:
     assert named(diagnosis) == {(hidden.cause, hidden.joint) for hidden in case.hidden}
 
 
+@pytest.mark.bench
 def test_a_messy_log_keeps_its_finding() -> None:
     # A gap, a block sent twice, single wild samples and an uneven clock: said, and no obstacle.
     case = make_case(17, Setting(seconds=40.0, rate=250.0, off=0.03), (draw_of("friction.load"),), SEVERITY["large"])

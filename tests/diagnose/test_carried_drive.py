@@ -81,6 +81,7 @@ def test_it_is_one_finding_at_the_joint_whose_drive_it_is(
     assert diagnose_log(log, diagnosis.robot).verdict is Verdict.CONSISTENT
 
 
+@pytest.mark.bench
 def test_where_the_neighbour_leans_on_the_drive_that_is_the_same_finding(tmp_path: Path) -> None:
     """Its own drive then reports so much less of what the other gives, in place of a part of the other's friction."""
     own, neighbour, ratio = 2, 3, 0.2

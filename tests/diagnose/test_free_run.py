@@ -99,6 +99,7 @@ def test_efforts_that_say_nothing_drive_nothing() -> None:
     assert not np.any((begins > 10.0 - SECONDS) & (begins < 14.0))
 
 
+@pytest.mark.bench
 def test_a_cause_that_is_none_without_a_part_of_the_log_is_told_of_and_not_driven(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -23,6 +23,7 @@ from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Machine, record, write_case
 
 
+@pytest.mark.bench
 def test_a_wave_of_little_more_than_a_period_is_one_wave(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def found(wavenumber: float) -> Diagnosis:
         machine = Machine(noise=0.05, hidden={2: lambda own: 4.0 * np.cos(wavenumber * own.q)})

@@ -560,6 +560,7 @@ def test_friction_that_is_a_little_uneven_everywhere_is_no_finding(
     assert len(told) >= 5
 
 
+@pytest.mark.bench
 def test_the_ripple_of_gears_is_told_where_it_stands_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def cogs(joint: int, share: float) -> Callable[[Instant], np.ndarray]:
         return lambda i: share * UR5_COULOMB[joint] * np.cos(50.0 * i.q + joint)
@@ -577,6 +578,7 @@ def test_the_ripple_of_gears_is_told_where_it_stands_out(tmp_path: Path, monkeyp
     assert {cause for cause, _ in told} == {"drive.cogging"}
 
 
+@pytest.mark.bench
 def test_a_warm_up_of_two_time_constants_is_one_warm_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def warms(i: Instant) -> np.ndarray:
         share = 0.7 * (1.0 - np.exp(-i.time / 2.0)) + 0.3 * (1.0 - np.exp(-i.time / 25.0))

@@ -129,6 +129,7 @@ def test_the_mirrored_motion_gives_the_same_finding(tmp_path: Path, monkeypatch:
     assert values(after)["stribeck_excess"] == pytest.approx(values(before)["stribeck_excess"], rel=0.05)
 
 
+@pytest.mark.bench
 def test_less_noise_never_loses_a_finding(tmp_path: Path) -> None:
     for noise in (0.3, 0.03, 0.0):
         found = diagnosed(columns_of(fading, noise), robot_toml(Machine()), tmp_path)

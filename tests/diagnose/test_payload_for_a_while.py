@@ -87,6 +87,7 @@ def test_the_extended_robot_predicts_both() -> None:
             assert np.sqrt(np.mean(np.square(extended[name] - truth[name])[own])) < 0.1
 
 
+@pytest.mark.bench
 def test_a_payload_that_is_put_down_is_told_too() -> None:
     diagnosis = diagnosed((0.0, 1.5), 1.5)
     ((mass, evidence),) = told(diagnosis)

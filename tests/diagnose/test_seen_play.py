@@ -148,6 +148,7 @@ def test_play_that_is_crossed_little_by_little_is_found(seed: int, tmp_path: Pat
     assert diagnosis.joints[0].rms_heldout_after < 1.05 * diagnosis.joints[0].noise_floor
 
 
+@pytest.mark.bench
 def test_a_log_in_two_pieces_tells_the_same(case: tuple[Path, Path]) -> None:
     table = pq.read_table(case[0])
     rows = table.num_rows

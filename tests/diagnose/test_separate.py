@@ -100,6 +100,7 @@ def test_a_spring_over_a_short_stroke_is_told_by_the_asked_motion(
     assert second.next_experiment is None
 
 
+@pytest.mark.bench
 def test_no_motion_is_asked_of_a_robot_whose_positions_were_misread(
     robots: tuple[Robot, Robot], over_a_short_stroke: dict[str, np.ndarray]
 ) -> None:

@@ -76,6 +76,7 @@ def test_the_frequencies_of_a_link_that_swings_are_its_own_in_every_pose() -> No
     assert not oscillations._of_own_link(model.without(soft), float(np.median(own)))
 
 
+@pytest.mark.bench
 @pytest.mark.parametrize("cause", [SwingingElasticity(), Backlash()])
 @pytest.mark.parametrize("at_a_time", [1, 2, 100])
 def test_many_places_of_a_joint_are_screened_as_each_by_itself(

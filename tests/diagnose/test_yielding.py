@@ -63,6 +63,7 @@ def test_at_every_joint_it_is_no_finding(tmp_path: Path) -> None:
     assert (found.verdict, found.findings) == (Verdict.CONSISTENT, ())
 
 
+@pytest.mark.bench
 def test_a_stribeck_curve_beside_it_is_found(tmp_path: Path) -> None:
     found = diagnosed(tmp_path, STICKS)
     (finding,) = found.findings
@@ -93,6 +94,7 @@ def test_at_one_joint_alone_it_is_one_where_it_is_most_of_what_is_wrong(
     assert diagnosed(tmp_path, machine).findings == ()
 
 
+@pytest.mark.bench
 def test_at_one_joint_alone_it_is_one_where_others_are_seen_to_be_rigid(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -68,6 +68,7 @@ def identified() -> Identification:
     return identify_log(log_from_table(pa.table(columns), "passes"), read_robot("ur5"), law="arctan", side="motor")
 
 
+@pytest.mark.bench
 def test_the_law_behind_the_passes_is_recovered_on_the_motor_side() -> None:
     (law,) = identified().laws
     assert law.joint == "elbow_joint"
@@ -370,6 +371,7 @@ def test_passes_say_which_law_they_need(truth: str, values: dict[str, float]) ->
     assert all(right)
 
 
+@pytest.mark.bench
 def test_joints_that_rest_while_another_passes_do_not_bend_links_and_zeros() -> None:
     # At rest friction may be anything within its level, and most of such a log is rest.
     robot = read_robot("ur5")
