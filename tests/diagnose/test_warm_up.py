@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from mjfriction.diagnose import compete
+from mjfriction.diagnose.causes import varying
 from mjfriction.diagnose.causes.varying import WarmUpDrift
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.record.readers import read_log
@@ -57,3 +58,17 @@ def test_a_sensor_of_whole_degrees_is_followed_all_the_same(tmp_path: Path, monk
     assert "coulomb_per_kelvin" in parameters()
     monkeypatch.setattr(compete, "by_temperature", lambda model, _: model)
     assert "time_constant" in parameters()
+
+
+def test_what_is_over_in_two_seconds_is_no_warm_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def at_first(at: Instant) -> np.ndarray:
+        return 1.6 * UR5_VISCOUS[ELBOW] * np.exp(-at.time / 1.8) * at.v
+
+    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: at_first}, noise=0.1), seed=4, seconds=9.0)
+
+    def told() -> set[str]:
+        return {one.cause for one in diagnose_log(read_log(log), read_robot(robot)).findings}
+
+    assert "friction.temperature" not in told()
+    monkeypatch.setattr(varying, "FASTEST", 0.5)
+    assert "friction.temperature" in told()

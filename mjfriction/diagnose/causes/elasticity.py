@@ -138,8 +138,12 @@ class SensorElasticity(_Elasticity):
         return near_around(site, FINER_GIVE)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """It is near the compliance that the columns were drawn for."""
-        return as_drawn(site, strengths) and super().admissible(gap, site, strengths)
+        """It is near the compliance that the columns were drawn for, and stands out of the noise: at reversals no real
+        machine's friction is quite as its law says, which a turn a little earlier or later makes up for.
+        """
+        effect = gap.rms((self.columns(gap, site)[site.joint] @ strengths), site.joint)
+        stands_out = effect > gap.noise_floor[site.joint]
+        return bool(stands_out) and as_drawn(site, strengths) and super().admissible(gap, site, strengths)
 
 
 @final

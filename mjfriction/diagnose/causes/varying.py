@@ -35,6 +35,8 @@ OPPOSITE = 0.5  # of its change when slow, that it may change the other way when
 MOMENTS = 60
 EDGE = 0.06  # of the joint's motion at both ends, in which a step is not looked for
 TIME_CONSTANTS = (0.1, 3.0)  # of the log's length
+FASTEST = 3.0  # s, in which nothing of a drive's weight warms
+AT_THE_EDGE = 1.05  # times the fastest, up to which it is something at the log's beginning
 
 
 class Varying(JointCause):
@@ -129,18 +131,28 @@ class WarmUpDrift(Varying):
     shape_parameters = (TIME_CONSTANT,)
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every moving joint of a log whose clock runs on, with time constants of a tenth of it to three times it."""
-        duration = float(np.ptp(gap.motion.time))
-        if np.any(np.diff(gap.motion.time) < 0.0):
+        """Every moving joint of a log whose clock runs on, with time constants of a tenth of it to three times it, none
+        of them faster than anything warms.
+        """
+        low, high = self._time_constants(gap)
+        if np.any(np.diff(gap.motion.time) < 0.0) or low >= high:
             return []
-        grid = np.geomspace(TIME_CONSTANTS[0] * duration, TIME_CONSTANTS[1] * duration, 5)
+        grid = np.geomspace(low, high, 5)
         begin = float(gap.motion.time[0])
         return [replace(site, shape=(float(tau),), begin=begin) for site in super().sites(gap) for tau in grid]
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
         """Faster is an event, slower a straight line."""
+        return [self._time_constants(gap)]
+
+    def own_shape(self, gap: Gap, site: Site) -> bool:
+        """The fastest that is asked for is what happened as the log began."""
+        return site.shape[0] > AT_THE_EDGE * self._time_constants(gap)[0]
+
+    @staticmethod
+    def _time_constants(gap: Gap) -> tuple[float, float]:
         duration = float(np.ptp(gap.motion.time))
-        return [(TIME_CONSTANTS[0] * duration, TIME_CONSTANTS[1] * duration)]
+        return max(TIME_CONSTANTS[0] * duration, FASTEST), TIME_CONSTANTS[1] * duration
 
     def course(self, gap: Gap, site: Site) -> Floats:
         """The share of the warm-up that is over, begun with the log."""
