@@ -67,13 +67,14 @@ def reshaped(model: Model, joints: Collection[int] | None = None) -> Model:
     """Return the model with the shapes of its causes (of some joints', if given) searched anew, each in turn.
 
     A new cause, or a level held, moves the best shapes of the others on the joints that feel it.  A shape with which
-    friction would be none, or that another of its kind has, keeps the one there is.
+    friction would be none, or that another cause or another of its kind has, keeps the one there is.
     """
     for i, choice in enumerate(model.chosen):
         mine = joints is None or choice.site.joint in joints
         if (choice.site.shape or choice.site.around) and not choice.tangent and mine:
             without = model.without(choice)
             better = best_shape(without, choice)
-            if apart(without, better) and try_out(without, better) is not None:
+            own = choice.cause.own_shape(model.gap, better.site) and apart(without, better)
+            if own and try_out(without, better) is not None:
                 model = build_model(model.gap, model.nuisance, (*model.chosen[:i], better, *model.chosen[i + 1 :]))
     return model

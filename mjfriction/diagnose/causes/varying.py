@@ -34,9 +34,10 @@ SPEEDS = (0.1, 0.9)  # quantiles of a joint's speed, between which friction rise
 OPPOSITE = 0.5  # of its change when slow, that it may change the other way when fast: damping is hardly known
 MOMENTS = 60
 EDGE = 0.06  # of the joint's motion at both ends, in which a step is not looked for
-TIME_CONSTANTS = (0.1, 3.0)  # of the log's length
-FASTEST = 3.0  # s, in which nothing of a drive's weight warms
+SLOWEST = 3.0  # of the log's length: what is slower is a straight line
+FASTEST = 3.0  # s: in less nothing of a drive's weight warms
 AT_THE_EDGE = 1.05  # times the fastest, up to which it is something at the log's beginning
+APART = 2.5  # from one time constant that is tried to the next, at most
 
 
 class Varying(JointCause):
@@ -131,18 +132,16 @@ class WarmUpDrift(Varying):
     shape_parameters = (TIME_CONSTANT,)
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every moving joint of a log whose clock runs on, with time constants of a tenth of it to three times it, none
-        of them faster than anything warms.
-        """
+        """Every moving joint of a log whose clock runs on, with time constants from what warms fastest on."""
         low, high = self._time_constants(gap)
         if np.any(np.diff(gap.motion.time) < 0.0) or low >= high:
             return []
-        grid = np.geomspace(low, high, 5)
+        grid = np.geomspace(low, high, 1 + int(np.ceil(np.log(high / low) / np.log(APART))))
         begin = float(gap.motion.time[0])
         return [replace(site, shape=(float(tau),), begin=begin) for site in super().sites(gap) for tau in grid]
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
-        """Faster is an event, slower a straight line."""
+        """From what warms fastest to a straight line."""
         return [self._time_constants(gap)]
 
     def own_shape(self, gap: Gap, site: Site) -> bool:
@@ -151,8 +150,7 @@ class WarmUpDrift(Varying):
 
     @staticmethod
     def _time_constants(gap: Gap) -> tuple[float, float]:
-        duration = float(np.ptp(gap.motion.time))
-        return max(TIME_CONSTANTS[0] * duration, FASTEST), TIME_CONSTANTS[1] * duration
+        return FASTEST, SLOWEST * float(np.ptp(gap.motion.time))
 
     def course(self, gap: Gap, site: Site) -> Floats:
         """The share of the warm-up that is over, begun with the log."""
