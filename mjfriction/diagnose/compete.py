@@ -106,8 +106,9 @@ def _forward(model: Model, field: Field, chances: Chances, tell: Tell, enough: C
         tell(f"searching for causes, {named} so far", SEARCHED * (1.0 - FURTHER ** (1 + named)))
         more, left = _one_more(model, asked, chances)
         if more is not None:
-            newcomer = more.chosen[-1]
-            more = reshaped(more, cause_block(more.gap, newcomer)[0].keys())
+            felt = cause_block(more.gap, more.chosen[-1])[0].keys()
+            more = fulfilled(more)
+            more = reshaped(more, felt | cause_block(more.gap, more.chosen[-1])[0].keys())
             more = leaning(as_known(straightened(more)), chances)
             model, asked, anew = more, left, len(left) == len(field)
         elif anew:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import pytest
 from mjfriction.benchmark.cases import Setting, make_case
 from mjfriction.benchmark.effects.drive import turned_too
 from mjfriction.benchmark.effects.effect import Effect, Place, sign
+from mjfriction.diagnose import compete
 from mjfriction.diagnose.causes.carried_drive import (
     DifferenceCarried,
     DifferenceCarriedRotor,
@@ -21,7 +23,7 @@ from mjfriction.diagnose.causes.carried_drive import (
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.field import chances_in
-from mjfriction.diagnose.model import Chosen, build_model
+from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.one_transmission import leaning
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
@@ -169,3 +171,37 @@ def test_it_takes_no_more_than_is_stated_and_stands_against_the_motion(tmp_path:
         assert cause.admissible(gap, site, np.array([0.8 * coulomb, 1.2 * viscous]))
     # A rotor of which nothing is stated cannot turn with another joint.
     assert not SumCarriedRotor().admissible(gap, site, np.array([coulomb, viscous, 0.01]))
+
+
+@pytest.mark.bench
+def test_a_rotor_that_turns_too_is_told_at_once_or_much_is_asked_in_vain(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    own, neighbour, ratio, inertia = WRIST - 1, WRIST, -0.76, 1.0
+    rubs = turning(own, neighbour, ratio)
+
+    def spins(at: Instant) -> np.ndarray:
+        hard = np.gradient(at.velocities, at.time, axis=0)
+        return inertia * (hard[:, own] + ratio * hard[:, neighbour])
+
+    hidden = {own: lambda at: rubs[own](at) + spins(at), neighbour: lambda at: rubs[neighbour](at) + ratio * spins(at)}
+    log, path = write_case(tmp_path, Machine(hidden=hidden, noise=0.02), seed=3, off=0.03)
+    robot = read_robot(path)
+    table = robot.table.joint[own]
+    actuator = table.actuator.model_copy(update={"rotor_inertia": inertia / table.actuator.gear_ratio**2})
+    robot = robot.with_joint(table.model_copy(update={"actuator": actuator}))
+    fulfilled, ranked, asked = compete.fulfilled, compete.ranked, []
+    monkeypatch.setattr(compete, "ranked", lambda model, field: (asked.append(model), ranked(model, field))[1])
+    (finding,) = diagnose_log(read_log(log), robot).findings
+    assert (finding.cause, finding.joint) == ("drive.coupling", UR5_JOINTS[own])
+    found = {fitted.name: fitted.value for fitted in finding.parameters}
+    truth = {"coulomb": UR5_COULOMB[own], "viscous": UR5_VISCOUS[own], "inertia": inertia, "ratio": abs(ratio)}
+    assert found == pytest.approx(truth, rel=0.02)
+    at_once = len(asked)
+
+    def at_last(model: Model) -> Model:
+        return model if inspect.stack()[1].function == "_forward" else fulfilled(model)
+
+    monkeypatch.setattr(compete, "fulfilled", at_last)
+    diagnose_log(read_log(log), robot)
+    assert len(asked) - at_once > 2 * at_once
