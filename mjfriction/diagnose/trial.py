@@ -28,18 +28,20 @@ MOST_OF_SEVERAL = 0.995  # the same where several joints feel it
 class Trial:
     """What a candidate does for a model.
 
-    ``improvement`` (blocks,) is the weighted squared error it takes off each block when fitted to the others,
-    ``error`` (blocks,) what was there before, both at the joints it touches; ``relief`` is what it takes off the
-    refitted drives' and links' distance from what is stated, in the same unit.  At the joint that loses the largest
-    share of its error, ``effect`` is its RMS effort relative to the joint's, which has to be ``least_effect``,
-    ``of_friction`` its most beside levels, relative to the joint's friction, of which it has to be
-    ``least_of_friction``.  ``wald`` is θᵀC⁻¹θ/k of its k = ``count`` strengths θ, C being their covariance, the larger
-    of the one clustered over blocks, which leave ``spare``, and the one for white noise.
+    ``improvement`` (blocks,) is the weighted squared error it takes off each block when fitted to the others, ``error``
+    (blocks,) what was there before, both at the joints it touches; ``elsewhere`` is the improvement at the others,
+    whose links stood in for it, and ``relief`` what it takes off the refitted drives' and links' distance from what is
+    stated, in the same unit.  At the joint that loses the largest share of its error, ``effect`` is its RMS effort
+    relative to the joint's, which has to be ``least_effect``, ``of_friction`` its most beside levels, relative to the
+    joint's friction, of which it has to be ``least_of_friction``.  ``wald`` is θᵀC⁻¹θ/k of its k = ``count`` strengths
+    θ, C being their covariance, the larger of the one clustered over blocks, which leave ``spare``, and the one for
+    white noise.
     """
 
     chosen: Chosen
     improvement: Floats
     error: Floats
+    elsewhere: float
     relief: float
     effect: float
     of_friction: float
@@ -51,8 +53,8 @@ class Trial:
 
     @property
     def gain(self) -> float:
-        """The improvement summed over the blocks, and the relief."""
-        return float(np.sum(self.improvement)) + self.relief
+        """The improvement summed over the blocks, here and elsewhere, and the relief."""
+        return float(np.sum(self.improvement)) + self.elsewhere + self.relief
 
     @property
     def merit(self) -> float:
@@ -104,7 +106,9 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
         return None
     if not model.friction_is_physical(fitted, touched, choice):
         return None
-    before, after = model.heldout_errors[touched], normal.heldout_errors(gap.blocks.folds, touched)
+    errors_before, errors_after = model.heldout_errors, normal.heldout_errors(gap.blocks.folds)
+    before, after = errors_before[touched], errors_after[touched]
+    elsewhere = float(np.sum(errors_before - errors_after)) - float(np.sum(before - after))
     most = _where_it_shows(columns, before.sum(axis=1), after.sum(axis=1))
     groups = gap.blocks.group if repeating else np.arange(gap.blocks.count)
     covariances = [normal.covariance(groups)]
@@ -124,7 +128,7 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
     improvement, error = (before - after).sum(axis=0), before.sum(axis=0)
     left = left_of_friction(model, _rms_of(model, after[touched.index(most)], most), most)
     least = least_effect(model, choice, left), least_of_friction(model, choice, left)
-    return Trial(choice, improvement, error, relief, *size, *least, wald, count, int(groups[-1]))
+    return Trial(choice, improvement, error, elsewhere, relief, *size, *least, wald, count, int(groups[-1]))
 
 
 def effects(model: Model, choice: Chosen, strengths: Floats, joint: int) -> tuple[float, float]:

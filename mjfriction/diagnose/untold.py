@@ -17,7 +17,7 @@ from mjfriction.diagnose.links_off import links_far_off
 from mjfriction.diagnose.model import Chosen, Key, Model, build_model, partners
 from mjfriction.diagnose.stated import Settled
 from mjfriction.diagnose.stroke_curve import StrokeCurve, vague_waves
-from mjfriction.diagnose.trial import effects, negligible
+from mjfriction.diagnose.trial import effects, negligible, strain
 from mjfriction.diagnose.verdict import beside_oscillations
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
@@ -30,6 +30,7 @@ BRISTLE_MISFIT = 0.005  # of what a bristle takes off its joint, that no machine
 # Times the mean square that is left unexplained at a joint that it must take away: half of the RMS.  Beside a load that
 # swings or a tone, which are known and refitted along, once.
 DROWNED = 3.0
+STRAINED = 25.0  # of distance from what is stated, in squares of what is the rule, that a cause must save the rest
 COURSES = frozenset({WarmUpDrift.name, Step.name})  # of friction over time
 LEAST_OF_COURSES = 0.2  # of the largest on a joint, that another must reach: no warm-up is quite the one fitted
 
@@ -51,15 +52,15 @@ def find_untold(
     """Return which causes of a settled model are no findings.
 
     What is next to nothing of the effort, or hardly shows beside what is left on motion not fitted (``heldout``, rows
-    by joints, without oscillations), may be what larger causes leave that are told a little off.  And a course that
-    no cause is, ``remaining``, can be told in part by many, a brake that drags as a warm-up; and what only spells out
-    one of ``curves`` tells of nothing else, nor do two waves of friction of which the period is hardly known.  A
-    course over time that is small beside another on its joint is what that other's form leaves.  A link is none where
-    all links a few percent off, in all of their ten parameters, do as well, nor is a torque constant or a rotor a few
-    percent off on a robot that is so throughout, or at a joint that has play or gives: what its accelerations are in
-    between is a matter of how that is drawn.  The other half of a cause that is told was asked for by name, and is
-    told too.  Friction that builds up within what any contact yields is one at one joint or two, as
-    :func:`~mjfriction.diagnose.contacts.more_than_contacts` says.
+    by joints, without oscillations), nor keeps drives and links near what is stated, may be what larger causes leave
+    that are told a little off.  And a course that no cause is, ``remaining``, can be told in part by many, a brake that
+    drags as a warm-up; and what only spells out one of ``curves`` tells of nothing else, nor do two waves of friction
+    of which the period is hardly known.  A course over time that is small beside another on its joint is what that
+    other's form leaves.  A link is none where all links a few percent off, in all of their ten parameters, do as well,
+    nor is a torque constant or a rotor a few percent off on a robot that is so throughout, or at a joint that has play
+    or gives: what its accelerations are in between is a matter of how that is drawn.  The other half of a cause that is
+    told was asked for by name, and is told too.  Friction that builds up within what any contact yields is one at one
+    joint or two, as :func:`~mjfriction.diagnose.contacts.more_than_contacts` says.
     """
     model, strengths = settled.model, settled.model.strengths
     gap = model.gap
@@ -95,7 +96,9 @@ def find_untold(
             for other in model.chosen
             if other.cause.name == Presliding.name and other.key != choice.key
         }
-        if choice.key not in common | small and not shows(gap, before[choice.key], heldout, drowning, bare, built_up):
+        if choice.key in common | small or shows(gap, before[choice.key], heldout, drowning, bare, built_up):
+            continue
+        if not _strained_without(model, choice):
             small.add(choice.key)
     of_links = [choice for choice in model.chosen if isinstance(choice.cause, LinkScale | LinkCentre)]
     if any(choice.key not in common | small for choice in of_links) and not links_far_off(model):
@@ -104,6 +107,12 @@ def find_untold(
     asked = {choice.key for choice in model.chosen if partners(choice, told)}
     spelling = frozenset(key for curve in curves for key in curve.keys) | vague_waves(model)
     return Untold(frozenset(common | (small - asked)) | spelling, left, bare)
+
+
+def _strained_without(model: Model, choice: Chosen) -> bool:
+    # Whether refitted drives and links stand in for a cause only by being off as they hardly ever are.
+    without = without_cause(model, choice)
+    return strain(without, without.strengths) - strain(model, model.strengths) > STRAINED
 
 
 def _beside_larger_courses(model: Model) -> set[Key]:

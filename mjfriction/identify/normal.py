@@ -160,15 +160,15 @@ class Normal:
         """Return the squared error (joints,) that given strengths leave on all blocks."""
         return np.array([part.error(strengths) for part in self.products.parts])
 
-    def heldout_errors(self, folds: Sequence[NDArray[np.bool_]], joints: Collection[int] | None = None) -> Floats:
-        """Return the squared error (joints, blocks) of some joints, by default of all, each block predicted by a fit
-        that has not seen it; one that is in no fold by what is stated.
+    def heldout_errors(self, folds: Sequence[NDArray[np.bool_]]) -> Floats:
+        """Return the squared error (joints, blocks), each block predicted by a fit that has not seen it; one that is in
+        no fold by what is stated.
         """
         parts, left_out = self.products.parts, np.array(folds)
         strengths = np.zeros((parts[0].power.size, self.count))
         for fold, own in zip(folds, self.strengths(~left_out), strict=True):
             strengths[fold] = own
-        return np.stack([part.errors(strengths) for part in (parts if joints is None else [parts[i] for i in joints])])
+        return np.stack([part.errors(strengths) for part in parts])
 
     def covariance(self, groups: Integers) -> Floats:
         """Return the covariance (p, p) of the strengths fitted on all blocks.

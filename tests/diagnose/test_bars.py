@@ -24,7 +24,7 @@ def trial(chance: float) -> Trial:
     """Return a trial that is large in everything, so likely by chance."""
     wald = float(fisher.isf(chance, 1, SPARE))
     return Trial(
-        Chosen(Offset(), Site(0)), np.full(41, 2.0), np.full(41, 3.0), 0.0, 0.5, 0.3, 0.005, 0.04, wald, 1, SPARE
+        Chosen(Offset(), Site(0)), np.full(41, 2.0), np.full(41, 3.0), 0.0, 0.0, 0.5, 0.3, 0.005, 0.04, wald, 1, SPARE
     )
 
 
