@@ -55,6 +55,7 @@ def test_the_extended_robot_goes_where_the_hidden_machine_does(cause: str) -> No
         assert quiet.after < 1.3 * own[other], other
 
 
+@pytest.mark.bench
 def test_where_nothing_is_hidden_nothing_is_gained() -> None:
     case = make_case(7, SETTING, (), 1.0)
     diagnosis = diagnose_log(log_of(case), case.stated)

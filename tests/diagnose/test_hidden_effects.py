@@ -526,6 +526,7 @@ def test_courses_of_time_are_found_on_any_clock(begin: float, tmp_path: Path) ->
     assert np.sqrt(np.mean(np.square(missed))) < 1.3 * 0.1 * UR5_COULOMB[2]
 
 
+@pytest.mark.bench
 def test_the_stated_level_may_be_that_of_after_a_step(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     machine = Machine(noise=0.1, hidden={2: lambda i: 3.0 * np.sign(i.v) * (i.time < 24.0)})
     step, level = ("event.change", "elbow_joint"), ("friction.coulomb_viscous", "elbow_joint")
@@ -644,6 +645,7 @@ def test_a_sliding_joint_of_an_mjcf_model_reads_in_newtons(tmp_path: Path) -> No
     assert diagnosis.joints[0].unit == "N"
 
 
+@pytest.mark.bench
 def test_heavier_links_are_no_payload(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def stout(model: mujoco.MjModel) -> None:
         body = model.body("upper_arm_link").id

@@ -70,6 +70,7 @@ def rising(at: Instant) -> np.ndarray:
     return 4.0 * UR5_COULOMB[ELBOW] * along * np.sign(at.v)
 
 
+@pytest.mark.bench
 @pytest.mark.parametrize(
     ("hidden", "cause", "rule"),
     [(one_way, "friction.asymmetry", "_of_one_direction"), (rising, "friction.position", "_rising")],

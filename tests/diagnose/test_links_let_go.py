@@ -146,6 +146,7 @@ def held_by(model: Model) -> list[bool]:
     return [one.low < true[one.name] < one.high for one in told]
 
 
+@pytest.mark.bench
 def test_links_that_are_told_are_bodies_and_their_intervals_hold_the_truth(tmp_path: Path) -> None:
     model = let_go(tmp_path, 5)
     inertias, place = model.nuisance.inertias, model.nuisance.of_inertias
@@ -165,6 +166,7 @@ def test_nine_intervals_of_ten_hold_the_truth(tmp_path: Path) -> None:
     assert np.mean(held) > 0.9
 
 
+@pytest.mark.bench
 def test_a_single_link_is_no_robot_that_is_wrong_everywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     machine = Machine(change=one_link, noise=NOISE)
     found = diagnosed(tmp_path / "one", machine)

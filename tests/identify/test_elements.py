@@ -63,6 +63,7 @@ def identified(tmp_path_factory: pytest.TempPathFactory):
     return of
 
 
+@pytest.mark.bench
 def test_springs_are_found_with_their_number(identified) -> None:
     found = identified("maxwell_slip", "maxwell_slip")
     values = {fitted.name: fitted for fitted in found.laws[0].parameters}

@@ -137,6 +137,7 @@ def test_held_masses_that_make_no_sense_are_one_line(
     assert done.stderr.count("\n") == 1
 
 
+@pytest.mark.bench
 def test_logs_of_several_masses_are_diagnosed_together() -> None:
     diagnosis = diagnose_log(merge_logs(logs()), stated())
     assert {(finding.cause, finding.joint) for finding in diagnosis.findings} == {
