@@ -123,12 +123,12 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
     shown = np.any([np.any(values != 0.0, axis=0) for values in columns.values()], axis=0)
     count = max(1, int(np.count_nonzero(shown)))
     wald = float(min(walds)) / count
-    relief = strain(model, model.strengths) - strain(model, fitted)
+    nearer = strain(model, model.strengths) - strain(model, fitted)
     size = effects(model, choice, strengths, most)
     improvement, error = (before - after).sum(axis=0), before.sum(axis=0)
     left = left_of_friction(model, _rms_of(model, after[touched.index(most)], most), most)
     least = least_effect(model, choice, left), least_of_friction(model, choice, left)
-    return Trial(choice, improvement, error, elsewhere, relief, *size, *least, wald, count, int(groups[-1]))
+    return Trial(choice, improvement, error, elsewhere, nearer, *size, *least, wald, count, int(groups[-1]))
 
 
 def effects(model: Model, choice: Chosen, strengths: Floats, joint: int) -> tuple[float, float]:
@@ -233,3 +233,8 @@ def strain(model: Model, strengths: Floats) -> float:
     """
     stated = model.nuisance.of_stated
     return float(np.sum(model.system.normal.precision[stated] * np.square(strengths[stated])))
+
+
+def relief(model: Model, without: Model) -> float:
+    """Return how much nearer to what is stated drives and links are in a model than ``without`` one of its causes."""
+    return strain(without, without.strengths) - strain(model, model.strengths)

@@ -17,7 +17,7 @@ from mjfriction.diagnose.links_off import links_far_off
 from mjfriction.diagnose.model import Chosen, Key, Model, build_model, partners
 from mjfriction.diagnose.stated import Settled
 from mjfriction.diagnose.stroke_curve import StrokeCurve, vague_waves
-from mjfriction.diagnose.trial import effects, negligible, strain
+from mjfriction.diagnose.trial import effects, negligible, relief
 from mjfriction.diagnose.verdict import beside_oscillations
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
@@ -80,7 +80,8 @@ def find_untold(
         or (choice.cause.usual(gap, choice.site, strengths[place]) and (not exact or choice.site.joint in giving))
     }
     causes = (*model.chosen, *settled.levels)
-    before = {choice.key: without_cause(model, choice).heldout_residual() for choice in causes}
+    without = {choice.key: without_cause(model, choice) for choice in causes}
+    before = {key: own.heldout_residual() for key, own in without.items()}
     common -= more_than_contacts(model, before, heldout)
     small = {
         choice.key
@@ -98,7 +99,8 @@ def find_untold(
         }
         if choice.key in common | small or shows(gap, before[choice.key], heldout, drowning, bare, built_up):
             continue
-        if not _strained_without(model, choice):
+        # Refitted drives and links may stand in for it only by being off as they hardly ever are.
+        if relief(model, without[choice.key]) < STRAINED:
             small.add(choice.key)
     of_links = [choice for choice in model.chosen if isinstance(choice.cause, LinkScale | LinkCentre)]
     if any(choice.key not in common | small for choice in of_links) and not links_far_off(model):
@@ -107,12 +109,6 @@ def find_untold(
     asked = {choice.key for choice in model.chosen if partners(choice, told)}
     spelling = frozenset(key for curve in curves for key in curve.keys) | vague_waves(model)
     return Untold(frozenset(common | (small - asked)) | spelling, left, bare)
-
-
-def _strained_without(model: Model, choice: Chosen) -> bool:
-    # Whether refitted drives and links stand in for a cause only by being off as they hardly ever are.
-    without = without_cause(model, choice)
-    return strain(without, without.strengths) - strain(model, model.strengths) > STRAINED
 
 
 def _beside_larger_courses(model: Model) -> set[Key]:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from mjfriction.diagnose import diagnosis
+from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.elasticity import SensorElasticity
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.identify.gap import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_JOINTS, Machine, write_case
@@ -47,3 +50,11 @@ def test_friction_on_the_motor_s_side_does_not_do_as_well(
     monkeypatch.setattr(diagnosis, "STRUCTURAL", others)
     wrist = diagnosed(case).joints[WRIST]
     assert wrist.rms_heldout_after > 1.4 * wrist.noise_floor
+
+
+@pytest.mark.parametrize(("noise", "told"), [(0.05, True), (2.0, False)])
+def test_what_is_smaller_than_the_noise_is_none(noise: float, told: bool, tmp_path: Path) -> None:
+    log, robot = write_case(tmp_path, Machine(noise=noise), seed=4, seconds=10.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    site = Site(WRIST, around=COMPLIANCE)
+    assert SensorElasticity().admissible(gap, site, np.array([COMPLIANCE])) is told

@@ -13,7 +13,7 @@ from mjfriction.diagnose.causes.varying import WarmUpDrift
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
-from tests.hidden.machine import UR5_VISCOUS, Instant, Machine, write_case
+from tests.hidden.machine import UR5_COULOMB, UR5_VISCOUS, Instant, Machine, write_case
 
 ELBOW, TIME_CONSTANT = 2, 9.0
 
@@ -72,3 +72,19 @@ def test_what_is_over_in_two_seconds_is_no_warm_up(tmp_path: Path, monkeypatch: 
     assert "friction.temperature" not in told()
     monkeypatch.setattr(varying, "FASTEST", 0.5)
     assert "friction.temperature" in told()
+
+
+def test_a_warm_up_of_a_twelfth_of_the_log_is_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    seconds, tau = 60.0, 5.0
+
+    def settling_fast(at: Instant) -> np.ndarray:
+        return np.exp(-at.time / tau) * (0.5 * UR5_COULOMB[ELBOW] * np.sign(at.v) + 0.8 * UR5_VISCOUS[ELBOW] * at.v)
+
+    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: settling_fast}, noise=0.1), seed=4, seconds=seconds)
+
+    def told() -> list[tuple[str, str | None]]:
+        return [(one.cause, one.joint) for one in diagnose_log(read_log(log), read_robot(robot)).findings]
+
+    assert told() == [("friction.temperature", "elbow_joint")]
+    monkeypatch.setattr(varying, "FASTEST", 0.1 * seconds)
+    assert told() != [("friction.temperature", "elbow_joint")]

@@ -36,7 +36,7 @@ MOMENTS = 60
 EDGE = 0.06  # of the joint's motion at both ends, in which a step is not looked for
 SLOWEST = 3.0  # of the log's length: what is slower is a straight line
 FASTEST = 3.0  # s: in less nothing of a drive's weight warms
-AT_THE_EDGE = 1.05  # times the fastest, up to which it is something at the log's beginning
+OFF_EDGE = 1.05  # times the fastest, up to which it is something at the log's beginning
 APART = 2.5  # from one time constant that is tried to the next, at most
 
 
@@ -72,6 +72,10 @@ class Varying(JointCause):
 def _temperature(gap: Gap, joint: int) -> Floats | None:
     logged = gap.motion.columns.get(f"temperature.{gap.robot.joints[joint]}")
     return logged if logged is not None and np.ptp(logged) >= LEAST_WARMING else None
+
+
+def _time_constants(gap: Gap) -> tuple[float, float]:
+    return FASTEST, SLOWEST * float(np.ptp(gap.motion.time))
 
 
 def _words(strengths: Floats, sliding: bool) -> str:
@@ -133,7 +137,7 @@ class WarmUpDrift(Varying):
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every moving joint of a log whose clock runs on, with time constants from what warms fastest on."""
-        low, high = self._time_constants(gap)
+        low, high = _time_constants(gap)
         if np.any(np.diff(gap.motion.time) < 0.0) or low >= high:
             return []
         grid = np.geomspace(low, high, 1 + int(np.ceil(np.log(high / low) / np.log(APART))))
@@ -142,15 +146,11 @@ class WarmUpDrift(Varying):
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
         """From what warms fastest to a straight line."""
-        return [self._time_constants(gap)]
+        return [_time_constants(gap)]
 
     def own_shape(self, gap: Gap, site: Site) -> bool:
         """The fastest that is asked for is what happened as the log began."""
-        return site.shape[0] > AT_THE_EDGE * self._time_constants(gap)[0]
-
-    @staticmethod
-    def _time_constants(gap: Gap) -> tuple[float, float]:
-        return FASTEST, SLOWEST * float(np.ptp(gap.motion.time))
+        return site.shape[0] > OFF_EDGE * FASTEST
 
     def course(self, gap: Gap, site: Site) -> Floats:
         """The share of the warm-up that is over, begun with the log."""
