@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.model import Chosen, Model, Tangent, build_model
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
@@ -58,7 +59,12 @@ def _bends(model: Model, choice: Chosen, strengths: Floats) -> bool:
 
 
 def _admissible(model: Model, choice: Chosen, strengths: Floats) -> bool:
-    return not choice.cause.curved or choice.cause.admissible(model.gap, choice.site, strengths)
+    # Where it was drawn before is left for where it is now, however far others have let it go.
+    return not choice.cause.curved or choice.cause.admissible(model.gap, _moved(choice.site, strengths), strengths)
+
+
+def _moved(site: Site, strengths: Floats) -> Site:
+    return replace(site, around=float(strengths[0])) if site.around else site
 
 
 def _tangents(model: Model, strengths: list[Floats], drawn: list[Chosen]) -> tuple[Chosen, ...]:
@@ -91,8 +97,7 @@ def _tangents(model: Model, strengths: list[Floats], drawn: list[Chosen]) -> tup
         bend = effects[choice.key] + together
         for joint, slope in columns.items():
             bend[:, joint] -= slope @ own
-        site = replace(choice.site, around=float(own[0])) if choice.site.around else choice.site
-        out.append(replace(choice, site=site, tangent=Tangent(columns, bend, drawn_at)))
+        out.append(replace(choice, site=_moved(choice.site, own), tangent=Tangent(columns, bend, drawn_at)))
     return tuple(out)
 
 
