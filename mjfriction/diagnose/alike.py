@@ -17,9 +17,10 @@ from mjfriction.diagnose.exchange import for_place_of, in_place_of
 from mjfriction.diagnose.field import Entrant, Field, chances_in, in_place_of_levels
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, partners, same_columns
+from mjfriction.diagnose.nearness import nearness_of
 from mjfriction.diagnose.short_list import NEAR_BEST
 from mjfriction.diagnose.tangent import straightened
-from mjfriction.diagnose.trial import Trial, strain, try_out
+from mjfriction.diagnose.trial import Trial, try_out
 from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats
 
@@ -100,7 +101,7 @@ def _beside_others_anew(model: Model, without: Model, own: Trial, rival: Trial) 
     there = straightened(without.with_also(rival.chosen))
     weight = model.system.rows.weight
     left, theirs = (
-        float(np.sum(np.square(np.nan_to_num(one.heldout_residual()) * weight))) + strain(one, one.strengths)
+        float(np.sum(np.square(np.nan_to_num(one.heldout_residual()) * weight))) + nearness_of(one).strain
         for one in (model, there)
     )
     return replace(rival, relief=rival.relief + max(0.0, own.gain + left - theirs - rival.gain))

@@ -12,7 +12,7 @@ from mjfriction.diagnose.causes.links import LinkScale
 from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.field import Field
-from mjfriction.diagnose.intervals import half_widths
+from mjfriction.diagnose.intervals import widths_told
 from mjfriction.diagnose.link_finding import link_finding
 from mjfriction.diagnose.model import Chosen, Key, Model
 from mjfriction.diagnose.one_factor import with_factor
@@ -49,7 +49,7 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
     the gains.
     """
     model = settled.model
-    heldout, widths = model.heldout_residual(oscillations=True), half_widths(model)
+    heldout, widths = model.heldout_residual(oscillations=True), widths_told(model)
     entries, links = list(to_tell(settled, untold, widths)), link_finding(model, widths, untold, field, seed)
     links_off = links is not None or any(entry.choice.cause.name == LinkScale.name for entry in entries)
     findings = [] if links is None else [links]

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import t as student
 
-from mjfriction.diagnose.model import Chosen, Model, cause_block
+from mjfriction.diagnose.exact import stated_exactly
+from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
+from mjfriction.diagnose.nearness import NEAREST, nearness_of
+from mjfriction.diagnose.nuisance import make_nuisance
+from mjfriction.identify.normal import Normal
 from mjfriction.identify.regression import Columns, System
 from mjfriction.record.log import Floats
 
@@ -36,24 +40,53 @@ def half_widths(model: Model) -> HalfWidths:
     Shape parameters enter linearised, so that the uncertainty of a level and of the speed it fades over are the joint
     ones.  Where the motion repeats, the repetitions are what the interval is drawn from.
     """
-    gap, nuisance, strengths = model.gap, model.nuisance, model.strengths
+    full, sizes = _with_shapes(model)
+    return _half_widths(model, sizes, full.covariance(model.gap.blocks.group), model.nuisance.count)
+
+
+def widths_told(model: Model) -> HalfWidths:
+    """Return how uncertain what is told of a model is: its causes also by as much as stated drives and links that are
+    off would move them, unless all is stated exactly.
+
+    They are off by as much as this robot's refitted ones are, or, where held as stated, by the least.  A fit leans
+    towards what is known of them, and no row of the log tells by how much it is wrong in that.
+    """
+    own, nuisance = half_widths(model), model.nuisance
+    if stated_exactly(model) or nuisance.inertias is not None:
+        return own
+    usual, near = make_nuisance(model.gap, drives=True), nearness_of(model)
+    doubted = replace(nuisance, drives=nuisance.drives or usual.drives, links=nuisance.links or usual.links)
+    full, sizes = _with_shapes(build_model(model.gap, doubted, model.chosen))
+    full = full.tighter(doubted.of_stated, (near.spread if near.shown else NEAREST) ** -2)
+    covariance = full.covariance(model.gap.blocks.group) + full.leaning(doubted.of_stated)
+    wider = zip(own.causes, _half_widths(model, sizes, covariance, doubted.count).causes, strict=True)
+    return replace(own, causes=tuple(np.maximum(half, more) for half, more in wider))
+
+
+def _with_shapes(model: Model) -> tuple[Normal, list[int]]:
+    # The equations of a model in which its shapes may move too, and how many strengths and shapes each cause has.
+    nuisance, strengths = model.nuisance, model.strengths
     columns, precisions = [nuisance.columns], [model.known_of_nuisance]
     sizes = []
     for choice, place in zip(model.chosen, model.places, strict=True):
-        own, precision = cause_block(gap, choice)
+        own, precision = cause_block(model.gap, choice)
         tangents, tangent_precision = _tangents(model, choice, own, strengths[place])
         columns = [*columns, {joint: np.hstack([own[joint], tangents[joint]]) for joint in own}]
         precisions = [*precisions, np.concatenate([precision, tangent_precision])]
         sizes.append(precision.size + tangent_precision.size)
-    full = System(model.system.rows, columns, precisions).normal
-    covariance, quantile = full.covariance(gap.blocks.group), float(student.ppf(0.975, gap.blocks.groups - 1))
+    return System(model.system.rows, columns, precisions).normal, sizes
+
+
+def _half_widths(model: Model, sizes: list[int], covariance: Floats, count: int) -> HalfWidths:
+    # ``count`` of the covariance's strengths are the nuisances'.
+    gap = model.gap
+    quantile = float(student.ppf(0.975, gap.blocks.groups - 1))
     half = quantile * np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    ends = nuisance.count + np.cumsum([0, *sizes])
+    ends = count + np.cumsum([0, *sizes])
     for choice, end in zip(model.chosen, ends[1:], strict=True):
         finest = choice.cause.shape_resolution(gap, choice.site)
         half[end - len(finest) : end] = np.maximum(half[end - len(finest) : end], finest)
     of_causes = tuple(half[a:b] for a, b in itertools.pairwise(ends))
-    count = nuisance.count
     return HalfWidths(half[:count], of_causes, covariance[:count, :count], quantile)
 
 

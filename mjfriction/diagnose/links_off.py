@@ -8,6 +8,7 @@ from mjfriction.body.inertia import PER_LINK, symmetric
 from mjfriction.diagnose.causes.links import LEAST_MOVED, LEAST_NOTED, LinkCentre, LinkScale
 from mjfriction.diagnose.exact import stated_exactly
 from mjfriction.diagnose.model import Model, cause_block
+from mjfriction.diagnose.nearness import nearness_of
 from mjfriction.identify.link_inertias import link_inertias
 from mjfriction.identify.regression import Columns, System
 from mjfriction.record.log import Floats
@@ -18,13 +19,15 @@ FAR = 4.0  # times that, over all of a link's ten numbers, from which on it is o
 
 def links_far_off(model: Model) -> bool:
     """Return whether any link has to be off by more than usual, its mass or its centre by as much as is ever a finding
-    unless all else is stated exactly.
+    unless all else is stated exactly, or all other links.
 
     Mass, centre and moments of every link are let go at once, held near what is stated, in the place of what the model
     says of links: errors of a few percent everywhere add up to what a single link would have to be a quarter off for.
     """
     gap, rows = model.gap, model.system.rows
-    links = link_inertias(gap, EXACTLY if stated_exactly(model) else USUALLY)
+    held = not model.nuisance.links  # beside what is named, they do as well as they are stated
+    usually = EXACTLY if held or stated_exactly(model) else max(EXACTLY, USUALLY * nearness_of(model).spread)
+    links = link_inertias(gap, usually)
     if links is None:
         return False
     others = [choice for choice in model.chosen if not isinstance(choice.cause, LinkScale | LinkCentre)]
@@ -41,4 +44,4 @@ def links_far_off(model: Model) -> bool:
     heavier = np.abs(mass / stated[:, 3, 3] - 1.0) > LEAST_NOTED
     moved = np.linalg.norm(first / mass[:, None] - stated[:, :3, 3] / stated[:, 3, 3, None], axis=1) > LEAST_MOVED
     far = np.linalg.norm(changes, axis=(1, 2)) > FAR * links.spread
-    return bool(np.any(far & (heavier | moved | (links.spread == EXACTLY))))
+    return bool(np.any(far & (heavier | moved | (usually == EXACTLY))))

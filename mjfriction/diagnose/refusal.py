@@ -12,7 +12,7 @@ from mjfriction.diagnose.causes.varying import Varying
 from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, cause_block
-from mjfriction.diagnose.trial import relief
+from mjfriction.diagnose.nearness import relief
 from mjfriction.identify.proof import measure_gain
 
 BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "friction.presliding", "friction.asymmetry"})

@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import f as fisher
 
 from mjfriction.diagnose.model import Chosen, Model, cause_block
+from mjfriction.diagnose.nearness import nearness, nearness_of
+from mjfriction.diagnose.wald import Wald, wald
 from mjfriction.identify.normal import Normal
 from mjfriction.identify.regression import Columns
-from mjfriction.record.log import Floats
+from mjfriction.record.log import Floats, Integers
 
 FALSE_ALARM = 0.01  # stated chance that a log without any cause yields one, from noise alone
 LEAST_SHARE = 0.01  # of a joint's remaining error that a cause must take away on motion not fitted
@@ -30,12 +31,11 @@ class Trial:
 
     ``improvement`` (blocks,) is the weighted squared error it takes off each block when fitted to the others, ``error``
     (blocks,) what was there before, both at the joints it touches; ``elsewhere`` is the improvement at the others,
-    whose links stood in for it, and ``relief`` what it takes off the refitted drives' and links' distance from what is
-    stated, in the same unit.  At the joint that loses the largest share of its error, ``effect`` is its RMS effort
-    relative to the joint's, which has to be ``least_effect``, ``of_friction`` its most beside levels, relative to the
-    joint's friction, of which it has to be ``least_of_friction``.  ``wald`` is θᵀC⁻¹θ/k of its k = ``count`` strengths
-    θ, C being their covariance, the larger of the one clustered over blocks, which leave ``spare``, and the one for
-    white noise.
+    whose links stood in for it, and ``relief`` by how much likelier it makes the refitted drives and links, in the same
+    unit.  At the joint that loses the largest share of its error, ``effect`` is its RMS effort relative to the joint's,
+    which has to be ``least_effect``, ``of_friction`` its most beside levels, relative to the joint's friction, of which
+    it has to be ``least_of_friction``.  ``walds`` test its strengths by what the blocks of motion say of them, and,
+    where it brings drives and links much nearer to what is stated, and all of them near, by what these say.
     """
 
     chosen: Chosen
@@ -47,9 +47,7 @@ class Trial:
     of_friction: float
     least_effect: float
     least_of_friction: float
-    wald: float
-    count: int
-    spare: int
+    walds: tuple[Wald, ...]
 
     @property
     def gain(self) -> float:
@@ -59,7 +57,7 @@ class Trial:
     @property
     def merit(self) -> float:
         """The gain less what every freedom, the searched shape included, is worth on noise alone."""
-        fitted = self.count + len(self.chosen.site.shape)
+        fitted = self.walds[0].count + len(self.chosen.site.shape)
         return self.gain - fitted * float(np.log(self.improvement.size))
 
     @property
@@ -69,20 +67,18 @@ class Trial:
 
     @property
     def chance(self) -> float:
-        """The probability of strengths so far from zero if there is no such effect (F test)."""
-        return float(fisher.sf(self.wald, *self._freedoms_of_chance))
+        """The probability of strengths so far from zero if there is no such effect."""
+        return min(own.chance for own in self.walds)
 
     def least_seen(self, chance: float) -> float:
         """Return how much of the joint's friction such an effect would be if it were just beyond a ``chance``."""
-        return self.of_friction * float(np.sqrt(fisher.isf(chance, *self._freedoms_of_chance) / max(self.wald, 1e-300)))
-
-    @property
-    def _freedoms_of_chance(self) -> tuple[int, int]:
-        return self.count, max(1, self.spare - self.count + 1)
+        return self.of_friction * min(own.reached(chance) for own in self.walds)
 
     def beyond_chance(self, candidates: float) -> bool:
         """Return whether the effect is beyond chance among so many candidates, however little it makes."""
-        return self.chance < FALSE_ALARM / max(candidates, 1.0) and self.share > LEAST_SHARE
+        # Of an error that drives and links have taken away nothing is left to take.
+        counts = self.share > LEAST_SHARE or len(self.walds) > 1
+        return counts and self.chance < FALSE_ALARM / max(candidates, 1.0)
 
     def passes(self, candidates: float) -> bool:
         """Return whether the effect is beyond chance among so many candidates, and large enough to matter."""
@@ -109,26 +105,36 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
     errors_before, errors_after = model.heldout_errors, normal.heldout_errors(gap.blocks.folds)
     before, after = errors_before[touched], errors_after[touched]
     elsewhere = float(np.sum(errors_before - errors_after)) - float(np.sum(before - after))
-    most = _where_it_shows(columns, before.sum(axis=1), after.sum(axis=1))
-    groups = gap.blocks.group if repeating else np.arange(gap.blocks.count)
-    covariances = [normal.covariance(groups)]
-    if int(groups[-1]) + 1 == gap.blocks.count:
-        # Where few blocks carry most of the information the clustered covariance is too small; where noise is coloured
-        # the one for white noise is.  The effect must stand out against both.  (Over repetitions there is no second:
-        # white noise would count in what they leave alike.)
-        covariances.append(normal.white_covariance(_left_of_noise(model, normal)))
-    own = slice(-precision.size, None)
-    walds = [strengths @ np.linalg.pinv(covariance[own, own]) @ strengths for covariance in covariances]
     # What no motion shows, three of a payload's four numbers on a sliding axis, is no freedom.
     shown = np.any([np.any(values != 0.0, axis=0) for values in columns.values()], axis=0)
     count = max(1, int(np.count_nonzero(shown)))
-    wald = float(min(walds)) / count
-    nearer = strain(model, model.strengths) - strain(model, fitted)
+    groups = gap.blocks.group if repeating else np.arange(gap.blocks.count)
+    walds = [_wald(model, normal, groups, precision.size, count, int(groups[-1]))]
+    far, near = nearness_of(model), nearness(model.nuisance, normal)
+    most = _where_it_shows(columns, before.sum(axis=1), after.sum(axis=1))
+    if near.spread < 1.0 and far.strain - near.strain > count * float(np.log(gap.blocks.count)):
+        if np.sum(before - after) < LEAST_SHARE * np.sum(before):
+            # What stood in for it left no error that could show where it is.
+            most = max(_feeling(columns), key=lambda joint: effects(model, choice, strengths, joint)[1])
+        tighter = normal.tighter(model.nuisance.of_stated, near.spread**-2)
+        walds.append(_wald(model, tighter, groups, precision.size, count, min(int(groups[-1]), round(far.shown))))
     size = effects(model, choice, strengths, most)
     improvement, error = (before - after).sum(axis=0), before.sum(axis=0)
     left = left_of_friction(model, _rms_of(model, after[touched.index(most)], most), most)
     least = least_effect(model, choice, left), least_of_friction(model, choice, left)
-    return Trial(choice, improvement, error, elsewhere, nearer, *size, *least, wald, count, int(groups[-1]))
+    return Trial(choice, improvement, error, elsewhere, far.strain - near.strain, *size, *least, tuple(walds))
+
+
+def _wald(model: Model, normal: Normal, groups: Integers, size: int, count: int, spare: int) -> Wald:
+    # Of the last strengths of a fit, as many as ``size``.
+    own, blocks = slice(-size, None), model.gap.blocks
+    covariances = [normal.covariance(groups)]
+    if int(groups[-1]) + 1 == blocks.count:
+        # Where few blocks carry most of the information the clustered covariance is too small; where noise is coloured
+        # the one for white noise is.  The effect must stand out against both.  (Over repetitions there is no second:
+        # white noise would count in what they leave alike.)
+        covariances.append(normal.white_covariance(_left_of_noise(model, normal)))
+    return wald(normal.fitted[own], [one[own, own] for one in covariances], count, spare)
 
 
 def effects(model: Model, choice: Chosen, strengths: Floats, joint: int) -> tuple[float, float]:
@@ -224,17 +230,3 @@ def _left_of_noise(model: Model, normal: Normal) -> Floats:
     # Rows are weighed by what the model leaves without the candidate: what it explains is no noise, (joints,).
     without, beside = model.system.normal.error(model.strengths), normal.error(normal.fitted)
     return np.asarray(np.divide(beside, without, out=np.ones_like(beside), where=without > 0.0))
-
-
-def strain(model: Model, strengths: Floats) -> float:
-    """Return how far refitted drives and links are from what is stated, in squares of what is the rule.
-
-    A link of half its stated mass fits as well as the cause it stands in for, but is as unlikely as that says.
-    """
-    stated = model.nuisance.of_stated
-    return float(np.sum(model.system.normal.precision[stated] * np.square(strengths[stated])))
-
-
-def relief(model: Model, without: Model) -> float:
-    """Return how much nearer to what is stated drives and links are in a model than ``without`` one of its causes."""
-    return strain(without, without.strengths) - strain(model, model.strengths)

@@ -15,9 +15,10 @@ from mjfriction.diagnose.contacts import more_than_contacts
 from mjfriction.diagnose.exact import stated_exactly
 from mjfriction.diagnose.links_off import links_far_off
 from mjfriction.diagnose.model import Chosen, Key, Model, build_model, partners
+from mjfriction.diagnose.nearness import relief
 from mjfriction.diagnose.stated import Settled
 from mjfriction.diagnose.stroke_curve import StrokeCurve, vague_waves
-from mjfriction.diagnose.trial import effects, negligible, relief
+from mjfriction.diagnose.trial import effects, negligible
 from mjfriction.diagnose.verdict import beside_oscillations
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure

@@ -205,6 +205,23 @@ class Normal:
     def _inverse(self) -> Floats:
         return self.known_to(1.0)
 
+    def leaning(self, place: slice) -> Floats:
+        """Return the covariance (p, p) that all strengths have since those at ``place`` are off from what is known
+        beforehand by as much as that says: C·Λ·C, of the rows' and the knowledge's inverse C, Λ being their precision.
+        """
+        own = self._inverse[:, place]
+        return np.asarray(own * self.precision[place] @ own.T)
+
+    def shown(self, place: slice) -> float:
+        """Return how many of the strengths at ``place`` the rows show, rather than what is known beforehand."""
+        return float(np.sum(1.0 - self.precision[place] * np.diag(self._inverse)[place]))
+
+    def tighter(self, place: slice, times: float) -> Normal:
+        """Return the equations with what is known beforehand of the strengths at ``place`` so many times as precise."""
+        precision = self.precision.copy()
+        precision[place] *= times
+        return replace(self, precision=precision)
+
     def without(self, columns: list[int]) -> Normal:
         """Return the equations with some regressors left out."""
         kept = np.array([i for i in range(self.count) if i not in set(columns)], dtype=np.int64)

@@ -171,7 +171,7 @@ def test_a_drive_that_others_could_stand_in_for_is_named(monkeypatch: pytest.Mon
     findings = {(one.cause, one.joint): one.parameters[0].value for one in diagnosed(case).findings}
     assert findings.keys() == {(one.cause, one.joint) for one in case.hidden}
     assert abs(findings[constant] - 1.0) == pytest.approx(strength, rel=0.1)
-    monkeypatch.setattr(refusal, "strain", lambda model, strengths: 0.0)
+    monkeypatch.setattr(refusal, "relief", lambda model, without: 0.0)
     assert constant not in named(diagnosed(case))
 
 

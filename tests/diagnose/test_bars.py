@@ -16,15 +16,16 @@ from mjfriction.diagnose.compete import KEPT, _stays
 from mjfriction.diagnose.field import Chances
 from mjfriction.diagnose.model import Chosen
 from mjfriction.diagnose.trial import FALSE_ALARM, Trial
+from mjfriction.diagnose.wald import Wald
 
 CANDIDATES, SPARE = 1000, 40
 
 
 def trial(chance: float) -> Trial:
     """Return a trial that is large in everything, so likely by chance."""
-    wald = float(fisher.isf(chance, 1, SPARE))
+    wald = Wald(float(fisher.isf(chance, 1, SPARE)), 1, SPARE)
     return Trial(
-        Chosen(Offset(), Site(0)), np.full(41, 2.0), np.full(41, 3.0), 0.0, 0.0, 0.5, 0.3, 0.005, 0.04, wald, 1, SPARE
+        Chosen(Offset(), Site(0)), np.full(41, 2.0), np.full(41, 3.0), 0.0, 0.0, 0.5, 0.3, 0.005, 0.04, (wald,)
     )
 
 
