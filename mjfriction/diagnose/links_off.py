@@ -26,7 +26,7 @@ def links_far_off(model: Model) -> bool:
     """
     gap, rows = model.gap, model.system.rows
     held = not model.nuisance.links  # beside what is named, they do as well as they are stated
-    usually = EXACTLY if held or stated_exactly(model) else max(EXACTLY, USUALLY * nearness_of(model).spread)
+    usually = EXACTLY if held or stated_exactly(model) else max(EXACTLY, USUALLY * min(1.0, nearness_of(model).spread))
     links = link_inertias(gap, usually)
     if links is None:
         return False

@@ -2,7 +2,8 @@
 
 Two dozen numbers of a robot that are each a few percent off, in just such a way as one cause would ask for, fit as well
 as that cause; but they are as unlikely as their distance from what is stated says.  How far a robot's numbers usually
-are off is seen from themselves: on one of which all links but one are right to a percent, that one stands out.
+are off is seen from themselves: on one of which all links but one are right to a percent, that one stands out; on one
+that is off throughout, that a cause moves some of them nearer says little.
 """
 
 from __future__ import annotations
@@ -15,16 +16,16 @@ from mjfriction.diagnose.model import Model
 from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.identify.normal import Normal
 
-NEAREST = 1.0 / 3.0  # of how far stated drives and links usually are off, that those of the best robots are
+NEAREST, FARTHEST = 1.0 / 3.0, 3.0  # of how far stated drives and links usually are off, that a robot's are
 
 
 @dataclass(frozen=True)
 class Nearness:
     """How near drives and links are to what is stated.
 
-    ``spread`` λ is how far this robot's are off, relative to the σ that is usual, between NEAREST and 1; ``shown`` γ
-    how many of their numbers θ the motion shows; ``strain`` Σ(θ/σ)²/λ² + γ·ln λ², minus twice the logarithm of how
-    likely such θ are, but for a constant.
+    ``spread`` λ is how far this robot's are off, relative to the σ that is usual, between NEAREST and FARTHEST;
+    ``shown`` γ how many of their numbers θ the motion shows; ``strain`` Σ(θ/σ)²/λ² + γ·ln λ², minus twice the logarithm
+    of how likely such θ are, but for a constant.
     """
 
     strain: float
@@ -43,7 +44,7 @@ def nearness(nuisance: Nuisance, normal: Normal) -> Nearness:
     shown = 0.0 if nuisance.inertias else normal.shown(place)
     if shown <= 0.0:
         return Nearness(squares, 1.0, 0.0)
-    variance = min(max(squares / shown, NEAREST**2), 1.0)
+    variance = min(max(squares / shown, NEAREST**2), FARTHEST**2)
     return Nearness(squares / variance + shown * float(np.log(variance)), float(np.sqrt(variance)), shown)
 
 

@@ -111,18 +111,20 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
     groups = gap.blocks.group if repeating else np.arange(gap.blocks.count)
     walds = [_wald(model, normal, groups, precision.size, count, int(groups[-1]))]
     far, near = nearness_of(model), nearness(model.nuisance, normal)
-    most = _where_it_shows(columns, before.sum(axis=1), after.sum(axis=1))
-    if near.spread < 1.0 and far.strain - near.strain > count * float(np.log(gap.blocks.count)):
-        if np.sum(before - after) < LEAST_SHARE * np.sum(before):
-            # What stood in for it left no error that could show where it is.
-            most = max(_feeling(columns), key=lambda joint: effects(model, choice, strengths, joint)[1])
+    relief = far.strain - near.strain
+    if near.spread < 1.0 and relief > count * float(np.log(gap.blocks.count)):
         tighter = normal.tighter(model.nuisance.of_stated, near.spread**-2)
         walds.append(_wald(model, tighter, groups, precision.size, count, min(int(groups[-1]), round(far.shown))))
+    if len(walds) > 1 and np.sum(before - after) < LEAST_SHARE * np.sum(before):
+        # What stood in for it left no error that could show where it is.
+        most = max(_feeling(columns), key=lambda joint: effects(model, choice, strengths, joint)[1])
+    else:
+        most = _where_it_shows(columns, before.sum(axis=1), after.sum(axis=1))
     size = effects(model, choice, strengths, most)
     improvement, error = (before - after).sum(axis=0), before.sum(axis=0)
     left = left_of_friction(model, _rms_of(model, after[touched.index(most)], most), most)
     least = least_effect(model, choice, left), least_of_friction(model, choice, left)
-    return Trial(choice, improvement, error, elsewhere, far.strain - near.strain, *size, *least, tuple(walds))
+    return Trial(choice, improvement, error, elsewhere, relief, *size, *least, tuple(walds))
 
 
 def _wald(model: Model, normal: Normal, groups: Integers, size: int, count: int, spare: int) -> Wald:

@@ -33,6 +33,7 @@ def named(diagnosis: Diagnosis) -> set[tuple[str, str | None]]:
     return {(finding.cause, finding.joint) for finding in diagnosis.findings}
 
 
+@pytest.mark.bench
 @pytest.mark.parametrize("draw", EFFECTS, ids=lambda draw: draw.__name__)
 def test_an_effect_does_nothing_at_no_strength_and_stands_out_as_asked(draw) -> None:
     setting = Setting(seconds=12.0, rate=250.0, noise=0.05)
@@ -100,6 +101,7 @@ def test_a_messy_log_keeps_its_finding() -> None:
     assert len(diagnosis.gap.motion.clock.gaps) == 1
 
 
+@pytest.mark.bench
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_clean_log_has_no_finding(seed: int) -> None:
     setting = Setting(seconds=40.0, rate=250.0, off=0.03 * (seed % 2), noise=(0.05, 0.2)[seed // 2])
@@ -108,6 +110,7 @@ def test_a_clean_log_has_no_finding(seed: int) -> None:
     assert diagnosis.verdict is Verdict.CONSISTENT
 
 
+@pytest.mark.bench
 def test_what_is_no_cause_ends_as_unexplained() -> None:
     case = make_case(23, SHORT, (), 1.0)
     rng = np.random.default_rng(1)

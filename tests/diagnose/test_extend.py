@@ -44,6 +44,7 @@ def test_a_scaled_sensor_scales_what_lies_before_it(tmp_path: Path) -> None:
     assert diagnosis.robot.joint("shoulder_lift_joint").effort_sensor.scale == pytest.approx(1.15, abs=0.01)
 
 
+@pytest.mark.bench
 def test_diagnosing_the_extended_robot_finds_nothing_more(tmp_path: Path) -> None:
     log_path, robot_path = write_case(tmp_path, Machine(hidden={2: everything}), seed=3)
     log = read_log(log_path)

@@ -50,6 +50,7 @@ def tight() -> Gap:
     return measure_gap(moved(0.0)[0], read_robot("ur5"), highest=60.0)
 
 
+@pytest.mark.bench
 def test_the_link_is_where_its_landings_say(loose: tuple[Gap, Run]) -> None:
     gap, run = loose
     landings = landings_of(gap)

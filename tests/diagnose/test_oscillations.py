@@ -104,6 +104,7 @@ def test_two_tones_at_one_joint_are_both_named(tmp_path: Path) -> None:
     assert [entry.covariate for entry in found.remaining] == ["a steady tone of 4.74 Hz and a steady tone of 2.31 Hz"]
 
 
+@pytest.mark.bench
 def test_a_cause_under_a_louder_hum_is_found_and_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     machine = Machine(hidden={ELBOW: lambda i: hum(i) + 0.13 * cogging(i)})
     found = diagnosed(tmp_path, machine)
@@ -150,6 +151,7 @@ def test_a_load_that_swings_when_the_log_begins_is_one_load(tmp_path: Path) -> N
     assert gap.rms(beside.heldout_residual()[:, ELBOW], ELBOW) < 1.2 * gap.noise_floor[ELBOW]
 
 
+@pytest.mark.bench
 def test_a_cause_under_a_load_that_swings_is_found_and_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     machine = Machine(hidden={ELBOW: lambda i: sloshing(i) + 0.2 * cogging(i)})
     found = diagnosed(tmp_path, machine)

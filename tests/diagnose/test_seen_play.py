@@ -119,6 +119,7 @@ def test_a_log_that_is_refused_is_searched_for_no_play(case: tuple[Path, Path]) 
     assert diagnosis.robot.table.joint[WRIST].transmission.backlash == 0.0
 
 
+@pytest.mark.bench
 @pytest.mark.parametrize("seed", [7, 8])
 def test_jumps_that_take_some_milliseconds_are_taken_off_too(seed: int, tmp_path: Path) -> None:
     def slowly(instant: Instant) -> np.ndarray:
@@ -132,6 +133,7 @@ def test_jumps_that_take_some_milliseconds_are_taken_off_too(seed: int, tmp_path
     assert diagnosis.joints[4].rms_heldout_after < 1.1 * diagnosis.joints[4].noise_floor
 
 
+@pytest.mark.bench
 @pytest.mark.parametrize("seed", [7, 8])
 def test_play_that_is_crossed_little_by_little_is_found(seed: int, tmp_path: Path) -> None:
     def softly(instant: Instant) -> np.ndarray:

@@ -30,6 +30,7 @@ def diagnosed(case: tuple[Path, Path]) -> Diagnosis:
     return diagnose_log(read_log(case[0]), read_robot(case[1]))
 
 
+@pytest.mark.bench
 def test_where_friction_points_tells_that_a_sensor_moves_with_the_load(case: tuple[Path, Path]) -> None:
     found = diagnosed(case)
     (finding,) = found.findings

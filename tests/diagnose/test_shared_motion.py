@@ -25,6 +25,7 @@ def brought(at: Instant, viscous: float = VISCOUS) -> np.ndarray:
     return viscous * at.velocities[:, WRIST] + INERTIA * np.gradient(at.velocities[:, WRIST], at.time)
 
 
+@pytest.mark.bench
 @pytest.mark.parametrize(("viscous", "seed"), [(VISCOUS, 4), (0.0, 4), (0.0, 5), (0.0, 6)])
 def test_a_rotor_that_turns_with_another_joint_is_told_with_it(viscous: float, seed: int, tmp_path: Path) -> None:
     # Without friction that enters as well, what little is found of it may go either way.

@@ -49,6 +49,7 @@ def points(logs: list[Log]) -> SteadyPoints:
     return steady_points(logs, read_robot("hydraulic_cylinder"), "piston")
 
 
+@pytest.mark.bench
 def test_the_law_found_predicts_the_force_at_every_speed_and_supply(points: SteadyPoints) -> None:
     chosen = [choose_variant(points, way)[0] for way in ("extending", "retracting")]
     assert [variant.number for variant in chosen] == [5, 5]
