@@ -18,8 +18,8 @@ FAR = 4.0  # times that, over all of a link's ten numbers, from which on it is o
 
 
 def links_far_off(model: Model) -> bool:
-    """Return whether any link has to be off by more than usual, its mass or its centre by as much as is ever a finding
-    unless all else is stated exactly, or all other links.
+    """Return whether any link has to be off by more than usual, its mass or its centre by as much as is ever a finding,
+    or in proportion where other links are nearer to what is stated, unless these or all else are stated exactly.
 
     Mass, centre and moments of every link are let go at once, held near what is stated, in the place of what the model
     says of links: errors of a few percent everywhere add up to what a single link would have to be a quarter off for.
@@ -41,7 +41,9 @@ def links_far_off(model: Model) -> bool:
     turned = np.swapaxes(links.factor, 1, 2)
     stated, fitted = (links.factor @ own @ turned for own in (links.stated, links.stated + changes))
     mass, first = fitted[:, 3, 3], fitted[:, :3, 3]
-    heavier = np.abs(mass / stated[:, 3, 3] - 1.0) > LEAST_NOTED
-    moved = np.linalg.norm(first / mass[:, None] - stated[:, :3, 3] / stated[:, 3, 3, None], axis=1) > LEAST_MOVED
+    # Let go at once, all bear a part of it, the more the nearer they are held.
+    part = usually / USUALLY
+    shift = np.linalg.norm(first / mass[:, None] - stated[:, :3, 3] / stated[:, 3, 3, None], axis=1)
+    heavier, moved = np.abs(mass / stated[:, 3, 3] - 1.0) > part * LEAST_NOTED, shift > part * LEAST_MOVED
     far = np.linalg.norm(changes, axis=(1, 2)) > FAR * links.spread
     return bool(np.any(far & (heavier | moved | (usually == EXACTLY))))
