@@ -12,7 +12,7 @@ from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.identify.outcome import Identification
 from mjfriction.identify.structure import COVARIATES
 from mjfriction.report.compared import Compared
-from mjfriction.report.digits import digits
+from mjfriction.report.digits import digits, percentage
 from mjfriction.report.figures import error_bars, figure_html, time_course
 from mjfriction.report.finding_figure import finding_figure
 from mjfriction.report.free_run_figure import free_run_figure
@@ -90,6 +90,7 @@ def rendered(template: str, **values: object) -> str:
         loader=PackageLoader("mjfriction.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
     )
     environment.filters["digits"] = digits
+    environment.filters["percentage"] = percentage
     environment.filters["percent"] = lambda value: f"{100.0 * max(value, 0.0):.0f} %"
     return environment.get_template(template).render(plotly_script=Markup(get_plotlyjs()), **values)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from mjfriction.report.digits import digits, kept
+from mjfriction.report.digits import digits, kept, percentage
 from mjfriction.report.result import ParameterEntry
 
 MOMENT = 1700000024.25
@@ -15,6 +15,10 @@ def test_a_moment_is_told_to_the_millisecond_and_all_else_in_four_digits() -> No
     assert digits(24.2512, "s") == "24.25"
     assert digits(1234567.0, "N/m") == "1.235e+06"
     assert (kept(MOMENT), kept(0.123456789), kept(1234567.8)) == (MOMENT, 0.1234568, 1234568.0)
+
+
+def test_next_to_nothing_has_no_sign() -> None:
+    assert [percentage(share) for share in (-0.004, 0.004, -0.016, 0.784)] == ["0", "0", "-2", "78"]
 
 
 def test_a_step_on_such_a_clock_is_kept_in_the_report() -> None:
