@@ -25,9 +25,10 @@ class Nearness:
 
     ``spread`` λ is how far this robot's are off, relative to the σ that is usual, between NEAREST and FARTHEST;
     ``shown`` γ how many of their numbers θ the motion shows; ``strain`` Σ(θ/σ)²/λ² + γ·ln λ², minus twice the logarithm
-    of how likely such θ are, but for a constant.
+    of how likely such θ are, but for a constant; ``distance`` Σ(θ/σ)² alone.
     """
 
+    distance: float
     strain: float
     spread: float
     shown: float
@@ -43,9 +44,9 @@ def nearness(nuisance: Nuisance, normal: Normal) -> Nearness:
     squares = float(np.sum(normal.precision[place] * np.square(normal.fitted[place])))
     shown = 0.0 if nuisance.inertias else normal.shown(place)
     if shown <= 0.0:
-        return Nearness(squares, 1.0, 0.0)
+        return Nearness(squares, squares, 1.0, 0.0)
     variance = min(max(squares / shown, NEAREST**2), FARTHEST**2)
-    return Nearness(squares / variance + shown * float(np.log(variance)), float(np.sqrt(variance)), shown)
+    return Nearness(squares, squares / variance + shown * float(np.log(variance)), float(np.sqrt(variance)), shown)
 
 
 def nearness_of(model: Model) -> Nearness:

@@ -12,7 +12,7 @@ from mjfriction.diagnose.causes.varying import Varying
 from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, cause_block
-from mjfriction.diagnose.nearness import relief
+from mjfriction.diagnose.nearness import nearness_of, relief
 from mjfriction.identify.proof import measure_gain
 
 BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "friction.presliding", "friction.asymmetry"})
@@ -47,7 +47,8 @@ def proved(model: Model, choice: Chosen) -> bool:
     gap, weight = model.gap, model.system.rows.weight
     without = model.without(choice)
     price = len(choice.cause.quantities(gap, choice.site)) * float(np.log(gap.blocks.count))
-    if relief(model, without) > price:
+    # By what is usual of robots, too: links that are right to a hundredth are no nearer for being so to a thousandth.
+    if min(relief(model, without), nearness_of(without).distance - nearness_of(model).distance) > price:
         return True
     before, after = without.heldout_residual() * weight, model.heldout_residual() * weight
     moving = np.abs(gap.at_rows("velocity")) > gap.doubt_speed

@@ -166,7 +166,10 @@ def negligible(model: Model, choice: Chosen, strengths: Floats, before: Floats, 
     joint = shown_at(model, choice, before, after)
     of_effort, of_friction = effects(model, choice, strengths, joint)
     left = left_of_friction(model, model.gap.rms(after[:, joint], joint), joint)
-    return of_effort < least_effect(model, choice, left) or of_friction < least_of_friction(model, choice, left)
+    told = _unevenness(model, choice, left) * choice.cause.least_told
+    return of_effort < least_effect(model, choice, left) or of_friction < max(
+        least_of_friction(model, choice, left), told
+    )
 
 
 def least_effect(model: Model, choice: Chosen, left: float = np.inf) -> float:

@@ -70,6 +70,7 @@ class Cause(ABC):
     of_sensor: ClassVar[bool] = False  # whether it acts on whatever torques there are, those of other causes too
     of_body: ClassVar[bool] = False  # whether it changes the links' loads, with which effects of others grow
     least_of_friction: ClassVar[float] = 0.04  # of the joint's friction, that it must be at its most beside levels
+    least_told: ClassVar[float] = 0.0  # the same for it to be told, where that is more: else it is refitted along
     of_unevenness: ClassVar[bool] = False  # whether machines that are only uneven along their strokes show it too
     times: ClassVar[int] = 1  # how many of its kind a joint may have
     first_order: ClassVar[int] = 0  # from which on they count: others of its name that begin elsewhere count apart

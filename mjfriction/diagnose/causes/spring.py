@@ -28,7 +28,7 @@ class _Spring(JointCause):
     name = "body.spring"
     covariate = "position"
     contains = ("drive.offset",)
-    least_of_friction = 0.08  # what hoses, cables and a base that is not quite level make on any machine is less
+    least_told = 0.08  # what hoses, cables and a base that is not quite level make on any machine is less
     parameters: ClassVar[tuple[tuple[int, Parameter], ...]]  # each power's, in the order of the strengths
 
     def samples(self, gap: Gap, site: Site) -> Floats:
