@@ -121,7 +121,7 @@ def of_last_link(gap: Gap, joint: int) -> bool:
 
 def _clearly(own: Trial) -> float:
     # How far a cause is above the size it has to have: what is just above may be a machine's unevenness after all.
-    beyond = own.of_friction / own.least_of_friction if own.least_of_friction > 0.0 else math.inf
+    beyond = own.of_friction / own.least_told if own.least_told > 0.0 else math.inf
     return 1.0 - (1.0 - AT_THE_BAR) * math.exp(1.0 - max(beyond, 1.0))
 
 

@@ -45,5 +45,5 @@ def links_far_off(model: Model) -> bool:
     part = usually / USUALLY
     shift = np.linalg.norm(first / mass[:, None] - stated[:, :3, 3] / stated[:, 3, 3, None], axis=1)
     heavier, moved = np.abs(mass / stated[:, 3, 3] - 1.0) > part * LEAST_NOTED, shift > part * LEAST_MOVED
-    far = np.linalg.norm(changes, axis=(1, 2)) > FAR * links.spread
+    far = np.linalg.norm(changes, axis=(1, 2)) > FAR * usually
     return bool(np.any(far & (heavier | moved | (usually == EXACTLY))))

@@ -42,7 +42,7 @@ def nearness(nuisance: Nuisance, normal: Normal) -> Nearness:
     """
     place = nuisance.of_stated
     squares = float(np.sum(normal.precision[place] * np.square(normal.fitted[place])))
-    shown = 0.0 if nuisance.inertias else normal.shown(place)
+    shown = 0.0 if nuisance.inertias is not None else normal.shown(place)
     if shown <= 0.0:
         return Nearness(squares, squares, 1.0, 0.0)
     variance = min(max(squares / shown, NEAREST**2), FARTHEST**2)

@@ -34,8 +34,8 @@ class Trial:
     whose links stood in for it, and ``relief`` by how much likelier it makes the refitted drives and links, in the same
     unit.  At the joint that loses the largest share of its error, ``effect`` is its RMS effort relative to the joint's,
     which has to be ``least_effect``, ``of_friction`` its most beside levels, relative to the joint's friction, of which
-    it has to be ``least_of_friction``.  ``walds`` test its strengths by what the blocks of motion say of them, and,
-    where it brings drives and links much nearer to what is stated, and all of them near, by what these say.
+    it has to be ``least_of_friction``, and ``least_told`` to be told.  ``walds`` test its strengths by what the blocks
+    of motion say of them, and, where refitted drives and links had stood in for it, by what these say.
     """
 
     chosen: Chosen
@@ -47,12 +47,18 @@ class Trial:
     of_friction: float
     least_effect: float
     least_of_friction: float
+    least_told: float
     walds: tuple[Wald, ...]
 
     @property
     def gain(self) -> float:
         """The improvement summed over the blocks, here and elsewhere, and the relief."""
         return float(np.sum(self.improvement)) + self.elsewhere + self.relief
+
+    @property
+    def stood_in_for(self) -> bool:
+        """Whether drives and links are much nearer to what is stated with it, and all of them near."""
+        return len(self.walds) > 1
 
     @property
     def merit(self) -> float:
@@ -77,7 +83,7 @@ class Trial:
     def beyond_chance(self, candidates: float) -> bool:
         """Return whether the effect is beyond chance among so many candidates, however little it makes."""
         # Of an error that drives and links have taken away nothing is left to take.
-        counts = self.share > LEAST_SHARE or len(self.walds) > 1
+        counts = self.share > LEAST_SHARE or self.stood_in_for
         return counts and self.chance < FALSE_ALARM / max(candidates, 1.0)
 
     def passes(self, candidates: float) -> bool:
@@ -123,7 +129,7 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
     size = effects(model, choice, strengths, most)
     improvement, error = (before - after).sum(axis=0), before.sum(axis=0)
     left = left_of_friction(model, _rms_of(model, after[touched.index(most)], most), most)
-    least = least_effect(model, choice, left), least_of_friction(model, choice, left)
+    least = least_effect(model, choice, left), least_of_friction(model, choice, left), least_told(model, choice, left)
     return Trial(choice, improvement, error, elsewhere, relief, *size, *least, tuple(walds))
 
 
@@ -166,10 +172,7 @@ def negligible(model: Model, choice: Chosen, strengths: Floats, before: Floats, 
     joint = shown_at(model, choice, before, after)
     of_effort, of_friction = effects(model, choice, strengths, joint)
     left = left_of_friction(model, model.gap.rms(after[:, joint], joint), joint)
-    told = _unevenness(model, choice, left) * choice.cause.least_told
-    return of_effort < least_effect(model, choice, left) or of_friction < max(
-        least_of_friction(model, choice, left), told
-    )
+    return of_effort < least_effect(model, choice, left) or of_friction < least_told(model, choice, left)
 
 
 def least_effect(model: Model, choice: Chosen, left: float = np.inf) -> float:
@@ -189,6 +192,14 @@ def least_of_friction(model: Model, choice: Chosen, left: float = np.inf) -> flo
     """
     least = _unevenness(model, choice, left) * choice.cause.least_of_friction
     return max(least, STANDS_OUT * min(model.nuisance.wavy, WAVIEST)) if choice.cause.of_unevenness else least
+
+
+def least_told(model: Model, choice: Chosen, left: float = np.inf) -> float:
+    """Return how much of a joint's friction a cause has to be on this machine to be told, ``left`` being as for
+    :func:`least_of_friction`; one that is less is refitted along.
+    """
+    told = _unevenness(model, choice, left) * choice.cause.least_told
+    return max(least_of_friction(model, choice, left), told)
 
 
 def _unevenness(model: Model, choice: Chosen, left: float) -> float:

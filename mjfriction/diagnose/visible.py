@@ -17,7 +17,7 @@ from mjfriction.diagnose.trial import (
     LEAST_SHARE,
     at_its_most,
     least_effect,
-    least_of_friction,
+    least_told,
     left_of_friction,
 )
 from mjfriction.diagnose.unevenness import with_unevenness
@@ -84,7 +84,7 @@ def _least_told(model: Model, choice: Chosen, left: Floats) -> float:
     most = max(at_its_most(model, columns, own, joint) / max(_rms(own), 1e-300) for own in columns[joint].T)
     return max(
         least_effect(model, choice, beside) * _rms(model.gap.measured[:, joint]),
-        least_of_friction(model, choice, beside) * model.friction[joint] / max(most, 1e-300),
+        least_told(model, choice, beside) * model.friction[joint] / max(most, 1e-300),
         float(np.sqrt(LEAST_SHARE)) * _rms(left),
     )
 

@@ -91,7 +91,7 @@ def rendered(template: str, **values: object) -> str:
     )
     environment.filters["digits"] = digits
     environment.filters["percentage"] = percentage
-    environment.filters["percent"] = lambda value: f"{100.0 * max(value, 0.0):.0f} %"
+    environment.filters["percent"] = lambda value: f"{percentage(max(value, 0.0))} %"
     return environment.get_template(template).render(plotly_script=Markup(get_plotlyjs()), **values)
 
 

@@ -25,7 +25,7 @@ def trial(chance: float) -> Trial:
     """Return a trial that is large in everything, so likely by chance."""
     wald = Wald(float(fisher.isf(chance, 1, SPARE)), 1, SPARE)
     return Trial(
-        Chosen(Offset(), Site(0)), np.full(41, 2.0), np.full(41, 3.0), 0.0, 0.0, 0.5, 0.3, 0.005, 0.04, (wald,)
+        Chosen(Offset(), Site(0)), np.full(41, 2.0), np.full(41, 3.0), 0.0, 0.0, 0.5, 0.3, 0.005, 0.04, 0.04, (wald,)
     )
 
 
@@ -48,7 +48,7 @@ def test_the_larger_a_cause_is_over_what_it_has_to_be_the_surer_it_is() -> None:
     assert np.all(np.diff(sure) > 0.0)
     assert sure[3] > 0.9
     assert sure[4] == pytest.approx(1.0, abs=1e-3)
-    assert _clearly(replace(trial(1e-9), least_of_friction=0.0)) == 1.0
+    assert _clearly(replace(trial(1e-9), least_told=0.0)) == 1.0
 
 
 def test_the_level_of_false_alarms_is_shared_out_whole_and_few_candidates_do_not_pay_for_many() -> None:
