@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import gc
+import signal
 import sys
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 from typer import core, exceptions
@@ -85,7 +86,7 @@ def run() -> None:
     except InputError as error:
         _stop(f"{error}", WRONG_INPUT)
     except (KeyboardInterrupt, exceptions.Abort):
-        _stop(STOPPED, INTERRUPTED)
+        _interrupted()
     except Exception as error:
         message = _usage_message(error)
         if message is None:
@@ -93,7 +94,7 @@ def run() -> None:
         else:
             _stop(message, WRONG_INPUT)
     if status == INTERRUPTED:
-        _stop(STOPPED, INTERRUPTED)
+        _interrupted()
     sys.exit(status if isinstance(status, int) else 0)
 
 
@@ -107,6 +108,12 @@ def _usage_message(error: Exception) -> str | None:
     return f"{str(text()).splitlines()[0]} See '{where} --help'."
 
 
-def _stop(message: str, status: int) -> None:
+def _interrupted() -> NoReturn:
+    # Who presses the keys once more while this is said would get a traceback in its place, and another exit status.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _stop(STOPPED, INTERRUPTED)
+
+
+def _stop(message: str, status: int) -> NoReturn:
     print(f"mjfriction: {' '.join(message.split())}", file=sys.stderr)
     sys.exit(status)

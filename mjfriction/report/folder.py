@@ -6,7 +6,9 @@ import contextlib
 import os
 import secrets
 import shutil
+import signal
 import tempfile
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -34,7 +36,21 @@ def whole_folder(target: Path) -> Iterator[Path]:
             draft.chmod(0o755)
             os.replace(draft, target)
     finally:
-        shutil.rmtree(draft, ignore_errors=True)
+        with undisturbed():
+            shutil.rmtree(draft, ignore_errors=True)
+
+
+@contextlib.contextmanager
+def undisturbed() -> Iterator[None]:
+    """Hold off interrupts from the keyboard: what puts away after one must not be cut short by the next."""
+    if threading.current_thread() is not threading.main_thread():  # interrupts reach the main thread alone
+        yield
+        return
+    heeded = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.SIG_DFL if heeded is None else heeded)
 
 
 def _make(draft: Path, target: Path) -> None:
@@ -67,4 +83,5 @@ def whole_file(target: Path) -> Iterator[Path]:
     except OSError as error:
         raise OutputError(f"{target}: cannot be written: {(error.strerror or str(error)).lower()}") from None
     finally:
-        draft.unlink(missing_ok=True)
+        with undisturbed():
+            draft.unlink(missing_ok=True)

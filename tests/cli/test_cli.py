@@ -69,6 +69,30 @@ def test_ctrl_c_leaves_nothing_and_says_so(tmp_path: Path, good: tuple[dict[str,
     assert {path.name for path in tmp_path.iterdir()} == {log.name, robot.name}
 
 
+def test_keys_pressed_again_while_it_ends_change_nothing() -> None:
+    code = """
+import os, signal, sys
+from mjfriction.cli import main
+
+class Pressed:
+    def write(self, text):
+        os.kill(os.getpid(), signal.SIGINT)
+        sys.__stderr__.write(text)
+    def flush(self):
+        sys.__stderr__.flush()
+
+def interrupted(*words, **options):
+    raise KeyboardInterrupt
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+main.core.TyperGroup.main = interrupted
+sys.argv, sys.stderr = ["mjfriction", "laws"], Pressed()
+main.run()
+"""
+    ended = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True)
+    assert (ended.returncode, ended.stderr.strip()) == (130, "mjfriction: stopped; nothing was written")
+
+
 @pytest.mark.parametrize(("own", "threads"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "3"}, "3")])
 def test_matrices_take_one_thread_unless_told_otherwise(own: dict[str, str], threads: str) -> None:
     # What is set once numpy is loaded is too late.

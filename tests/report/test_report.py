@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import shutil
+import signal
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import jsonschema
@@ -162,4 +167,29 @@ def test_an_interrupt_as_the_folder_is_made_leaves_nothing(tmp_path: Path, monke
     monkeypatch.setattr(Path, "mkdir", interrupted)
     with pytest.raises(KeyboardInterrupt), whole_folder(tmp_path / "out"):
         pass
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("whole", [whole_folder, whole_file])
+def test_a_second_interrupt_does_not_cut_the_putting_away_short(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, whole: Callable[[Path], AbstractContextManager[Path]]
+) -> None:
+    rmtree, unlink = shutil.rmtree, Path.unlink
+
+    def pressed_again(take_away: Callable[..., None]) -> Callable[..., None]:
+        def taking(*words: object, **options: object) -> None:
+            os.kill(os.getpid(), signal.SIGINT)
+            take_away(*words, **options)
+
+        return taking
+
+    monkeypatch.setattr(shutil, "rmtree", pressed_again(rmtree))
+    monkeypatch.setattr(Path, "unlink", pressed_again(unlink))
+    heeded = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt), whole(tmp_path / "out"):
+            raise KeyboardInterrupt
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, heeded)
     assert list(tmp_path.iterdir()) == []
