@@ -26,6 +26,7 @@ FINER = 10  # frequencies that are tried for one that the length of the log can 
 MOST_AT_A_JOINT = 3
 NEAR = 1.15  # times the frequencies that a link swings at, within which it is the link
 LEAST_TOLD = 0.003  # of a joint's RMS effort, that an oscillation must reach
+UNTUNED = 0.5  # of what a swing takes once it is tuned, that the nearest of those tried takes at least
 SCREENED_ROWS = 4000  # enough to tell swings apart by
 CLOSE = 0.01  # of a swing's damping ratio, to which its frequency is tuned
 MOST_TUNINGS = 100
@@ -161,6 +162,8 @@ def _loudest_swing(model: Model, still: Model, joint: int) -> Swing | None:
     if not tried:
         return None
     _, gains = still.system.screen({joint: courses(gap, tried, every)}, every)
+    if np.max(gains) < UNTUNED * (1.0 - RESONANT) * still.system.normal.error(still.strengths)[joint]:
+        return None
     best = tried[int(np.argmax(gains))]
 
     def lost(place: Floats) -> float:

@@ -53,7 +53,7 @@ def _blows_of(motion: Motion, joint: int, still: float) -> Floats:
     # The acceleration of a joint's blows, (n,), 0 elsewhere.
     slow = butterworth(2, BLOW_BAND * motion.cutoff, motion.rate)
     course, velocity = motion.acceleration[:, joint], motion.velocity[:, joint]
-    wanted = np.concatenate([sosfiltfilt(slow, course[own]) for own in motion.pieces])
+    wanted = np.concatenate([sosfiltfilt(slow.sections, course[own]) for own in motion.pieces])
     quick = course - wanted
     moving = np.abs(velocity) > still
     if not np.any(moving):

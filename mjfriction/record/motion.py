@@ -10,11 +10,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
-from scipy.signal import sosfiltfilt
 
 from mjfriction.errors import LogError
 from mjfriction.record.log import CURRENT, EFFORT, POSITION, VELOCITY, Floats, Integers, Log
-from mjfriction.record.low_pass import butterworth, low_passed
+from mjfriction.record.low_pass import LowPass, butterworth, low_passed
 from mjfriction.record.noise import noise_level
 from mjfriction.record.resample import Clock, Grid, even_grid, grid_segments, onto_grid, read_clock
 
@@ -195,7 +194,7 @@ def estimate_motion(log: Log, joints: Sequence[str], cutoff: float) -> Motion:
         )
     rate = 1.0 / clock.step
     cutoff = min(cutoff, 0.45 * rate)
-    sos = butterworth(FILTER_ORDER, cutoff, rate)
+    slow = butterworth(FILTER_ORDER, cutoff, rate)
 
     def on_clock(values: Floats, *, smooth: bool) -> list[Floats]:
         return [onto_grid(values, log.time, grid, smooth=smooth) for grid in grids]
@@ -203,7 +202,7 @@ def estimate_motion(log: Log, joints: Sequence[str], cutoff: float) -> Motion:
     edge = int(EDGE_PERIODS * rate / cutoff) + 12
 
     def derivatives(pieces: list[Floats], order: int) -> list[list[Floats]]:
-        smooth = [_low_pass(sos, piece, edge) for piece in pieces]
+        smooth = [_low_pass(slow, piece, edge) for piece in pieces]
         return [_derivatives(values, rate, order, margin) for values, margin in smooth]
 
     position, velocity, acceleration, noise, torque, quantity = [], [], [], [], [], []
@@ -301,7 +300,7 @@ def _compared_slowly(log: Log, joint: str, cutoff: float, clock: Clock) -> tuple
     rate = 1.0 / clock.step
     slow = butterworth(FILTER_ORDER, SLOWLY * min(cutoff, 0.45 * rate), rate)
     smooth = [
-        [sosfiltfilt(slow, onto_grid(values, log.time, grid, smooth=True), padlen=0) for grid in grids]
+        [slow.to_and_fro(onto_grid(values, log.time, grid, smooth=True)) for grid in grids]
         for values in (position, velocity)
     ]
     # What the filter's ends touch is left out.
@@ -324,11 +323,11 @@ def smooth_derivatives(motion: Motion, values: Floats, share: float = 1.0) -> li
     that the values carry themselves.
     """
     cutoff = share * motion.cutoff
-    sos = butterworth(FILTER_ORDER, cutoff, motion.rate)
+    slow = butterworth(FILTER_ORDER, cutoff, motion.rate)
     edge = int(EDGE_PERIODS * motion.rate / cutoff) + 12
     out = [np.empty_like(values) for _ in range(3)]
     for own in motion.pieces:
-        smooth, margin = _low_pass(sos, values[own], edge)
+        smooth, margin = _low_pass(slow, values[own], edge)
         for part, derivative in zip(out, _derivatives(smooth, motion.rate, 2, margin), strict=True):
             part[own] = derivative
     return out
@@ -347,20 +346,28 @@ def back_to_log(motion: Motion, log: Log, values: Floats) -> Floats:
     return out
 
 
-def _low_pass(sos: Floats, piece: Floats, edge: int) -> tuple[Floats, int]:
+def _low_pass(slow: LowPass, piece: Floats, edge: int) -> tuple[Floats, int]:
     # A log often starts or ends in the middle of a motion.  The piece is continued at both ends by the cubic through
     # its own end, so that velocity and acceleration run on, and returned with that margin so that derivatives at the
     # first and last sample are central ones too.
     margin = min(edge, piece.size - 1)
     before = _continued(piece[: margin + 1][::-1])[::-1]
     after = _continued(piece[-margin - 1 :])
-    return sosfiltfilt(sos, np.concatenate([before, piece, after]), padlen=0), margin
+    return slow.to_and_fro(np.concatenate([before, piece, after])), margin
 
 
 def _continued(end: Floats) -> Floats:
-    window = end[end.size // 2 :]
-    coefficients = np.polyfit(np.arange(1 - window.size, 1), window, 3)
-    return np.asarray(np.polyval(coefficients, np.arange(1, end.size)))
+    known = end.size // 2
+    fit, powers = _cubic_through(known, end.size)
+    return np.asarray(powers @ (fit @ end[known:]))
+
+
+@functools.lru_cache(maxsize=64)
+def _cubic_through(known: int, count: int) -> tuple[Floats, Floats]:
+    # What gives the cubic through all but the first ``known`` of a ``count`` of values, and the values after them from
+    # that cubic, as many as there are but one.
+    before, beyond = np.arange(1 + known - count, 1) / count, np.arange(1, count) / count
+    return np.asarray(np.linalg.pinv(np.vander(before, 4)), dtype=float), np.vander(beyond, 4)
 
 
 def _derivatives(values: Floats, rate: float, order: int, margin: int) -> list[Floats]:

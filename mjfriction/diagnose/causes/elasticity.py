@@ -53,7 +53,12 @@ class _Elasticity(MovedLink):
 
     def shift(self, gap: Gap, site: Site) -> list[Floats]:
         """The load and its derivatives."""
-        return smooth_derivatives(gap.motion, self.load(gap, site.joint), LOAD_BAND)
+        joint = site.joint
+
+        def made() -> Columns:
+            return {joint: np.stack(smooth_derivatives(gap.motion, self.load(gap, joint), LOAD_BAND))}
+
+        return list(gap.kept.recall(f"load {self.carries_friction} {joint}", made)[joint])
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The compliance, stated plus change."""
@@ -122,16 +127,14 @@ class SensorElasticity(_Elasticity):
         felt = [gap.reported(joint, self.samples(gap, site))[::every] for site in sites]
         return {joint: np.stack(felt, axis=1)}
 
-    def _torques(self, gap: Gap, site: Site) -> Floats:
-        torques = super()._torques(gap, site)
+    def _beside(self, gap: Gap, site: Site) -> Floats:
         if site.around == 0.0:
-            return torques  # nothing gives: whether any load would be felt
+            return super()._beside(gap, site)  # nothing gives: whether any load would be felt
         coulomb, viscous = stated_levels(gap.robot.table.joint[site.joint])
         velocity, sure = gap.motion.velocity[:, site.joint], gap.motion.sure_speed[:, site.joint]
         slower = self.shift(gap, site)[1]
-        turned = direction(velocity - site.around * slower, sure)[0] - direction(velocity, sure)[0]
-        torques[:, site.joint] += 2.0 * coulomb * turned / site.around - viscous * slower
-        return torques
+        turned = 2.0 * direction(velocity - site.around * slower, sure)[0] - 1.0 - gap.forward(site.joint)
+        return np.asarray(coulomb * turned / site.around - viscous * slower)
 
     def around_sites(self, gap: Gap, site: Site) -> list[Site]:
         """To the neighbours on the grid."""
@@ -141,9 +144,10 @@ class SensorElasticity(_Elasticity):
         """It is near the compliance that the columns were drawn for, and stands out of the noise: at reversals no real
         machine's friction is quite as its law says, which a turn a little earlier or later makes up for.
         """
+        if not (as_drawn(site, strengths) and super().admissible(gap, site, strengths)):
+            return False
         effect = gap.rms((self.columns(gap, site)[site.joint] @ strengths), site.joint)
-        stands_out = effect > gap.noise_floor[site.joint]
-        return bool(stands_out) and as_drawn(site, strengths) and super().admissible(gap, site, strengths)
+        return bool(effect > gap.noise_floor[site.joint])
 
 
 @final

@@ -34,14 +34,12 @@ class EncoderOffset(MovedLink):
         one = np.ones_like(gap.motion.time)
         return [one, 0.0 * one, 0.0 * one]
 
-    def _torques(self, gap: Gap, site: Site) -> Floats:
+    def _beside(self, gap: Gap, site: Site) -> Floats:
         # What goes along the stroke, springs and waves, stands elsewhere too; the motor is where its link is.
-        out = super()._torques(gap, site)
         joint, position = gap.robot.table.joint[site.joint], gap.linked.position[:, site.joint]
-        out[:, site.joint] -= spring_slope_along(joint.spring, position) + wave_slopes_along(joint.cogging, position)
         level = wave_slopes_along(joint.friction_waves, position) + spot_slopes_along(joint.friction_spots, position)
-        out[:, site.joint] -= gap.forward(site.joint) * level
-        return out
+        along = spring_slope_along(joint.spring, position) + wave_slopes_along(joint.cogging, position)
+        return np.asarray(-along - gap.forward(site.joint) * level)
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The offset, stated plus change."""

@@ -32,7 +32,10 @@ class MovedLink(Cause):
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The torque at the joint itself, (n, 1)."""
-        return column(self._torques(gap, site)[:, site.joint])
+        torque = self._beside(gap, site)
+        for slope, part in zip(own_slopes(gap, site.joint), self.shift(gap, site), strict=True):
+            torque = torque - slope * part
+        return column(torque)
 
     def columns(self, gap: Gap, site: Site) -> Columns:
         """The torques at all joints that the shifted link changes, through the chain."""
@@ -60,7 +63,12 @@ class MovedLink(Cause):
         out = np.zeros((len(gap.robot.joints), gap.motion.time.size))
         for derivative, part in zip(gap.derivatives, self.shift(gap, site), strict=True):
             out -= derivative[:, :, site.joint].T * part
+        out[site.joint] += self._beside(gap, site)
         return out.T
+
+    def _beside(self, gap: Gap, site: Site) -> Floats:
+        # What changes at the joint itself besides weight and inertia, (n,) per unit strength: by default nothing.
+        return np.zeros(gap.motion.time.size)
 
 
 def own_slopes(gap: Gap, joint: int) -> tuple[Floats, ...]:
