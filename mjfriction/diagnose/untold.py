@@ -100,8 +100,9 @@ def find_untold(
         }
         if choice.key in common | small or shows(gap, before[choice.key], heldout, drowning, bare, built_up):
             continue
-        # Refitted drives and links may stand in for it only by being off as they hardly ever are.
-        if relief(model, without[choice.key]) < STRAINED:
+        # Refitted drives and links may stand in for it only by being off as they hardly ever are: or by what bends them
+        # where something is left unexplained.
+        if choice.site.joint in left or relief(model, without[choice.key]) < STRAINED:
             small.add(choice.key)
     of_links = [choice for choice in model.chosen if isinstance(choice.cause, LinkScale | LinkCentre)]
     if any(choice.key not in common | small for choice in of_links) and not links_far_off(model):

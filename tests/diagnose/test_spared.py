@@ -14,6 +14,7 @@ from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.stated import Settled
 from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.structure import Structure
 from mjfriction.record.log import Floats
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
@@ -30,14 +31,19 @@ class Without:
         return self.left
 
 
-@pytest.mark.parametrize(("at", "told"), [(None, False), (PAN, True)])
-def test_an_error_it_keeps_from_another_joint_is_worth_a_finding(
-    at: int | None, told: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.fixture
+def with_an_offset(tmp_path: Path) -> tuple[Model, Chosen]:
     log, robot = write_case(tmp_path, Machine(hidden={ELBOW: lambda i: 1.5 + 0.0 * i.q}), seed=5, seconds=25.0)
     gap = measure_gap(read_log(log), read_robot(robot), highest=60.0)
     offset = Chosen(Offset(), Site(ELBOW))
-    model = build_model(gap, make_nuisance(gap), (offset,))
+    return build_model(gap, make_nuisance(gap), (offset,)), offset
+
+
+@pytest.mark.parametrize(("at", "told"), [(None, False), (PAN, True)])
+def test_an_error_it_keeps_from_another_joint_is_worth_a_finding(
+    at: int | None, told: bool, with_an_offset: tuple[Model, Chosen], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model, offset = with_an_offset
     left = model.heldout_residual()
 
     def standing_in(_model: Model, _choice: Chosen) -> Without:
@@ -50,4 +56,17 @@ def test_an_error_it_keeps_from_another_joint_is_worth_a_finding(
     monkeypatch.setattr(untold, "without_cause", standing_in)
     monkeypatch.setattr(untold, "relief", lambda *_: 0.0)
     found = untold.find_untold(Settled(model, ()), (), (), left)
+    assert (offset.key not in found.keys) is told
+
+
+@pytest.mark.parametrize(("unexplained", "told"), [(ELBOW, False), (PAN, True)])
+def test_that_drives_and_links_would_be_strained_without_it_says_nothing_where_much_is_unexplained(
+    unexplained: int, told: bool, with_an_offset: tuple[Model, Chosen], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model, offset = with_an_offset
+    left = model.heldout_residual()
+    monkeypatch.setattr(untold, "without_cause", lambda *_: Without(left))
+    monkeypatch.setattr(untold, "relief", lambda *_: 2.0 * untold.STRAINED)
+    remaining = (Structure(model.gap.robot.joints[unexplained], "time", 0.9),)
+    found = untold.find_untold(Settled(model, ()), remaining, (), left)
     assert (offset.key not in found.keys) is told
