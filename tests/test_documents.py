@@ -35,12 +35,12 @@ from mjfriction.diagnose.exact import EXACT, MOST_JOINTS
 from mjfriction.diagnose.exchange import MOST_EXCHANGED
 from mjfriction.diagnose.findings import FAINTEST, ONE_OF_MANY
 from mjfriction.diagnose.free_links import BAR, FEWEST_GAINING, LEAST_GAINED, MANY, STRAINED
-from mjfriction.diagnose.held_links import NEARLY_ALL
+from mjfriction.diagnose.held_links import NEARLY_ALL, NEARLY_EXACT
 from mjfriction.diagnose.kin import FULLER_CHANCE, KIN_CHANCE, LEAST_KIN_EFFECT
 from mjfriction.diagnose.link_finding import ALWAYS_NOTED, SURELY
 from mjfriction.diagnose.look import NO_WORSE
 from mjfriction.diagnose.misplaced import EXPLAINED
-from mjfriction.diagnose.nuisance import CONSTANT, FARTHEST, LET_GO, LINK_SCALE, LINK_SHIFT, ROTOR
+from mjfriction.diagnose.nuisance import CONSTANT, FARTHEST, LET_GO, LINK_SCALE, LINK_SHIFT, ROTOR, ZERO
 from mjfriction.diagnose.oscillations import INSTEAD, LEAST_TOLD, NEAR, QUIETER, RESONANT
 from mjfriction.diagnose.refusal import ON_THE_WAY
 from mjfriction.diagnose.richer import PAYS
@@ -175,6 +175,13 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert (MOST_CONFIDENT, AT_THE_BAR, TOLD_BY) == (0.9, 0.5, 2), "the page says 0.9, half, all but one"
     assert MUCH_COLOURED == 0.3, "the page says three tenths"
     assert (Cogging.times, PositionFriction.times) == (3, 2), "the page says three waves of cogging and two of friction"
+
+
+def test_how_it_decides_tells_what_stands_for_links() -> None:
+    told = " ".join(text("docs/how_it_decides.md").split())
+    assert f"friction that is right to {100 * NEARLY_EXACT:g} % at three quarters" in told
+    assert f"leaves as little to {100 * (AS_GOOD - 1.0):.0f} %, for how either spreads" in told
+    assert math.isclose(Offset.least_of_friction, ZERO * FARTHEST), "the page says a third as a rule, and up to that"
 
 
 def test_how_it_decides_tells_what_ratios_a_shared_drive_may_have() -> None:

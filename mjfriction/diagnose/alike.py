@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mjfriction.body.regressor import tip_link
+from mjfriction.diagnose.as_little import AS_GOOD as AS_LITTLE
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LinkScale
@@ -16,6 +16,7 @@ from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.exchange import for_place_of, in_place_of
 from mjfriction.diagnose.field import Entrant, Field, chances_in, in_place_of_levels
 from mjfriction.diagnose.intervals import half_widths
+from mjfriction.diagnose.load_at_flange import of_last_link
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, partners, same_columns
 from mjfriction.diagnose.nearness import nearness_of
 from mjfriction.diagnose.short_list import NEAR_BEST
@@ -84,6 +85,8 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
     chances = chances_in(field)
     same = [rival for rival in rivals if same_columns(gap, rival.chosen, target)]
     rivals = [rival for rival in rivals if rival in same or _is_rival(rival, own, chances.among(rival.chosen.cause))]
+    if own.chosen.cause.name == LinkScale.name and of_last_link(gap, joint):
+        rivals = [one for one in rivals if one.chosen.cause.name != Payload.name] + _at_the_flange(without)
     rivals = sorted(rivals, key=lambda rival: rival.merit)
     odds = {rival.chosen.cause.name: math.exp(min(0.0, -0.5 * _ahead(gap, own, rival) / repeated)) for rival in rivals}
     odds |= {rival.chosen.cause.name: 1.0 for rival in same}
@@ -107,16 +110,24 @@ def _beside_others_anew(model: Model, without: Model, own: Trial, rival: Trial) 
     return replace(rival, relief=rival.relief + max(0.0, own.gain + left - theirs - rival.gain))
 
 
+def _at_the_flange(without: Model) -> list[Trial]:
+    # A load in the place of the last link, of which it is a part.
+    trials = (try_out(without, Chosen(Payload(), site)) for site in Payload().sites(without.gap))
+    return [one for one in trials if one is not None]
+
+
 def _ahead(gap: Gap, own: Trial, rival: Trial) -> float:
-    # How much better a cause is than its rival.  Of a load at the flange it is known beforehand that its centre is near
-    # that of the last link, so that what it needs more than that link's scale is not picked out of anything.
-    last = isinstance(own.chosen.cause, LinkScale) and of_last_link(gap, own.chosen.site.joint)
-    return own.gain - rival.gain if last and isinstance(rival.chosen.cause, Payload) else own.merit - rival.merit
+    # How much better a cause is than its rival.  How a load at the flange spreads is not known, nor where the last link
+    # is heavier: that one of the two leaves a little less says nothing.
+    last = own.chosen.cause.name == LinkScale.name and of_last_link(gap, own.chosen.site.joint)
+    if last and rival.chosen.cause.name == Payload.name:
+        return max(0.0, own.gain - rival.gain - (AS_LITTLE**2 - 1.0) * _left_beside(own))
+    return own.merit - rival.merit
 
 
-def of_last_link(gap: Gap, joint: int) -> bool:
-    """Return whether it is the last link that a joint moves: what is held at the flange is a part of it."""
-    return gap.robot.joints[joint] == gap.body.link_holding(tip_link(gap.body))
+def _left_beside(own: Trial) -> float:
+    # What a cause leaves where it is felt.
+    return float(np.sum(own.error - own.improvement))
 
 
 def _clearly(own: Trial) -> float:
@@ -152,5 +163,4 @@ def redundancy(weighted: Floats) -> float:
 def _is_rival(rival: Trial, own: Trial, number: float) -> bool:
     # What would not pass in the place of the chosen cause is no explanation, however little that explains.  What one
     # leaves more than the other is the difference of their gains, whichever joints each of them touches.
-    left = float(np.sum(own.error - own.improvement))
-    return rival.passes(number) and own.gain - rival.gain < (AS_GOOD - 1.0) * left
+    return rival.passes(number) and own.gain - rival.gain < (AS_GOOD - 1.0) * _left_beside(own)

@@ -9,6 +9,7 @@ import numpy as np
 
 from mjfriction.diagnose.base_changes import base_changes
 from mjfriction.diagnose.causes.cause import Cause, Quantity, Site
+from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Key, Model
@@ -34,7 +35,7 @@ class Adjustment:
 
 
 def extend_robot(model: Model, strengths: Floats | None = None) -> Robot:
-    """Build a fitted model into the robot: levels, drives, links, then the causes in the order they were found.
+    """Build a fitted model into the robot: levels, zeros, drives, links, then the causes in the order they were found.
 
     ``strengths`` are those fitted on everything if not given.
 
@@ -55,6 +56,8 @@ def extend_robot(model: Model, strengths: Floats | None = None) -> Robot:
         joint = level.site.joint
         coulomb, viscous = strengths[nuisance.of_level(joint)] / sensor[joint]
         robot = raised_levels(robot, robot.joints[joint], float(coulomb), float(viscous))
+    for zero, change in zip(nuisance.zeros, strengths[nuisance.of_zeros], strict=True):
+        robot = Offset().extend(robot, zero.site, np.array([change]))
     for drive, change in drives:
         before = sensor[drive.site.joint] if drive.cause.before_sensor else 1.0
         robot = drive.cause.extend(robot, drive.site, np.array([drive.stated * change / before]))
@@ -84,6 +87,11 @@ def adjustments(model: Model, untold: Collection[Key]) -> list[Adjustment]:
             unit = COULOMB_VISCOUS.parameter(name).unit_for(sliding=sliding)
             fitted = stated[k] + float(changes[k])
             out.append(Adjustment(name, gap.robot.joints[joint], unit, stated[k], fitted, float(spreads[k])))
+    changes, spreads = strengths[model.nuisance.of_zeros], half[model.nuisance.of_zeros]
+    for zero, change, spread in zip(model.nuisance.zeros, changes, spreads, strict=True):
+        if abs(change) > spread:
+            (quantity,) = Offset().quantities(gap, zero.site)
+            out.append(_moved(gap, Offset(), zero.site, quantity, float(change), float(spread)))
     changes, spreads = strengths[model.nuisance.of_drives], half[model.nuisance.of_drives]
     for drive, change, spread in zip(model.nuisance.drives, changes, spreads, strict=True):
         (quantity,) = drive.cause.quantities(gap, drive.site)

@@ -10,13 +10,14 @@ import numpy as np
 from mjfriction.diagnose.as_little import AS_GOOD
 from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOVED_ALONE, LinkScale, LoneLink, LoneWholeLink
 from mjfriction.diagnose.causes.payload import Payload
-from mjfriction.diagnose.exact import EXACT, OUTLYING, typical, untouched
+from mjfriction.diagnose.exact import OUTLYING, typical, untouched
 from mjfriction.diagnose.field import Field, chances_in
 from mjfriction.diagnose.model import Model, build_model, without_contained
 from mjfriction.diagnose.short_list import contenders, fairly, passing
 from mjfriction.diagnose.tangent import straightened
 from mjfriction.diagnose.trial import FEWEST_JOINTS
 
+NEARLY_EXACT = 0.02  # of the stated friction: typical change up to which one cause may stand for all links
 NEARLY_ALL = 0.99  # of the mean square that refitted links take off any joint's error, that one cause may take instead
 
 
@@ -32,7 +33,7 @@ def held_links(model: Model, field: Field, surely_off: Mapping[int, float], mayb
     """
     if not model.nuisance.links or len(surely_off) < FEWEST_JOINTS:
         return model
-    if typical(list(surely_off.values())) > EXACT:
+    if typical(list(surely_off.values())) > NEARLY_EXACT:
         return model
     held = model.without_links()
     links = tuple(one for one in field if isinstance(one.cause, LinkScale))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mjfriction.diagnose.alike import EVEN, MOST_CONFIDENT, Standing, of_last_link, standing
+from mjfriction.diagnose.alike import EVEN, MOST_CONFIDENT, Standing, standing
 from mjfriction.diagnose.base_changes import base_changes
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LEAST_NOTED, LinkScale
@@ -15,6 +15,7 @@ from mjfriction.diagnose.exact import OUTLYING, levels_off
 from mjfriction.diagnose.field import Field
 from mjfriction.diagnose.intervals import HalfWidths
 from mjfriction.diagnose.links_off import links_far_off
+from mjfriction.diagnose.load_at_flange import of_last_link
 from mjfriction.diagnose.model import Chosen, Model, build_model
 from mjfriction.diagnose.nuisance import PER_LINK
 from mjfriction.diagnose.outcome import Finding

@@ -17,6 +17,7 @@ from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.identify.normal import Normal
 
 NEAREST, FARTHEST = 1.0 / 3.0, 3.0  # of how far stated drives and links usually are off, that a robot's are
+STRAINED = 25.0  # of distance from what is stated, in squares of what is the rule, that a cause must save the rest
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,11 @@
 """What is refitted with every candidate, because nothing stated is ever exact.
 
-Each joint's Coulomb and viscous level is free.  Each link's mass and inertia may scale by a few percent and its centre
-of mass lie some millimetres off, stated as a prior, so that a payload or a wrong torque constant is not swallowed by
-links of half the mass.  Where friction is a few percent off throughout, so may be what data sheets say of the drives:
-each rotor's inertia and each torque constant.  Where that is not enough, links are let go altogether, in all ten
-numbers of each.  A steady tone at a joint, or a load that swings there, is free too: no
+Each joint's Coulomb and viscous level is free, and its effort may read a little where there is none: no sensor's zero
+is exact, and less than waves along the strokes of an uneven machine it is no finding. Each link's mass and inertia may
+scale by a few percent and its centre of mass lie some millimetres off, stated as a prior, so that a payload or a wrong
+torque constant is not swallowed by links of half the mass. Where friction is a few percent off throughout, so may be
+what data sheets say of the drives: each rotor's inertia and each torque constant. Where that is not enough, links are
+let go altogether, in all ten numbers of each. A steady tone at a joint, or a load that swings there, is free too: no
 robot file holds it.
 """
 
@@ -18,6 +19,7 @@ import numpy as np
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Cause, Site
+from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.identify.gap import Gap
@@ -26,11 +28,13 @@ from mjfriction.identify.regression import Columns
 from mjfriction.identify.swing import Swing
 from mjfriction.identify.tone import Tone
 from mjfriction.record.log import Floats
+from mjfriction.robot.friction import stated_levels
 
+ZERO = Offset.least_of_friction / 3.0  # of a joint's Coulomb level, one deviation of what its effort reads of none
 LINK_SCALE = 0.03  # one standard deviation of how far a stated link may be off
 LINK_SHIFT = 0.002  # m, and its centre of mass, along each axis
 ROTOR, CONSTANT = 0.04, 0.015  # relative, and a drive's rotor inertia and torque constant
-FARTHEST = 3.0  # of these deviations, that a link or a drive goes at most
+FARTHEST = 3.0  # of these deviations, that a zero, a link or a drive goes at most
 LET_GO = 1.5  # by which a link that is let go may be off in each of its ten numbers, relative to what is stated
 PER_LINK = 4  # a scale and three shifts
 HELD = 1e12  # precision of what is not to move
@@ -56,6 +60,17 @@ class Level:
     def freed(self) -> Level:
         """Return the levels free."""
         return self if self.free is None else replace(self, precision=self.free, free=None)
+
+
+@dataclass(frozen=True)
+class Zero:
+    """What one joint's effort reads where there is none: one column; ``precision`` is that on a machine as uneven as
+    real ones are.
+    """
+
+    site: Site
+    columns: Columns
+    precision: Floats
 
 
 @dataclass(frozen=True)
@@ -94,12 +109,12 @@ class Oscillation:
     precision: Floats
 
 
-Part = Level | Drive | Link | LinkInertias | Oscillation
+Part = Level | Zero | Drive | Link | LinkInertias | Oscillation
 
 
 @dataclass(frozen=True)
 class Nuisance:
-    """What is refitted: stated levels first, then drives, links, and oscillations, in the order of their columns.
+    """What is refitted: levels first, then zeros, drives, links, and oscillations, in the order of their columns.
 
     Links are within what stated ones are ever off by (``links``), or let go (``inertias``), not both.
     ``uneven`` is how uneven the machine is, 1 for one that is as uneven as real ones are: a cause has to be larger than
@@ -114,12 +129,13 @@ class Nuisance:
     oscillations: tuple[Oscillation, ...] = ()
     uneven: float = 1.0
     wavy: float = 0.0
+    zeros: tuple[Zero, ...] = ()
 
     @property
     def parts(self) -> list[Part]:
         """All that is refitted, in order."""
         links = self.links if self.inertias is None else (self.inertias,)
-        return [*self.levels, *self.drives, *links, *self.oscillations]
+        return [*self.levels, *self.zeros, *self.drives, *links, *self.oscillations]
 
     @functools.cached_property
     def columns(self) -> Columns:
@@ -130,17 +146,19 @@ class Nuisance:
     @property
     def precision(self) -> Floats:
         """What is known beforehand of all strengths, in order, (count,)."""
-        return np.concatenate([part.precision for part in self.parts]) if self.parts else np.empty(0)
+        known = np.concatenate([part.precision for part in self.parts]) if self.parts else np.empty(0)
+        known[self.of_zeros] /= self.uneven**2
+        return known
 
     @property
     def reach(self) -> Floats:
-        """How far the strengths of drives and links go at most, in order."""
+        """How far the strengths of zeros, drives and links go at most, in order."""
         return FARTHEST / np.sqrt(self.precision[self.of_bounded])
 
     @property
     def count(self) -> int:
         """How many columns."""
-        return self.precision.size
+        return sum(part.precision.size for part in self.parts)
 
     def of_level(self, joint: int) -> slice:
         """Return where the two strengths of a joint's levels stand.
@@ -151,9 +169,15 @@ class Nuisance:
         return slice(2 * i, 2 * i + 2)
 
     @property
+    def of_zeros(self) -> slice:
+        """Where the zeros' strengths stand, one for each."""
+        first = 2 * len(self.levels)
+        return slice(first, first + len(self.zeros))
+
+    @property
     def of_drives(self) -> slice:
         """Where the drives' strengths stand, one for each."""
-        first = 2 * len(self.levels)
+        first = self.of_zeros.stop
         return slice(first, first + len(self.drives))
 
     @property
@@ -179,8 +203,8 @@ class Nuisance:
 
     @property
     def of_bounded(self) -> slice:
-        """Where those strengths stand that stated values are not ever far off by: drives' and links'."""
-        return slice(self.of_drives.start, self.of_links.stop)
+        """Where those strengths stand that stated values are not ever far off by: zeros', drives' and links'."""
+        return slice(self.of_zeros.start, self.of_links.stop)
 
     @property
     def of_oscillations(self) -> slice:
@@ -223,6 +247,10 @@ class Nuisance:
         """Return the nuisances of a gap with all links let go that are felt."""
         return replace(self, links=(), inertias=link_inertias(gap, LET_GO))
 
+    def without_zeros(self) -> Nuisance:
+        """Return the nuisances with no effort where there is none."""
+        return replace(self, zeros=())
+
     def without_drives(self) -> Nuisance:
         """Return the nuisances with every drive as stated."""
         return replace(self, drives=())
@@ -254,8 +282,18 @@ def make_nuisance(gap: Gap, sources: Sequence[Source] = (), *, drives: bool = Fa
         columns = source.columns(gap)
         precision = np.full(columns.shape[1], (LEVEL_SCALE * effort) ** -2.0)
         oscillations.append(Oscillation(source, {source.joint: columns}, precision))
-    drives_off = tuple(_drives(gap)) if drives else ()
-    return Nuisance(tuple(levels), drives_off, tuple(links), oscillations=tuple(oscillations))
+    drives_off, zeros = tuple(_drives(gap)) if drives else (), tuple(_zeros(gap))
+    return Nuisance(tuple(levels), drives_off, tuple(links), oscillations=tuple(oscillations), zeros=zeros)
+
+
+def _zeros(gap: Gap) -> list[Zero]:
+    out = []
+    for joint in gap.examined:
+        coulomb, _ = stated_levels(gap.robot.table.joint[joint])
+        if coulomb > 0.0:
+            site = Site(joint)
+            out.append(Zero(site, Offset().columns(gap, site), np.array([(ZERO * coulomb) ** -2.0])))
+    return out
 
 
 def _drives(gap: Gap) -> list[Drive]:

@@ -26,11 +26,13 @@ from mjfriction.diagnose.exact import (
     level_changes,
     may_be_off,
     relative_change,
+    stated_exactly,
     usually_off,
 )
 from mjfriction.diagnose.field import Field, chances_in, in_place_of_levels
 from mjfriction.diagnose.held_links import held_links
 from mjfriction.diagnose.levels_kept import one_for_both, with_levels_as_stated
+from mjfriction.diagnose.load_at_flange import as_load
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, without_contained
 from mjfriction.diagnose.nuisance import Level
 from mjfriction.diagnose.one_factor import beside_factors, scaled_levels
@@ -62,12 +64,13 @@ BAR = 2.0  # standard errors by which drives, or links, that are let go must hel
 class Settled:
     """The final model, and those of its friction levels that are findings; ``scaled`` tells at which joints both levels
     are off by about one factor, which the drive's torque constant may be off by instead, and how near what is stated
-    levels then are.
+    levels then are; ``exact`` whether all but what was found is taken to be as stated.
     """
 
     model: Model
     levels: tuple[Chosen, ...]
     scaled: Mapping[int, float] = field(default_factory=dict)
+    exact: bool = False
 
 
 def settle(model: Model, asked: Field) -> Settled:
@@ -79,8 +82,8 @@ def settle(model: Model, asked: Field) -> Settled:
     settles, none of this at any moment of that course.  Where another cause does as much with fewer freedoms, that
     takes its place and the level stays as stated; and where both levels are off by one factor, the torque constant that
     is so too does.
-    Refitted links are held where one cause does as well and all else is stated exactly.  Last, courses along strokes
-    take the place of what only spells them.
+    Refitted links are held where one cause does as well and all else is nearly stated exactly, and a load at the flange
+    takes the place of a last link that is off.  Last, courses along strokes take the place of what only spells them.
     """
     field_size = len(model.nuisance.levels)
     model = with_levels_as_stated(model)
@@ -116,13 +119,18 @@ def settle(model: Model, asked: Field) -> Settled:
                 findings.append(trial.chosen)
             alike |= {joint: scaled.spread} if scaled is not None else {}
     model = with_levels_as_stated(model)
+    if model.nuisance.zeros and not _helps(model, model.nuisance.of_zeros):
+        model = model.without_zeros()
     if model.nuisance.drives and not _helps(model, model.nuisance.of_drives):
         model = model.without_drives()
-    model = held_links(model, asked, off, most) if _links_help(model) else model.without_links()
+    with_links = model if _links_help(model) else model.without_links()
+    model = held_links(with_links, asked, off, most)
+    one_for_all = model is not with_links
+    model = as_load(model, exact=one_for_all or stated_exactly(model))
     # Holding levels moves what is left, and so what only spells a course along a stroke.
     model = as_courses(as_allowed(model, asked))
     findings = [level for level in findings if not _rising(model, level.site.joint)]
-    return Settled(model, tuple(findings), alike)
+    return Settled(model, tuple(findings), alike, exact=one_for_all or stated_exactly(model))
 
 
 def _bent(model: Model, joint: int) -> bool:

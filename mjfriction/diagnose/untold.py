@@ -12,10 +12,9 @@ from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.causes.varying import Step, WarmUpDrift
 from mjfriction.diagnose.contacts import more_than_contacts
-from mjfriction.diagnose.exact import stated_exactly
 from mjfriction.diagnose.links_off import links_far_off
 from mjfriction.diagnose.model import Chosen, Key, Model, build_model, partners
-from mjfriction.diagnose.nearness import relief
+from mjfriction.diagnose.nearness import STRAINED, relief
 from mjfriction.diagnose.stated import Settled
 from mjfriction.diagnose.stroke_curve import StrokeCurve, vague_waves
 from mjfriction.diagnose.trial import effects, negligible
@@ -31,7 +30,6 @@ BRISTLE_MISFIT = 0.005  # of what a bristle takes off its joint, that no machine
 # Times the mean square that is left unexplained at a joint that it must take away: half of the RMS.  Beside a load that
 # swings or a tone, which are known and refitted along, once.
 DROWNED = 3.0
-STRAINED = 25.0  # of distance from what is stated, in squares of what is the rule, that a cause must save the rest
 COURSES = frozenset({WarmUpDrift.name, Step.name})  # of friction over time
 LEAST_OF_COURSES = 0.2  # of the largest on a joint, that another must reach: no warm-up is quite the one fitted
 
@@ -72,7 +70,7 @@ def find_untold(
     beside = beside_oscillations(model, heldout)
     drowning = {joint: DROWNED * share for joint, share in left.items()} | beside
     left |= beside
-    exact = stated_exactly(model)
+    exact = settled.exact
     giving = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, MovedLink)}
     common = {
         choice.key

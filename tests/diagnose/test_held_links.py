@@ -78,6 +78,16 @@ def test_links_are_off_by_more_than_levels_may_be(tmp_path: Path, most: float, *
     assert [choice.cause.name for choice in held.chosen] == (["body.link_inertia"] if named else [])
 
 
+@pytest.mark.parametrize(("off", "named"), [(0.015, True), (0.025, False)])
+def test_friction_has_to_be_nearly_right_throughout(tmp_path: Path, off: float, *, named: bool) -> None:
+    log, robot = write_case(tmp_path, Machine(change=heavier, noise=0.1), seed=5)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    model = build_model(gap, make_nuisance(gap), ())
+    surely, may_be = dict.fromkeys(gap.examined, off), dict.fromkeys(gap.examined, 0.002)
+    held = held_links(model, make_field(gap, STRUCTURAL), surely, may_be)
+    assert [choice.cause.name for choice in held.chosen] == (["body.link_inertia"] if named else [])
+
+
 def test_what_noise_leaves_open_may_be_off(tmp_path: Path) -> None:
     log, robot = write_case(tmp_path, Machine(noise=0.6), seed=9, seconds=14.0, rate=100.0)
     gap = measure_gap(read_log(log), read_robot(robot))

@@ -1,0 +1,94 @@
+"""A last link that is off and a load at the flange do the same; of the two it is the load that was not stated."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from mjfriction.diagnose import alike
+from mjfriction.diagnose.alike import standing
+from mjfriction.diagnose.causes.cause import Cause, Site
+from mjfriction.diagnose.causes.links import LinkCentre, LinkScale, LoneWholeLink
+from mjfriction.diagnose.causes.payload import Payload
+from mjfriction.diagnose.field import make_field
+from mjfriction.diagnose.load_at_flange import as_load
+from mjfriction.diagnose.model import Chosen, Model, build_model
+from mjfriction.diagnose.nuisance import make_nuisance
+from mjfriction.diagnose.tangent import straightened
+from mjfriction.identify.gap import measure_gap
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import UR5_COULOMB, Machine, write_case
+
+FOREARM, LAST = 2, 5
+Change = Callable[[mujoco.MjModel], None]
+
+
+def heavier(link: str, mass: float, at: float) -> Change:
+    """Return a change by which a link holds a mass at a place along its z, m."""
+
+    def change(model: mujoco.MjModel) -> None:
+        body = model.body(link).id
+        own, centre = model.body_mass[body], model.body_ipos[body].copy()
+        model.body_ipos[body] = (own * centre + mass * np.array([0.0, 0.0, at])) / (own + mass)
+        model.body_mass[body] = own + mass
+
+    return change
+
+
+def moved(model: mujoco.MjModel) -> None:
+    model.body_ipos[model.body("wrist_3_link").id] += (0.0, 0.08, 0.0)
+
+
+def found(folder: Path, change: Change, cause: Cause, joint: int, *, links: bool = False, noise: float = 0.02) -> Model:
+    """Return the model of a machine with its true cause drawn as another."""
+    machine = Machine(change=change, noise=noise, coulomb=tuple(0.2 * own for own in UR5_COULOMB))
+    log, robot = write_case(folder, machine, seed=5)
+    gap = measure_gap(read_log(log), read_robot(robot), highest=60.0)
+    nuisance = make_nuisance(gap)
+    kept = nuisance if links else nuisance.without_links()
+    return straightened(build_model(gap, kept, (Chosen(cause, Site(joint)),)))
+
+
+@pytest.mark.parametrize(
+    ("change", "cause", "joint", "load"),
+    [
+        (heavier("wrist_3_link", 0.15, 0.04), LoneWholeLink(), LAST, True),
+        (heavier("forearm_link", 0.3, 0.04), LoneWholeLink(), FOREARM, False),
+        (moved, LinkCentre(), LAST, False),  # no load has a moment and no mass
+    ],
+)
+def test_a_last_link_that_a_load_makes_up_for_is_a_load(
+    tmp_path: Path, change: Change, cause: Cause, joint: int, *, load: bool
+) -> None:
+    model = found(tmp_path, change, cause, joint)
+    (choice,) = as_load(model, exact=True).chosen
+    assert isinstance(choice.cause, Payload) is load
+
+
+def test_where_links_are_off_it_has_to_be_more_than_they_could_make_up_for(tmp_path: Path) -> None:
+    small, large = (
+        found(tmp_path / name, heavier("wrist_3_link", mass, 0.0), LinkScale(), LAST, links=True)
+        for name, mass in (("small", 0.012), ("large", 0.3))
+    )
+    assert as_load(small, exact=False) is small
+    assert [choice.cause.name for choice in as_load(large, exact=False).chosen] == ["body.payload"]
+    assert [choice.cause.name for choice in as_load(small, exact=True).chosen] == ["body.payload"]
+
+
+def test_how_a_link_or_a_load_spreads_is_not_known(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stouter(model: mujoco.MjModel) -> None:
+        body = model.body("wrist_3_link").id
+        model.body_mass[body] *= 1.6
+        model.body_inertia[body] *= 1.6
+
+    model = found(tmp_path, stouter, LinkScale(), LAST, noise=1.0)
+    field = make_field(model.gap, (Payload(), LinkScale()))
+    assert standing(model, model.chosen[0], field).alternatives == ("body.payload",)
+    # Four numbers cost more on motion not fitted than one.
+    monkeypatch.setattr(alike, "AS_LITTLE", 1.0)
+    assert standing(model, model.chosen[0], field).alternatives == ()
