@@ -40,14 +40,14 @@ from mjfriction.diagnose.kin import FULLER_CHANCE, KIN_CHANCE, LEAST_KIN_EFFECT
 from mjfriction.diagnose.link_finding import ALWAYS_NOTED, SURELY
 from mjfriction.diagnose.look import NO_WORSE
 from mjfriction.diagnose.misplaced import EXPLAINED
-from mjfriction.diagnose.nuisance import CONSTANT, FARTHEST, LET_GO, LINK_SCALE, LINK_SHIFT, ROTOR, ZERO
+from mjfriction.diagnose.nuisance import CONSTANT, FARTHEST, FEWEST_JOINTS, LET_GO, LINK_SCALE, LINK_SHIFT, ROTOR, ZERO
 from mjfriction.diagnose.oscillations import INSTEAD, LEAST_TOLD, NEAR, QUIETER, RESONANT
 from mjfriction.diagnose.refusal import ON_THE_WAY
 from mjfriction.diagnose.richer import PAYS
 from mjfriction.diagnose.short_list import NEAR_BEST
 from mjfriction.diagnose.stated import FADED, LEFT, OUTLYING
 from mjfriction.diagnose.stroke_curve import FEWEST_HARMONIC, HARMONIC, HIGHEST
-from mjfriction.diagnose.trial import EVENEST, FALSE_ALARM, FEWEST_JOINTS, LEAST_EFFECT, STANDS_OUT, UNEVEN, WAVIEST
+from mjfriction.diagnose.trial import EVENEST, FALSE_ALARM, LEAST_EFFECT, STANDS_OUT, UNEVEN, WAVIEST
 from mjfriction.diagnose.unevenness import TOLD_BY
 from mjfriction.diagnose.untold import BRISTLE_MISFIT, DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
 from mjfriction.diagnose.verdict import FEWEST_SHOWN, LEAST_FRICTION, LEAST_SHOWN, MUCH_COLOURED

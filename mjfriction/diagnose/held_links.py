@@ -13,9 +13,9 @@ from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.exact import OUTLYING, typical, untouched
 from mjfriction.diagnose.field import Field, chances_in
 from mjfriction.diagnose.model import Model, build_model, without_contained
+from mjfriction.diagnose.nuisance import FEWEST_JOINTS
 from mjfriction.diagnose.short_list import contenders, fairly, passing
 from mjfriction.diagnose.tangent import straightened
-from mjfriction.diagnose.trial import FEWEST_JOINTS
 
 NEARLY_EXACT = 0.02  # of the stated friction: typical change up to which one cause may stand for all links
 NEARLY_ALL = 0.99  # of the mean square that refitted links take off any joint's error, that one cause may take instead

@@ -30,6 +30,7 @@ from mjfriction.identify.tone import Tone
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_levels
 
+FEWEST_JOINTS = 3  # that can say how exactly a machine is stated, or how even it is
 ZERO = Offset.least_of_friction / 3.0  # of a joint's Coulomb level, one deviation of what its effort reads of none
 LINK_SCALE = 0.03  # one standard deviation of how far a stated link may be off
 LINK_SHIFT = 0.002  # m, and its centre of mass, along each axis
@@ -287,7 +288,10 @@ def make_nuisance(gap: Gap, sources: Sequence[Source] = (), *, drives: bool = Fa
 
 
 def _zeros(gap: Gap) -> list[Zero]:
-    out = []
+    # On few joints it is what is left that says how even they are, and so what is an offset already.
+    out: list[Zero] = []
+    if len(gap.examined) < FEWEST_JOINTS:
+        return out
     for joint in gap.examined:
         coulomb, _ = stated_levels(gap.robot.table.joint[joint])
         if coulomb > 0.0:

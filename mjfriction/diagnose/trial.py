@@ -8,6 +8,7 @@ import numpy as np
 
 from mjfriction.diagnose.model import Chosen, Model, cause_block
 from mjfriction.diagnose.nearness import nearness, nearness_of
+from mjfriction.diagnose.nuisance import FEWEST_JOINTS
 from mjfriction.diagnose.wald import Wald, wald
 from mjfriction.identify.normal import Normal
 from mjfriction.identify.regression import Columns
@@ -20,7 +21,6 @@ UNEVEN = 0.015  # of a joint's friction, that waves along its stroke are at on a
 EVENEST = 0.25  # of what is asked on such a machine, that is asked on the most even one
 # Times as large as waves are at two joints at least, that one has to be; past how much of friction they are not such.
 STANDS_OUT, WAVIEST = 1.5, 0.06
-FEWEST_JOINTS = 3  # that can say how exactly a machine is stated, or how even it is
 MOST = 0.95  # of rows, on which an effort is less than it is at its most
 MOST_OF_SEVERAL = 0.995  # the same where several joints feel it
 
