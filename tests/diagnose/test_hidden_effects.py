@@ -177,7 +177,16 @@ spring, and a spring is nearly a zero that is off with links a little heavier, a
 a load that the pose changes is nearly one that changes along the stroke by half a wave: what can be fitted without
 those names does not show in the error.
 """
-SLOW = {"friction.presliding", "drive.rotor_inertia", "drive.elasticity", "friction.temperature", "drive.cogging"}
+SLOW = {
+    "drive.cogging",
+    "drive.elasticity",
+    "drive.rotor_inertia",
+    "event.change",
+    "friction.asymmetry",
+    "friction.presliding",
+    "friction.stribeck",
+    "friction.temperature",
+}
 
 
 @pytest.mark.parametrize(
@@ -306,7 +315,11 @@ def test_stated_levels_may_be_those_of_a_warm_joint(by_temperature: bool, tmp_pa
 
 
 @pytest.mark.parametrize(
-    ("parent", "com"), [("wrist_3_joint", "[0.0, 0.05, 0.03]"), ("tool0", "[0.0, -0.03, -0.0323]")]
+    ("parent", "com"),
+    [
+        pytest.param("wrist_3_joint", "[0.0, 0.05, 0.03]", marks=pytest.mark.bench),
+        ("tool0", "[0.0, -0.03, -0.0323]"),
+    ],
 )
 def test_a_payload_heavier_than_the_one_stated_is_found_wherever_it_is_stated(
     parent: str, com: str, tmp_path: Path
@@ -497,7 +510,7 @@ def test_a_rotor_a_few_percent_off_is_a_finding_on_an_exact_robot_only(
     assert finding in names(found(0.05))
 
 
-@pytest.mark.parametrize("begin", [-5.0, 1.7e9])
+@pytest.mark.parametrize("begin", [pytest.param(-5.0, marks=pytest.mark.bench), 1.7e9])
 def test_courses_of_time_are_found_on_any_clock(begin: float, tmp_path: Path) -> None:
     def steps(i: Instant) -> np.ndarray:
         return 2.0 * np.sign(i.v) * (i.time > 24.0)
