@@ -40,7 +40,17 @@ from mjfriction.diagnose.kin import FULLER_CHANCE, KIN_CHANCE, LEAST_KIN_EFFECT
 from mjfriction.diagnose.link_finding import ALWAYS_NOTED, SURELY
 from mjfriction.diagnose.look import NO_WORSE
 from mjfriction.diagnose.misplaced import EXPLAINED
-from mjfriction.diagnose.nuisance import CONSTANT, FARTHEST, FEWEST_JOINTS, LET_GO, LINK_SCALE, LINK_SHIFT, ROTOR, ZERO
+from mjfriction.diagnose.nuisance import (
+    CONSTANT,
+    FARTHEST,
+    FEWEST_JOINTS,
+    LET_GO,
+    LINK_SCALE,
+    LINK_SHIFT,
+    OUT_OF_CHANCE,
+    ROTOR,
+    ZERO,
+)
 from mjfriction.diagnose.oscillations import INSTEAD, LEAST_TOLD, NEAR, QUIETER, RESONANT
 from mjfriction.diagnose.refusal import ON_THE_WAY
 from mjfriction.diagnose.richer import PAYS
@@ -181,7 +191,8 @@ def test_how_it_decides_tells_what_stands_for_links() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"friction that is right to {100 * NEARLY_EXACT:g} % at three quarters" in told
     assert f"leaves as little to {100 * (AS_GOOD - 1.0):.0f} %, for how either spreads" in told
-    assert math.isclose(Offset.least_of_friction, ZERO * FARTHEST), "the page says a third as a rule, and up to that"
+    assert math.isclose(Offset.least_of_friction, 5.0 * ZERO), "the page says a fifth as a rule"
+    assert OUT_OF_CHANCE == 5.0, "and up to that"
 
 
 def test_how_it_decides_tells_what_ratios_a_shared_drive_may_have() -> None:

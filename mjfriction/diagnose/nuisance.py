@@ -31,11 +31,13 @@ from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_levels
 
 FEWEST_JOINTS = 3  # that can say how exactly a machine is stated, or how even it is
-ZERO = Offset.least_of_friction / 3.0  # of a joint's Coulomb level, one deviation of what its effort reads of none
+OUT_OF_CHANCE = 5.0  # deviations, that are none whatever number of candidates they are picked from
+# Of a joint's Coulomb level, one deviation of what its effort reads of none: what is large enough for an offset is one.
+ZERO = Offset.least_of_friction / OUT_OF_CHANCE
 LINK_SCALE = 0.03  # one standard deviation of how far a stated link may be off
 LINK_SHIFT = 0.002  # m, and its centre of mass, along each axis
 ROTOR, CONSTANT = 0.04, 0.015  # relative, and a drive's rotor inertia and torque constant
-FARTHEST = 3.0  # of these deviations, that a zero, a link or a drive goes at most
+FARTHEST = 3.0  # of these deviations, that a link or a drive goes at most
 LET_GO = 1.5  # by which a link that is let go may be off in each of its ten numbers, relative to what is stated
 PER_LINK = 4  # a scale and three shifts
 HELD = 1e12  # precision of what is not to move
@@ -154,7 +156,9 @@ class Nuisance:
     @property
     def reach(self) -> Floats:
         """How far the strengths of zeros, drives and links go at most, in order."""
-        return FARTHEST / np.sqrt(self.precision[self.of_bounded])
+        farthest = np.full(self.count, FARTHEST)
+        farthest[self.of_zeros] = OUT_OF_CHANCE
+        return (farthest / np.sqrt(self.precision))[self.of_bounded]
 
     @property
     def count(self) -> int:
@@ -247,10 +251,6 @@ class Nuisance:
     def with_links_let_go(self, gap: Gap) -> Nuisance:
         """Return the nuisances of a gap with all links let go that are felt."""
         return replace(self, links=(), inertias=link_inertias(gap, LET_GO))
-
-    def without_zeros(self) -> Nuisance:
-        """Return the nuisances with no effort where there is none."""
-        return replace(self, zeros=())
 
     def without_drives(self) -> Nuisance:
         """Return the nuisances with every drive as stated."""

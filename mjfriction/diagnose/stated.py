@@ -87,7 +87,12 @@ def settle(model: Model, asked: Field) -> Settled:
     """
     field_size = len(model.nuisance.levels)
     model = with_levels_as_stated(model)
-    change, off, most = level_changes(model), least_off(model), may_be_off(model)
+    off, most = least_off(model), may_be_off(model)
+    # Levels that links make needless may be needed without these, and the other way round: both ways are tried.
+    freely = model
+    model = held_links(model, asked, off, most) if _links_help(model) else model
+    one_for_all = model is not freely
+    change = level_changes(model)
     model, alike = beside_factors(model, change)
     findings: list[Chosen] = []
     for level in model.nuisance.levels:
@@ -119,13 +124,11 @@ def settle(model: Model, asked: Field) -> Settled:
                 findings.append(trial.chosen)
             alike |= {joint: scaled.spread} if scaled is not None else {}
     model = with_levels_as_stated(model)
-    if model.nuisance.zeros and not _helps(model, model.nuisance.of_zeros):
-        model = model.without_zeros()
     if model.nuisance.drives and not _helps(model, model.nuisance.of_drives):
         model = model.without_drives()
     with_links = model if _links_help(model) else model.without_links()
     model = held_links(with_links, asked, off, most)
-    one_for_all = model is not with_links
+    one_for_all |= model is not with_links
     model = as_load(model, exact=one_for_all or stated_exactly(model))
     # Holding levels moves what is left, and so what only spells a course along a stroke.
     model = as_courses(as_allowed(model, asked))

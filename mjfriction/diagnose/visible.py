@@ -72,7 +72,7 @@ def visible_causes(gap: Gap, tell: Tell = silently) -> tuple[Visible, ...]:
 def _least(model: Model, choice: Chosen, chance: float, alike: float) -> float:
     columns, precision = cause_block(model.gap, choice)
     own, count = columns[choice.site.joint], precision.size
-    covariance = alike * model.with_candidate(choice).known_to(1.0)[-count:, -count:]
+    covariance = model.with_candidate(choice).known_to(alike)[-count:, -count:]
     power = own.T @ own / own.shape[0]
     return float(np.sqrt(chi2.isf(chance, count) * np.trace(power @ covariance) / count))
 

@@ -11,7 +11,7 @@ import pytest
 from mjfriction.diagnose import nuisance
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.model import build_model
-from mjfriction.diagnose.nuisance import FARTHEST, ZERO, make_nuisance
+from mjfriction.diagnose.nuisance import OUT_OF_CHANCE, ZERO, make_nuisance
 from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.diagnose.unevenness import with_unevenness
 from mjfriction.identify.gap import measure_gap
@@ -66,4 +66,4 @@ def test_they_reach_as_far_as_what_is_no_offset_yet(tmp_path: Path, waves: float
     known = with_unevenness(gap, make_nuisance(gap))
     found = build_model(gap, known, ()).strengths[known.of_zeros][LIFT] / UR5_COULOMB[LIFT]
     assert (known.uneven > 0.8) is (waves > 0.0)
-    assert 0.2 * ZERO * known.uneven < found < 1.06 * FARTHEST * ZERO * known.uneven
+    assert 0.2 * ZERO * known.uneven < found < 1.06 * OUT_OF_CHANCE * ZERO * known.uneven
