@@ -173,6 +173,10 @@ class Model:
         """Return the model with every link as stated."""
         return build_model(self.gap, self.nuisance.without_links(), self.chosen)
 
+    def without_zeros(self) -> Model:
+        """Return the model with no effort where there is none."""
+        return build_model(self.gap, self.nuisance.without_zeros(), self.chosen)
+
     def without_drives(self) -> Model:
         """Return the model with every drive as stated."""
         return build_model(self.gap, self.nuisance.without_drives(), self.chosen)

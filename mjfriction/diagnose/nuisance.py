@@ -252,6 +252,10 @@ class Nuisance:
         """Return the nuisances of a gap with all links let go that are felt."""
         return replace(self, links=(), inertias=link_inertias(gap, LET_GO))
 
+    def without_zeros(self) -> Nuisance:
+        """Return the nuisances with no effort where there is none."""
+        return replace(self, zeros=())
+
     def without_drives(self) -> Nuisance:
         """Return the nuisances with every drive as stated."""
         return replace(self, drives=())

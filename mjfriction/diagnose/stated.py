@@ -124,6 +124,8 @@ def settle(model: Model, asked: Field) -> Settled:
                 findings.append(trial.chosen)
             alike |= {joint: scaled.spread} if scaled is not None else {}
     model = with_levels_as_stated(model)
+    if model.nuisance.zeros and not _helps(model, model.nuisance.of_zeros):
+        model = model.without_zeros()
     if model.nuisance.drives and not _helps(model, model.nuisance.of_drives):
         model = model.without_drives()
     with_links = model if _links_help(model) else model.without_links()

@@ -97,7 +97,8 @@ def test_the_order_of_joints_in_the_robot_file_does_not_matter(tmp_path: Path) -
     turned = head + "".join("[[joint]]" + joint for joint in reversed(joints))
     before, after = (diagnosed(columns, own, tmp_path) for own in (toml, turned))
     assert named(before) == named(after) == {("friction.stribeck", "elbow_joint")}
-    assert values(after) == pytest.approx(values(before), rel=1e-3)
+    # Each of the two is searched to a hundredth of a step of a tenth.
+    assert values(after) == pytest.approx(values(before), rel=2e-3)
 
 
 def test_other_units_at_the_border_give_the_same_finding(tmp_path: Path) -> None:

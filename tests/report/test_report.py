@@ -82,7 +82,7 @@ def test_every_joints_reduction_has_an_interval_that_tells_gain_from_none(diagno
         gained = 1.0 - error.rms_heldout_after / error.rms_heldout_before
         assert low - 1e-12 <= gained <= high + 1e-12
         assert (low > 0.2) is (error.joint == "elbow_joint"), "what is hidden is hidden there"
-        shown = f"({100 * low:.0f} … {100 * high:.0f})"
+        shown = f"({round(100 * low)} … {round(100 * high)})"
         (row,) = re.findall(rf"<tr><td>{error.joint}</td>[^\n]*\n<td>[^\n]* \({error.signal}\)</td></tr>", page)
         assert (shown in row) is (error.rms_heldout_after != error.rms_heldout_before)
 
