@@ -40,18 +40,9 @@ from mjfriction.diagnose.kin import FULLER_CHANCE, KIN_CHANCE, LEAST_KIN_EFFECT
 from mjfriction.diagnose.link_finding import ALWAYS_NOTED, SURELY
 from mjfriction.diagnose.look import NO_WORSE
 from mjfriction.diagnose.misplaced import EXPLAINED
-from mjfriction.diagnose.nuisance import (
-    CONSTANT,
-    FARTHEST,
-    FEWEST_JOINTS,
-    LET_GO,
-    LINK_SCALE,
-    LINK_SHIFT,
-    OUT_OF_CHANCE,
-    ROTOR,
-    ZERO,
-)
+from mjfriction.diagnose.nuisance import FARTHEST, LET_GO
 from mjfriction.diagnose.oscillations import INSTEAD, LEAST_TOLD, NEAR, QUIETER, RESONANT
+from mjfriction.diagnose.refitted import CONSTANT, FEWEST_JOINTS, LINK_SCALE, LINK_SHIFT, OUT_OF_CHANCE, ROTOR, ZERO
 from mjfriction.diagnose.refusal import ON_THE_WAY
 from mjfriction.diagnose.richer import PAYS
 from mjfriction.diagnose.short_list import NEAR_BEST

@@ -10,7 +10,7 @@ import numpy as np
 from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.model import Chosen, Key, Model
-from mjfriction.diagnose.nuisance import FEWEST_JOINTS
+from mjfriction.diagnose.refitted import FEWEST_JOINTS
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_levels
 

@@ -11,7 +11,8 @@ from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.model import Chosen, Model, build_model
-from mjfriction.diagnose.nuisance import FEWEST_JOINTS, Nuisance, make_nuisance
+from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
+from mjfriction.diagnose.refitted import FEWEST_JOINTS
 from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_levels

@@ -13,7 +13,7 @@ from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.exact import OUTLYING, typical, untouched
 from mjfriction.diagnose.field import Field, chances_in
 from mjfriction.diagnose.model import Model, build_model, without_contained
-from mjfriction.diagnose.nuisance import FEWEST_JOINTS
+from mjfriction.diagnose.refitted import FEWEST_JOINTS
 from mjfriction.diagnose.short_list import contenders, fairly, passing
 from mjfriction.diagnose.tangent import straightened
 

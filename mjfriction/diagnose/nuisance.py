@@ -17,102 +17,30 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mjfriction.diagnose.causes.catalog import STATED_LEVELS
-from mjfriction.diagnose.causes.cause import Cause, Site
-from mjfriction.diagnose.causes.offset import Offset
-from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
-from mjfriction.diagnose.causes.torque_constant import TorqueConstant
+from mjfriction.diagnose.refitted import (
+    OUT_OF_CHANCE,
+    Drive,
+    Level,
+    Link,
+    Oscillation,
+    Part,
+    Source,
+    Zero,
+    drives_of,
+    levels_of,
+    links_of,
+    oscillations_of,
+    zeros_of,
+)
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.link_inertias import LinkInertias, link_inertias
 from mjfriction.identify.regression import Columns
-from mjfriction.identify.swing import Swing
-from mjfriction.identify.tone import Tone
 from mjfriction.record.log import Floats
-from mjfriction.robot.friction import stated_levels
 
-FEWEST_JOINTS = 3  # that can say how exactly a machine is stated, or how even it is
-OUT_OF_CHANCE = 5.0  # deviations, that are none whatever number of candidates they are picked from
-# Of a joint's Coulomb level, one deviation of what its effort reads of none: what is large enough for an offset is one.
-ZERO = Offset.least_of_friction / OUT_OF_CHANCE
-LINK_SCALE = 0.03  # one standard deviation of how far a stated link may be off
-LINK_SHIFT = 0.002  # m, and its centre of mass, along each axis
-ROTOR, CONSTANT = 0.04, 0.015  # relative, and a drive's rotor inertia and torque constant
-FARTHEST = 3.0  # of these deviations, that a link or a drive goes at most
+FARTHEST = 3.0  # deviations, that a link or a drive goes at most
 LET_GO = 1.5  # by which a link that is let go may be off in each of its ten numbers, relative to what is stated
 PER_LINK = 4  # a scale and three shifts
 HELD = 1e12  # precision of what is not to move
-LEVEL_SCALE = 10.0  # of the joint's RMS effort: next to no restraint
-
-
-@dataclass(frozen=True)
-class Level:
-    """The Coulomb and viscous level of one joint: two columns; ``free`` is their precision were they free, where they
-    are kept near what is stated.
-    """
-
-    site: Site
-    columns: Columns
-    precision: Floats
-    free: Floats | None = None
-
-    @property
-    def near(self) -> bool:
-        """Whether they are kept near what is stated."""
-        return self.free is not None
-
-    def freed(self) -> Level:
-        """Return the levels free."""
-        return self if self.free is None else replace(self, precision=self.free, free=None)
-
-
-@dataclass(frozen=True)
-class Zero:
-    """What one joint's effort reads where there is none: one column; ``precision`` is that on a machine as uneven as
-    real ones are.
-    """
-
-    site: Site
-    columns: Columns
-    precision: Floats
-
-
-@dataclass(frozen=True)
-class Drive:
-    """What a data sheet says of a joint's drive, off as ``cause`` has it: one column, per relative change of what is
-    stated, ``stated`` being the cause's strength of a change by the whole of it.
-    """
-
-    cause: Cause
-    site: Site
-    stated: float
-    columns: Columns
-    precision: Floats
-
-
-@dataclass(frozen=True)
-class Link:
-    """A link, named after the joint that moves it: the scale of its mass and inertia, and the shift of its centre of
-    mass along x, y and z (m): four columns.
-    """
-
-    name: str
-    columns: Columns
-    precision: Floats
-
-
-Source = Tone | Swing
-
-
-@dataclass(frozen=True)
-class Oscillation:
-    """What a steady tone or a load that swings does to its joint: some columns."""
-
-    source: Source
-    columns: Columns
-    precision: Floats
-
-
-Part = Level | Zero | Drive | Link | LinkInertias | Oscillation
 
 
 @dataclass(frozen=True)
@@ -270,49 +198,13 @@ def make_nuisance(gap: Gap, sources: Sequence[Source] = (), *, drives: bool = Fa
     """Build the nuisance columns of a gap in which each of ``sources`` oscillates; with ``drives``, these may be a
     little off too.
     """
-    levels = []
-    for site in STATED_LEVELS.sites(gap):
-        effort = float(np.sqrt(np.mean(np.square(gap.measured[:, site.joint]))))
-        speed = float(np.sqrt(np.mean(np.square(gap.motion.velocity[:, site.joint]))))
-        precision = np.square(np.array([1.0, speed]) / (LEVEL_SCALE * effort))
-        levels.append(Level(site, STATED_LEVELS.columns(gap, site), precision))
-    links = []
-    for k, name in enumerate(gap.body.links):
-        block = {joint: rows[:, k] for joint, rows in gap.link_rows.items()}
-        if any(np.any(values) for values in block.values()):
-            links.append(Link(name, block, np.array([LINK_SCALE**-2.0, *[LINK_SHIFT**-2.0] * 3])))
-    oscillations = []
-    for source in sources:
-        effort = float(np.sqrt(np.mean(np.square(gap.measured[:, source.joint]))))
-        columns = source.columns(gap)
-        precision = np.full(columns.shape[1], (LEVEL_SCALE * effort) ** -2.0)
-        oscillations.append(Oscillation(source, {source.joint: columns}, precision))
-    drives_off, zeros = tuple(_drives(gap)) if drives else (), tuple(_zeros(gap))
-    return Nuisance(tuple(levels), drives_off, tuple(links), oscillations=tuple(oscillations), zeros=zeros)
-
-
-def _zeros(gap: Gap) -> list[Zero]:
-    # On few joints it is what is left that says how even they are, and so what is an offset already.
-    out: list[Zero] = []
-    if len(gap.examined) < FEWEST_JOINTS:
-        return out
-    for joint in gap.examined:
-        coulomb, _ = stated_levels(gap.robot.table.joint[joint])
-        if coulomb > 0.0:
-            site = Site(joint)
-            out.append(Zero(site, Offset().columns(gap, site), np.array([(ZERO * coulomb) ** -2.0])))
-    return out
-
-
-def _drives(gap: Gap) -> list[Drive]:
-    out = []
-    for joint in gap.examined:
-        rotor = gap.robot.table.joint[joint].actuator.reflected_inertia
-        for cause, stated, off in ((RotorInertia(), rotor, ROTOR), (TorqueConstant(), 1.0, CONSTANT)):
-            if stated > 0.0:
-                columns = {joint: stated * cause.columns(gap, Site(joint))[joint]}
-                out.append(Drive(cause, Site(joint), stated, columns, np.array([off**-2.0])))
-    return out
+    return Nuisance(
+        levels_of(gap),
+        drives_of(gap) if drives else (),
+        links_of(gap),
+        oscillations=oscillations_of(gap, sources),
+        zeros=zeros_of(gap),
+    )
 
 
 def _of_joint(part: Part, joint: int) -> Floats:

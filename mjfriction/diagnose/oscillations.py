@@ -10,7 +10,7 @@ from mjfriction.diagnose.causes.elasticity import SwingingElasticity
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.causes.spring import Spring
 from mjfriction.diagnose.model import Chosen, Model, build_model
-from mjfriction.diagnose.nuisance import Source
+from mjfriction.diagnose.refitted import Source
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
 from mjfriction.identify.swing import Swing, courses, shown_swings

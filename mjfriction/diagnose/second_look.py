@@ -11,7 +11,8 @@ from mjfriction.diagnose.exact import stated_exactly, untouched_and_exact
 from mjfriction.diagnose.field import Field
 from mjfriction.diagnose.free_links import compete_for_links
 from mjfriction.diagnose.model import Model
-from mjfriction.diagnose.nuisance import FEWEST_JOINTS, Nuisance, make_nuisance
+from mjfriction.diagnose.nuisance import Nuisance, make_nuisance
+from mjfriction.diagnose.refitted import FEWEST_JOINTS
 from mjfriction.diagnose.unevenness import with_unevenness
 from mjfriction.identify.gap import Gap
 from mjfriction.progress import Tell, silently

@@ -34,8 +34,8 @@ from mjfriction.diagnose.held_links import held_links
 from mjfriction.diagnose.levels_kept import one_for_both, with_levels_as_stated
 from mjfriction.diagnose.load_at_flange import as_load
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, without_contained
-from mjfriction.diagnose.nuisance import Level
 from mjfriction.diagnose.one_factor import beside_factors, scaled_levels
+from mjfriction.diagnose.refitted import Level
 from mjfriction.diagnose.refusal import BENDING
 from mjfriction.diagnose.shapes import reshaped
 from mjfriction.diagnose.short_list import contenders, passing
@@ -87,12 +87,7 @@ def settle(model: Model, asked: Field) -> Settled:
     """
     field_size = len(model.nuisance.levels)
     model = with_levels_as_stated(model)
-    off, most = least_off(model), may_be_off(model)
-    # Levels that links make needless may be needed without these, and the other way round: both ways are tried.
-    freely = model
-    model = held_links(model, asked, off, most) if _links_help(model) else model
-    one_for_all = model is not freely
-    change = level_changes(model)
+    change, off, most = level_changes(model), least_off(model), may_be_off(model)
     model, alike = beside_factors(model, change)
     findings: list[Chosen] = []
     for level in model.nuisance.levels:
@@ -130,7 +125,7 @@ def settle(model: Model, asked: Field) -> Settled:
         model = model.without_drives()
     with_links = model if _links_help(model) else model.without_links()
     model = held_links(with_links, asked, off, most)
-    one_for_all |= model is not with_links
+    one_for_all = model is not with_links
     model = as_load(model, exact=one_for_all or stated_exactly(model))
     # Holding levels moves what is left, and so what only spells a course along a stroke.
     model = as_courses(as_allowed(model, asked))

@@ -8,7 +8,7 @@ import numpy as np
 
 from mjfriction.diagnose.model import Chosen, Model, cause_block
 from mjfriction.diagnose.nearness import nearness, nearness_of
-from mjfriction.diagnose.nuisance import FEWEST_JOINTS
+from mjfriction.diagnose.refitted import FEWEST_JOINTS
 from mjfriction.diagnose.wald import Wald, wald
 from mjfriction.identify.normal import Normal
 from mjfriction.identify.regression import Columns

@@ -9,7 +9,8 @@ import numpy as np
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.field import make_field, size
 from mjfriction.diagnose.model import Chosen, Model, build_model
-from mjfriction.diagnose.nuisance import FEWEST_JOINTS, Nuisance
+from mjfriction.diagnose.nuisance import Nuisance
+from mjfriction.diagnose.refitted import FEWEST_JOINTS
 from mjfriction.diagnose.short_list import ranked
 from mjfriction.diagnose.trial import EVENEST, FALSE_ALARM, UNEVEN, try_out
 from mjfriction.identify.gap import Gap

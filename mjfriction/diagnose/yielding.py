@@ -8,7 +8,8 @@ from mjfriction.diagnose.causes.cause import Shape
 from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.field import Entrant, Field, size
 from mjfriction.diagnose.model import Chosen, Model, build_model
-from mjfriction.diagnose.nuisance import FEWEST_JOINTS, Nuisance
+from mjfriction.diagnose.nuisance import Nuisance
+from mjfriction.diagnose.refitted import FEWEST_JOINTS
 from mjfriction.diagnose.refusal import proved
 from mjfriction.diagnose.short_list import all_tried, ranked
 from mjfriction.diagnose.trial import try_out

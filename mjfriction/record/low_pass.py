@@ -23,7 +23,9 @@ class LowPass:
     settled: Floats
 
     def to_and_fro(self, values: Floats) -> Floats:
-        """Return values (n,) through it forward and backward, as if they began and ended with a rest."""
+        """Return values (n,) through it forward and backward, as if they began and ended with a rest: what SciPy's
+        ``sosfiltfilt`` without padding does, but that works out the state anew at every call.
+        """
         forward, _ = sosfilt(self.sections, values, zi=self.settled * values[0])
         backward, _ = sosfilt(self.sections, forward[::-1], zi=self.settled * forward[-1])
         return np.asarray(backward[::-1])

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -15,7 +14,7 @@ from mjfriction.diagnose import exact, held_links, stated
 from mjfriction.diagnose.causes.links import LoneLink
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.exact import level_changes, stated_exactly, usual_nuisance
-from mjfriction.diagnose.model import Model, build_model
+from mjfriction.diagnose.model import build_model
 from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.outcome import Diagnosis
 from mjfriction.identify.gap import measure_gap
@@ -50,19 +49,6 @@ def test_a_link_six_percent_heavier_is_named_beside_friction_that_is_right(
     # As one of many that may be off it is refitted along.
     monkeypatch.setattr(stated, "held_links", lambda model, *_: model)
     assert diagnosed(tmp_path / "refitted", 0.0).findings == ()
-
-
-def test_links_are_held_beside_levels_that_are_free(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    # Beside refitted links a level may look needless that is not beside one cause in their place.
-    free, of = [], held_links.held_links
-
-    def asked(model: Model, *known: Any) -> Model:
-        free.append((len(model.nuisance.levels), bool(model.nuisance.links)))
-        return of(model, *known)
-
-    monkeypatch.setattr(stated, "held_links", asked)
-    diagnosed(tmp_path, 0.0)
-    assert free == [(6, True), (0, False)]
 
 
 def test_so_is_one_that_is_lighter_and_elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -44,7 +44,7 @@ def told(log: Log, robot: Robot) -> set[tuple[str, str | None]]:
 
 def test_a_spring_has_to_make_more_than_any_machine_has(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert told(*pulled(0.25, tmp_path / "a spring")) == {SPRING}
-    hose = pulled(0.11, tmp_path / "a hose")
+    hose = pulled(0.09, tmp_path / "a hose")
     assert told(*hose) == set()
     for cause in (Spring, BentSpring):
         monkeypatch.setattr(cause, "least_told", 0.0)

@@ -11,8 +11,9 @@ import pytest
 from mjfriction.diagnose import nuisance
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.model import build_model
-from mjfriction.diagnose.nuisance import OUT_OF_CHANCE, ZERO, make_nuisance
+from mjfriction.diagnose.nuisance import make_nuisance
 from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.diagnose.refitted import OUT_OF_CHANCE, ZERO
 from mjfriction.diagnose.unevenness import with_unevenness
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.readers import read_log
@@ -48,7 +49,7 @@ def test_small_zeros_bend_no_cause(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     sensors = [joint.effort_sensor.offset for joint in diagnosis.robot.table.joint]
     assert sensors == pytest.approx(ZEROS, rel=0.4)
 
-    monkeypatch.setattr(nuisance, "_zeros", lambda _: [])
+    monkeypatch.setattr(nuisance, "zeros_of", lambda _: ())
     (bent,) = diagnosed(tmp_path).findings[0].parameters
     assert abs(bent.value - OFF) > 10.0 * abs(told.value - OFF)
     assert bent.high - bent.low > 2.0 * (told.high - told.low)
