@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from mjfriction.diagnose import oscillations
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.delay import JointDelay
 from mjfriction.diagnose.causes.waves import Cogging
@@ -62,6 +63,26 @@ def gap_of_machine(folder: Path, machine: Machine) -> Gap:
 def diagnosed(folder: Path, machine: Machine) -> Diagnosis:
     log, robot = write_case(folder, machine, seed=2, seconds=30.0)
     return diagnose_log(read_log(log), read_robot(robot))
+
+
+def test_what_hardly_swings_is_not_tuned(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class TunedError(Exception):
+        pass
+
+    def tuned(*_: object, **__: object) -> None:
+        raise TunedError
+
+    def heard(effect: Effect) -> list[object]:
+        gap = gap_of_machine(tmp_path / effect.__name__, Machine(hidden={ELBOW: effect}))
+        return list(new_oscillations(build_model(gap, make_nuisance(gap), ())))
+
+    monkeypatch.setattr(oscillations, "minimize", tuned)
+    assert heard(cogging) == []
+    with pytest.raises(TunedError):
+        heard(sloshing)
+    monkeypatch.setattr(oscillations, "UNTUNED", 0.0)
+    with pytest.raises(TunedError):
+        heard(cogging)
 
 
 def test_a_tone_is_heard_once_beside_a_cause_that_is_real_and_one_that_is_none(tmp_path: Path) -> None:
