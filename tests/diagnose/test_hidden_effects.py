@@ -15,7 +15,7 @@ import pyarrow.parquet as pq
 import pytest
 
 import mjfriction.diagnose.diagnosis as module
-from mjfriction.diagnose import link_finding, nuisance, stated, trial, untold
+from mjfriction.diagnose import link_finding, nuisance, refitted, stated, trial, untold
 from mjfriction.diagnose.causes import links
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.model import Chosen, Model, build_model
@@ -403,7 +403,7 @@ def test_links_that_lie_millimetres_off_are_no_finding(tmp_path: Path, monkeypat
         return run(tmp_path / name, Machine(change=loose, noise=0.1), seed=5)
 
     assert found("as it is").findings == ()
-    monkeypatch.setattr(nuisance, "LINK_SHIFT", 1e-6)
+    monkeypatch.setattr(refitted, "LINK_SHIFT", 1e-6)
     monkeypatch.setattr(links.LinkCentre, "least_moved", 0.0)
     assert {"body.link_inertia"} == {name for name, _ in names(found("with centres held"))}
 
@@ -672,7 +672,7 @@ def test_heavier_links_are_no_payload(tmp_path: Path, monkeypatch: pytest.Monkey
     assert scale.value == pytest.approx(1.25, abs=0.05)
     # What is merely refitted along stays within what stated links are ever off by.
     known = nuisance.make_nuisance(diagnosis.gap)
-    usual = np.array([nuisance.LINK_SCALE, *[nuisance.LINK_SHIFT] * 3])
+    usual = np.array([refitted.LINK_SCALE, *[refitted.LINK_SHIFT] * 3])
 
     def farthest() -> float:
         return float(np.max(np.abs(build_model(diagnosis.gap, known, ()).link_changes) / usual))
