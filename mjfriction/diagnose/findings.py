@@ -44,9 +44,9 @@ class Told:
 def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> Told:
     """Return what there is to tell of a settled model.
 
-    ``untold`` tells which of its causes are no findings; neither is what is but one of many alternatives at a joint
-    where something is left unexplained, or hardly likely at all.  ``seed`` sets the resampling behind the intervals of
-    the gains.
+    ``untold`` tells which of its causes are no findings; neither is what is hardly likely at all, or but one of many
+    alternatives where something is left unexplained, or beside another finding at its joint.  ``seed`` sets the
+    resampling behind the intervals of the gains.
     """
     model = settled.model
     heldout, widths = model.heldout_residual(oscillations=True), widths_told(model)
@@ -60,9 +60,7 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
         stands = standing(model, choice, field)
         if joint in settled.scaled:
             stands = _of_one_factor(choice, stands)
-        if (stands.alternatives and stands.confidence < ONE_OF_MANY and joint in untold.left) or (
-            stands.confidence < FAINTEST
-        ):
+        if _names_nothing(choice, stands, untold, entries):
             of_many.add(choice.key)
             continue
         instead = _instead(settled, choice, stands) if stands.alternatives else None
@@ -70,6 +68,18 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
         findings.append(_finding(model, entry, _beside_links(choice, stands) if links_off else stands, heldout, seed))
     findings.sort(key=lambda finding: -finding.gain.reduction)
     return Told(tuple(findings), _settling(model, unsure), untold.keys | of_many)
+
+
+def _names_nothing(choice: Chosen, stands: Standing, untold: Untold, entries: Sequence[ToTell]) -> bool:
+    # One of many alternatives may be all that is known of a joint; of what others cannot explain, or what another cause
+    # leaves whose form is not quite the one fitted, it names a part at random.
+    if stands.confidence < FAINTEST:
+        return True
+    if not stands.alternatives or stands.confidence >= ONE_OF_MANY:
+        return False
+    joint = choice.site.joint
+    left = bool(untold.left) if choice.cause.whole_arm else joint in untold.left
+    return left or any(other.choice.site.joint == joint for other in entries if other.choice.key != choice.key)
 
 
 @dataclass(frozen=True)

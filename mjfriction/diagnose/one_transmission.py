@@ -1,6 +1,9 @@
-"""What one transmission brings in two ways is one finding: a drive that turns with two joints, and leans on the other.
+"""What one transmission brings in several ways is one finding: a drive that turns with two joints, leans on the other,
+and has a rotor of its own.
 
-The joint that such a drive leans on carries what the drive gives, so that its own drive reports that much less.
+The joint that such a drive leans on carries what the drive gives, so that its own drive reports that much less.  And
+the rotor of a drive that was not stated at all is none of the stated rotors: each of the two joints turns that much
+more by itself too.
 """
 
 from __future__ import annotations
@@ -9,12 +12,16 @@ from collections.abc import Iterable
 
 from mjfriction.diagnose.causes.carried_drive import CarriedDrive
 from mjfriction.diagnose.causes.cause import Site
-from mjfriction.diagnose.causes.coupling import LeaningEffort
+from mjfriction.diagnose.causes.coupling import INERTIA, LeaningEffort, SharedDrive
+from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.field import Chances
 from mjfriction.diagnose.model import Chosen, Key, Model
 from mjfriction.diagnose.trial import try_out
+from mjfriction.record.log import Floats
 
-AS_GEARED = 0.3  # of the ratio that a drive turns with a joint by, by which the share that joint carries may differ
+# Of the ratio that a drive turns with a joint by, by which the share that the joint carries may differ, and of its
+# rotor, by which what either joint turns by itself may.
+AS_GEARED = 0.3
 
 
 def leaning(model: Model, chances: Chances) -> Model:
@@ -33,12 +40,35 @@ def leaning(model: Model, chances: Chances) -> Model:
     return model
 
 
-def parts_of_drives(chosen: Iterable[Chosen]) -> dict[Key, Chosen]:
-    """Return those of causes that are shares of the effort of a drive, by that drive's key."""
-    causes = list(chosen)
-    shares = {_pair(one): one for one in causes if isinstance(one.cause, LeaningEffort)}
-    drives = {_pair(one): one for one in causes if isinstance(one.cause, CarriedDrive)}
-    return {drives[pair].key: share for pair, share in shares.items() if pair in drives}
+def parts_of_drives(model: Model, named: Iterable[Chosen]) -> dict[Key, tuple[Chosen, ...]]:
+    """Return those of a model's ``named`` causes that belong to a drive that turns with two joints, by the drive's key:
+    shares of its effort, and rotors that are off by about what its own rotor makes there.
+    """
+    causes = list(named)
+    drives = [one for one in causes if isinstance(one.cause, SharedDrive)]
+    parts = {drive.key: tuple(one for one in causes if _belongs(model, one, drive)) for drive in drives}
+    return {key: own for key, own in parts.items() if own}
+
+
+def _belongs(model: Model, one: Chosen, drive: Chosen) -> bool:
+    if isinstance(one.cause, LeaningEffort):
+        return isinstance(drive.cause, CarriedDrive) and _pair(one) == _pair(drive)
+    if not isinstance(one.cause, RotorInertia) or one.site.joint not in _pair(drive):
+        return False
+    own = _turned(model, drive, one.site.joint)
+    return abs(float(_strengths(model, one)[0]) - own) < AS_GEARED * own
+
+
+def _turned(model: Model, drive: Chosen, joint: int) -> float:
+    # The inertia that a joint turns of the drive's own rotor.
+    assert isinstance(drive.cause, SharedDrive), "no other turns with two joints"
+    own = dict(zip((each.name for each in drive.cause.takes), _strengths(model, drive).tolist(), strict=True))
+    ratio = drive.cause.ratio(drive.site) if joint == drive.site.joint else 1.0
+    return ratio**2 * float(own.get(INERTIA.name, 0.0))
+
+
+def _strengths(model: Model, choice: Chosen) -> Floats:
+    return model.strengths[model.places[[one.key for one in model.chosen].index(choice.key)]]
 
 
 def _pair(choice: Chosen) -> tuple[int, int | None]:

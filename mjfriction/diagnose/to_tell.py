@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.intervals import HalfWidths
 from mjfriction.diagnose.model import Chosen, Model
 from mjfriction.diagnose.one_transmission import parts_of_drives
@@ -28,24 +29,27 @@ class ToTell:
 
 
 def to_tell(settled: Settled, untold: Untold, widths: HalfWidths) -> Iterator[ToTell]:
-    """Go through what a settled model has that is worth telling: what a transmission brings in two ways is told as one.
+    """Go through what a settled model has that is worth telling: what a transmission brings in several ways is one.
 
     ``untold`` tells which of its causes are no findings.
     """
     model, strengths = settled.model, settled.model.built
     named = [choice for choice in model.chosen if choice.key not in untold.keys]
-    parts = parts_of_drives(named)
+    parts = parts_of_drives(model, named)
+    belonging = {part.key for own in parts.values() for part in own}
     fitted = {
         choice.key: tuple(_fitted(model.gap, choice, strengths[place], width))
         for choice, place, width in zip(model.chosen, model.places, widths.causes, strict=True)
     }
     places = {choice.key: place for choice, place in zip(model.chosen, model.places, strict=True)}
     for choice in named:
-        if choice in parts.values():
+        if choice.key in belonging:
             continue
-        without, parameters, part = without_cause(model, choice), fitted[choice.key], parts.get(choice.key)
-        if part is not None:
-            without, parameters = without.without(part), (*parameters, *fitted[part.key])
+        without, parameters = without_cause(model, choice), fitted[choice.key]
+        for part in parts.get(choice.key, ()):
+            without = without.without(part)
+            # Of which joint a rotor is, its name does not say; that of the drive is told already.
+            parameters += () if isinstance(part.cause, RotorInertia) else fitted[part.key]
         yield ToTell(choice, without, strengths[places[choice.key]], parameters)
     for choice in settled.levels:
         if choice.key in untold.keys:

@@ -10,7 +10,9 @@ from mjfriction.identify.regression import Columns
 
 Asked = TypeVar("Asked")
 Made = TypeVar("Made")
-MOST_NUMBERS = 16_000_000  # that are kept at a time: 128 MB
+# That are kept at a time, 256 MB.  Candidates are asked for in the same order time and again: all that seven joints are
+# screened by has to fit, or each would be gone when it is asked for next.
+MOST_NUMBERS = 32_000_000
 
 
 class Kept:

@@ -110,7 +110,7 @@ class System:
 
     def _forget(self) -> None:
         # What is screened by is of the equations as they were.
-        for name in ("_kept", "_kept_of_joints"):
+        for name in ("_kept", "_kept_of_joints", "_whitened"):
             self.__dict__.pop(name, None)
 
     def residual(self, strengths: Floats) -> Floats:
@@ -162,6 +162,8 @@ class System:
     def _thinned(self, every: int) -> tuple[Floats, Floats]:
         # What whitens the model's regressors, and its strengths, on the rows that candidates are screened on: on
         # others, what it nearly holds would be lost in a difference, and what it leaves would look like more.
+        if every == 1:
+            return self._whitened
         if every not in self._kept:
             gram, moment = np.diag(self.normal.precision), np.zeros(self.normal.count)
             for told, felt in zip(self.told, self.felt, strict=True):
@@ -184,6 +186,10 @@ class System:
     @functools.cached_property
     def _kept_of_joints(self) -> dict[tuple[int, int], tuple[Floats, Floats]]:
         return {}
+
+    @functools.cached_property
+    def _whitened(self) -> tuple[Floats, Floats]:
+        return whitening(self.normal.equations()[0]), self.normal.fitted
 
     @functools.cached_property
     def _kept(self) -> dict[int, tuple[Floats, Floats]]:

@@ -1,6 +1,8 @@
-"""What is but one of many alternatives, at a joint where something is left unexplained, is no finding."""
+"""What is but one of many alternatives, where something is left unexplained or beside another, is no finding."""
 
 from __future__ import annotations
+
+from pathlib import Path
 
 import pytest
 
@@ -8,6 +10,7 @@ from mjfriction.diagnose import findings
 from mjfriction.diagnose.alike import Standing
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.spring import Spring
 from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.exact import usual_nuisance
@@ -46,6 +49,24 @@ def test_it_is_told_only_where_it_names_something(
     said = make_findings(Settled(model, ()), untold, make_field(model.gap, STRUCTURAL), seed=0)
     assert [(one.cause, one.joint) for one in said.findings] == [("body.spring", UR5_JOINTS[ELBOW])] * told
     assert (SPRING.key in said.untold) is not told
+
+
+def test_beside_another_it_is_what_that_leaves(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    machine = Machine(noise=0.1, hidden={ELBOW: lambda course: 6.0 * course.q + 4.0})
+    log, robot = write_case(tmp_path, machine, seed=6, seconds=20.0, rate=100.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+
+    def found(joint: int) -> list[tuple[str, str | None]]:
+        offset = Chosen(Offset(), Site(joint))
+        both = build_model(gap, usual_nuisance(gap), (SPRING, offset))
+        sure, many = Standing((), 0.9), Standing(("body.link_inertia", "drive.cogging", "body.payload"), 0.2)
+        monkeypatch.setattr(findings, "standing", lambda _, choice, __: sure if choice.key == offset.key else many)
+        untold = Untold(frozenset(), {}, both.heldout_residual())
+        said = make_findings(Settled(both, ()), untold, make_field(gap, STRUCTURAL), seed=0)
+        return sorted((one.cause, one.joint) for one in said.findings)
+
+    assert found(ELBOW) == [("drive.offset", UR5_JOINTS[ELBOW])]
+    assert found(ELBOW - 1) == [("body.spring", UR5_JOINTS[ELBOW]), ("drive.offset", UR5_JOINTS[ELBOW - 1])]
 
 
 @pytest.mark.parametrize(("confidence", "told"), [(0.01, False), (0.1, True)])
