@@ -179,12 +179,22 @@ def _passing(model: Model, field: Field, chances: Chances) -> list[Trial]:
     # candidates there rank before what is plain at another.
     choices, tried = ranked(model, field), list[Trial]()
     for first in range(0, len(choices), SHORT_LIST):
-        own = best_bent(model, all_tried(model, choices[first : first + SHORT_LIST]), chances)
+        own = all_tried(model, choices[first : first + SHORT_LIST])
+        own = best_bent(model, own + all_tried(model, _alike(own, choices[first + SHORT_LIST :])), chances)
         tried += own
         best = [trial for trial in passing(own, chances) if not _stands_for_less(model, trial, tried, chances)]
         if best:
             return best
     return []
+
+
+def _alike(tried: list[Trial], others: list[Chosen]) -> list[Chosen]:
+    # Of others, the best one's kind where that is ranked by what its own joint feels: at another joint, of which the
+    # joints before it feel more, it may do more.
+    best = max(tried, key=lambda trial: trial.merit, default=None)
+    if best is None or not best.chosen.cause.ranked_alone:
+        return []
+    return [choice for choice in others if type(choice.cause) is type(best.chosen.cause)]
 
 
 def _stands_for_less(model: Model, trial: Trial, tried: list[Trial], chances: Chances) -> bool:

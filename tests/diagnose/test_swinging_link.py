@@ -9,7 +9,7 @@ import pyarrow as pa
 import pytest
 
 import mjfriction.diagnose.diagnosis as module
-from mjfriction.diagnose import oscillations
+from mjfriction.diagnose import compete, oscillations, short_list
 from mjfriction.diagnose.causes import elasticity, moved_link
 from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
@@ -18,6 +18,7 @@ from mjfriction.diagnose.causes.elasticity import SwingingElasticity
 from mjfriction.diagnose.causes.moved_link import own_slopes
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.exact import usual_nuisance
+from mjfriction.diagnose.field import make_field
 from mjfriction.diagnose.model import Chosen, build_model
 from mjfriction.diagnose.outcome import Verdict
 from mjfriction.identify.gap import measure_gap, thinned
@@ -36,13 +37,15 @@ STIFF, SPARSE, QUIET = 2e-4, 100.0, 0.05  # rad per N·m; Hz; N·m
 
 
 @functools.cache
-def swinging(damping: float = DAMPING, compliance: float = COMPLIANCE, rate: float = 250.0, noise: float = 0.3) -> Log:
+def swinging(
+    damping: float = DAMPING, compliance: float = COMPLIANCE, rate: float = 250.0, noise: float = 0.3, joint: str = PAN
+) -> Log:
     robot = read_robot("ur5")
     soft = Transmission(compliance=compliance, damping_ratio=damping)
-    machine = robot.with_joint(robot.joint(PAN).model_copy(update={"transmission": soft}))
-    for joint in machine.table.joint:
-        sensor = joint.effort_sensor.model_copy(update={"noise": noise})
-        machine = machine.with_joint(joint.model_copy(update={"effort_sensor": sensor}))
+    machine = robot.with_joint(robot.joint(joint).model_copy(update={"transmission": soft}))
+    for table in machine.table.joint:
+        sensor = table.effort_sensor.model_copy(update={"noise": noise})
+        machine = machine.with_joint(table.model_copy(update={"effort_sensor": sensor}))
     poses = np.array([0.0, -1.2, 1.0, 0.0, 0.6, 0.0]) + np.random.default_rng(5).uniform(-0.6, 0.6, (14, 6))
     motion = pick_and_place(robot.joints, poses, np.full(6, 1.2), np.full(6, 6.0))
     return log_from_table(pa.table(simulate(machine, motion, recorder=Recorder(rate), seed=1)), "swinging")
@@ -121,3 +124,19 @@ def test_one_that_swings_at_up_to_half_the_cutoff_is_found(monkeypatch: pytest.M
     monkeypatch.setattr(elasticity, "RESONANCE_BAND", 0.3)
     found = diagnose_log(stiff, read_robot("ur5"))
     assert "damping_ratio" not in {value.name for own in found.findings for value in own.parameters}
+
+
+def test_a_link_that_others_may_feel_more_is_tried_with_one_of_its_kind_that_ranks_before_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    lift, elbow = 1, 2
+    gap = thinned(measure_gap(swinging(0.1, 1e-3, SPARSE, joint="shoulder_lift_joint"), read_robot("ur5")))
+    model = build_model(gap, usual_nuisance(gap), ())
+    field = make_field(gap, (SwingingElasticity(),))
+    last = sorted(short_list.ranked(model, field), key=lambda choice: choice.site.joint == lift)
+    assert [choice.site.joint for choice in last] == [elbow, lift]
+    tried = short_list.all_tried(model, last[:1])
+    assert [trial.chosen.site.joint for trial in tried] == [elbow]
+    assert compete._alike(tried, last[1:]) == last[1:]
+    monkeypatch.setattr(SwingingElasticity, "ranked_alone", False)
+    assert compete._alike(tried, last[1:]) == []

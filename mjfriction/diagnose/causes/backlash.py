@@ -31,6 +31,7 @@ class Backlash(Play):
     """
 
     curved = True
+    ranked_alone = True
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every joint, with many plays to coast across.

@@ -67,6 +67,7 @@ class Cause(ABC):
     whole_arm: ClassVar[bool] = False  # whether every joint feels it; its site is then where it shows most
     curved: ClassVar[bool] = False  # whether the effort bends with the strengths: then fitted on the real balance
     tangent_step: ClassVar[float] = 1e-3  # of a strength, over which what it changes is followed by a line
+    ranked_alone: ClassVar[bool] = False  # whether it is screened by what its own joint feels of it alone
     of_sensor: ClassVar[bool] = False  # whether it acts on whatever torques there are, those of other causes too
     of_body: ClassVar[bool] = False  # whether it changes the links' loads, with which effects of others grow
     least_of_friction: ClassVar[float] = 0.04  # of the joint's friction, that it must be at its most beside levels

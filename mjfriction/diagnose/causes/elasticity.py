@@ -159,6 +159,7 @@ class SwingingElasticity(_Elasticity):
 
     carries_friction = False
     curved = True
+    ranked_alone = True
     shape_parameters = (DAMPING_RATIO,)
 
     def sites(self, gap: Gap) -> list[Site]:
