@@ -1,0 +1,45 @@
+"""Candidates are screened time and again along one motion."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NoReturn
+
+import pytest
+
+from mjfriction.diagnose.causes.catalog import STRUCTURAL
+from mjfriction.diagnose.exact import usual_nuisance
+from mjfriction.diagnose.field import make_field
+from mjfriction.diagnose.model import build_model
+from mjfriction.diagnose.short_list import ranked
+from mjfriction.identify import kept
+from mjfriction.identify.gap import measure_gap
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import Machine, write_case
+
+FEWER = 16_000_000  # numbers than all candidates of six joints are screened by
+
+
+@pytest.mark.parametrize("room", [None, FEWER])
+def test_all_that_they_are_screened_by_is_made_once(
+    room: int | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log, robot = write_case(tmp_path, Machine(), seed=3, seconds=40.0, rate=250.0)
+    gap = measure_gap(read_log(log), read_robot(robot), highest=60.0)
+    model, field = build_model(gap, usual_nuisance(gap), ()), make_field(gap, STRUCTURAL)
+    if room is not None:
+        monkeypatch.setattr(kept, "MOST_NUMBERS", room)
+    first = ranked(model, field)
+    assert first
+
+    def again(*_: object) -> NoReturn:
+        raise AssertionError("screened again")
+
+    for cause in {type(entrant.cause) for entrant in field}:
+        monkeypatch.setattr(cause, "screening", again)
+    if room is None:
+        assert ranked(model, field) == first
+    else:
+        with pytest.raises(AssertionError, match="screened again"):
+            ranked(model, field)
