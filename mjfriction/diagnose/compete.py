@@ -14,6 +14,7 @@ from mjfriction.diagnose.field import Chances, Field, chances_in
 from mjfriction.diagnose.kin import by_temperature, fulfilled, plainer, with_kin
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, same_columns
 from mjfriction.diagnose.nuisance import Nuisance
+from mjfriction.diagnose.one_gear import geared
 from mjfriction.diagnose.one_transmission import leaning
 from mjfriction.diagnose.oscillations import new_oscillations
 from mjfriction.diagnose.refusal import proved, refused
@@ -78,7 +79,7 @@ def compete(
         if hopeless or not no_causes:
             for choice in no_causes:
                 model = model.without(choice)
-            model = as_courses(by_temperature(enriched(fulfilled(model), field), field))
+            model = geared(as_courses(by_temperature(enriched(fulfilled(model), field), field)))
             return straightened(with_kin(_pruned(model, chances), field)), asked
         begin = tuple(choice for choice in begin if choice.key not in {one.key for one in no_causes})
 

@@ -8,11 +8,13 @@ import numpy as np
 
 from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
 from mjfriction.identify.gap import Gap
+from mjfriction.laws.geared_load import GEARED_LOAD
 from mjfriction.laws.load_dependent import LOAD_DEPENDENT
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_load, with_less_load, with_term
 from mjfriction.robot.robot import Robot
 
+BELOW = 0.1  # of the larger coefficient, by which the smaller may come out below none
 LEAST_ROTOR = 0.05  # of the links' load, that a rotor must take for the two loads to differ
 
 
@@ -62,11 +64,72 @@ class _Load(JointCause):
         )
 
 
+class _GearedLoad(_Load):
+    """μ_d·|τ|·sgn v where the drive works against the load, τ·v > 0, and μ_b·|τ|·sgn v where the load drives it.
+
+    The mean of the two is what plain friction of the load takes, half of their difference a factor on the load: as a
+    torque constant that is off would be, beside friction levels that are off the other way.
+    """
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """The size of the load in the direction of motion, where it is driven and where it drives, (n, 2)."""
+        forward, load = gap.forward(site.joint), self.load(gap, site.joint)
+        driving = load * forward > 0.0
+        whole = forward * np.abs(load)
+        return np.column_stack([np.where(driving, whole, 0.0), np.where(driving, 0.0, whole)])
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """Both coefficients, stated plus change."""
+        stated = self._stated(gap, site)
+        return tuple(Quantity(GEARED_LOAD.parameter(f"load_{way}"), shift=stated) for way in ("driving", "braking"))
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """Neither of the two drives the joint."""
+        less, more = np.sort(self._stated(gap, site) + strengths)
+        return bool(more > 0.0 and less > -BELOW * more)
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """Add a law that holds only the load's part, and lower the stated ones by what either is less."""
+        joint = robot.joints[site.joint]
+        stated = stated_load(robot.joint(joint), includes_rotor=self.includes_rotor)
+        less = min(stated, max(0.0, -float(np.min(strengths))))
+        driving, braking = np.maximum(0.0, strengths + less).tolist()
+        robot = with_less_load(robot, joint, less, includes_rotor=self.includes_rotor)
+        parameters = {"coulomb": 0.0, "load_driving": driving, "load_braking": braking, "viscous": 0.0}
+        return with_term(robot, joint, GEARED_LOAD.name, parameters, load_includes_rotor=self.includes_rotor)
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Say what the load adds, either way."""
+        unit = "N" if gap.body.sliding[site.joint] else "N·m"
+        heavy = float(np.quantile(np.abs(self.load(gap, site.joint)), 0.95))
+        driving, braking = (strengths * heavy).tolist()
+        return (
+            f"under a load of {heavy:.3g} {unit}{', its rotor included,' if self.includes_rotor else ''} friction is "
+            f"{driving:+.3g} {unit} more where the drive works against it and {braking:+.3g} {unit} where the load "
+            "drives"
+        )
+
+
+@final
+class GearedLoad(_GearedLoad):
+    """The load being what passes the transmission to the links."""
+
+    includes_rotor = False
+
+
+@final
+class GearedDriveLoad(_GearedLoad):
+    """The load being all that the drive moves."""
+
+    includes_rotor = True
+
+
 @final
 class Load(_Load):
     """The load being what passes the transmission to the links."""
 
     includes_rotor = False
+    geared = GearedLoad
 
 
 @final
@@ -74,6 +137,7 @@ class DriveLoad(_Load):
     """The load being all that the drive moves, its own rotor included: not every contact lies behind that."""
 
     includes_rotor = True
+    geared = GearedDriveLoad
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every moving joint whose rotor takes enough to tell."""
