@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from mjfriction.laws.asymmetric import ASYMMETRIC
 from mjfriction.laws.catalog import find_law
 from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
-from mjfriction.laws.load_dependent import LOAD_DEPENDENT
 from mjfriction.laws.rules import SumReaches, Values, array, scalar
 from mjfriction.laws.stribeck import STRIBECK
 from mjfriction.robot.friction_tables import FrictionTerm, LevelTable
@@ -112,29 +111,6 @@ def with_less_stribeck(robot: Robot, joint: str, excess: float) -> Robot:
         for term in terms(table)
     )
     return robot.with_joint(table.model_copy(update={"friction": lowered}))
-
-
-def stated_load(joint: Joint, *, includes_rotor: bool = False) -> float:
-    """Return how fast friction is stated to grow with the transmitted load, counted without or with what the rotor
-    takes; the same on either side of the gear.
-    """
-    own = (term for term in terms(joint) if term.law == LOAD_DEPENDENT.name)
-    return sum(term.value("load") for term in own if term.load_includes_rotor == includes_rotor)
-
-
-def with_less_load(robot: Robot, joint: str, less: float, *, includes_rotor: bool = False) -> Robot:
-    """Return the robot with friction of a joint that grows by so much less with the load than is stated, in the laws
-    that :func:`stated_load` sums up, as far as they go.
-    """
-    table, changed = robot.joint(joint), []
-    for term in terms(table):
-        lowered = term
-        if term.law == LOAD_DEPENDENT.name and term.load_includes_rotor == includes_rotor:
-            taken = min(less, term.value("load"))
-            less -= taken
-            lowered = term.model_copy(update={"parameters": {**term.parameters, "load": term.value("load") - taken}})
-        changed.append(lowered)
-    return robot.with_joint(table.model_copy(update={"friction": tuple(changed)}))
 
 
 def raised_levels(robot: Robot, joint: str, coulomb: float, viscous: float) -> Robot:

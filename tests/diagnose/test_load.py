@@ -16,7 +16,8 @@ from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot, write_robot
-from mjfriction.robot.friction import stated_load, with_term
+from mjfriction.robot.friction import with_term
+from mjfriction.robot.load_friction import stated_load
 from mjfriction.robot.robot import Robot
 from tests.diagnose.test_planar_arm import planar
 
