@@ -104,9 +104,9 @@ class _GearedLoad(_Load):
         heavy = float(np.quantile(np.abs(self.load(gap, site.joint)), 0.95))
         driving, braking = (strengths * heavy).tolist()
         return (
-            f"under a load of {heavy:.3g} {unit}{', its rotor included,' if self.includes_rotor else ''} friction is "
-            f"{driving:+.3g} {unit} more where the drive works against it and {braking:+.3g} {unit} where the load "
-            "drives"
+            f"under a load of {heavy:.3g} {unit}{', its rotor included,' if self.includes_rotor else ''} friction "
+            f"rises by {driving:.3g} {unit} where the drive works against it, and by {braking:.3g} {unit} where the "
+            "load drives"
         )
 
 
