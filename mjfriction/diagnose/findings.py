@@ -55,12 +55,11 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
     findings = [] if links is None else [links]
     of_many: set[Key] = set()
     unsure: list[_Unsure] = []
-    for entry in entries:
-        choice, joint = entry.choice, entry.choice.site.joint
-        stands = standing(model, choice, field)
-        if joint in settled.scaled:
-            stands = _of_one_factor(choice, stands)
-        if _names_nothing(choice, stands, untold, entries):
+    standings = [_standing(settled, entry.choice, field) for entry in entries]
+    firm = [entry.choice for entry, stands in zip(entries, standings, strict=True) if not _one_of_many(stands)]
+    for entry, stands in zip(entries, standings, strict=True):
+        choice = entry.choice
+        if choice not in firm and _names_nothing(choice, stands, untold, firm):
             of_many.add(choice.key)
             continue
         instead = _instead(settled, choice, stands) if stands.alternatives else None
@@ -70,16 +69,24 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
     return Told(tuple(findings), _settling(model, unsure), untold.keys | of_many)
 
 
-def _names_nothing(choice: Chosen, stands: Standing, untold: Untold, entries: Sequence[ToTell]) -> bool:
-    # One of many alternatives may be all that is known of a joint; of what others cannot explain, or what another cause
-    # leaves whose form is not quite the one fitted, it names a part at random.
+def _standing(settled: Settled, choice: Chosen, field: Field) -> Standing:
+    stands = standing(settled.model, choice, field)
+    return _of_one_factor(choice, stands) if choice.site.joint in settled.scaled else stands
+
+
+def _one_of_many(stands: Standing) -> bool:
+    return stands.confidence < FAINTEST or (bool(stands.alternatives) and stands.confidence < ONE_OF_MANY)
+
+
+def _names_nothing(choice: Chosen, stands: Standing, untold: Untold, firm: Sequence[Chosen]) -> bool:
+    # One of many alternatives may be all that is known of a joint; of what others cannot explain, or what a ``firm``
+    # cause beside it leaves whose form is not quite the one fitted, it names a part at random.
     if stands.confidence < FAINTEST:
         return True
-    if not stands.alternatives or stands.confidence >= ONE_OF_MANY:
-        return False
+    if choice.cause.whole_arm:
+        return bool(untold.left)
     joint = choice.site.joint
-    left = bool(untold.left) if choice.cause.whole_arm else joint in untold.left
-    return left or any(other.choice.site.joint == joint for other in entries if other.choice.key != choice.key)
+    return joint in untold.left or any(one.site.joint == joint and not one.cause.whole_arm for one in firm)
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ from mjfriction.identify.regression import Columns
 
 Asked = TypeVar("Asked")
 Made = TypeVar("Made")
-# That are kept at a time, 256 MB.  Candidates are asked for in the same order time and again: all that seven joints are
-# screened by has to fit, or each would be gone when it is asked for next.
-MOST_NUMBERS = 32_000_000
+# That are kept at a time, 320 MB.  Candidates are asked for in the same order time and again: all that seven joints are
+# screened by, up to 37 million, has to fit, or each would be gone when it is asked for next.
+MOST_NUMBERS = 40_000_000
 
 
 class Kept:

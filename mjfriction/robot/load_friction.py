@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
 from mjfriction.laws.geared_load import GEARED_LOAD
 from mjfriction.laws.load_dependent import LOAD_DEPENDENT
-from mjfriction.robot.friction import terms, with_term
+from mjfriction.laws.rules import Values, scalar
+from mjfriction.robot.friction import terms
 from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Joint
@@ -35,33 +41,53 @@ def with_less_load(robot: Robot, joint: str, less: float, *, includes_rotor: boo
     for term in terms(table):
         lowered = term
         if _of_load(term, includes_rotor):
-            taken = min(less, *(term.value(name) for name in COEFFICIENTS[term.law]))
+            taken = min(less, *(coefficient for way in _ways(term) for coefficient in way))
             less -= taken
-            lowered = _lowered(term, dict.fromkeys(COEFFICIENTS[term.law], taken))
+            lowered = _moved(term, partial(_less, taken))
         changed.append(lowered)
     return robot.with_joint(table.model_copy(update={"friction": tuple(changed)}))
 
 
-def with_loads(robot: Robot, joint: str, driving: float, braking: float, *, includes_rotor: bool = False) -> Robot:
-    """Return the robot with friction of a joint that grows with the load by these coefficients, in a law of its own, in
-    the place of what is stated.
+def with_more_load(robot: Robot, joint: str, more: tuple[float, float], *, includes_rotor: bool = False) -> Robot:
+    """Return the robot with friction of a joint that grows by so much more (or less, to nothing at least) with the load
+    than is stated, where the drive works against it and where the load drives; all of that in a law of its own.
     """
     table = robot.joint(joint)
-    without = tuple(
-        _lowered(term, {name: term.value(name) for name in COEFFICIENTS[term.law]})
-        if _of_load(term, includes_rotor)
-        else term
-        for term in terms(table)
+    own = [term for term in terms(table) if _of_load(term, includes_rotor)]
+    stated = np.sum([_ways(term) for term in own], axis=0) if own else np.zeros((2, 2))
+    forward, backward = (_geared(*way) for way in np.maximum(0.0, stated + more).tolist())
+    rest = (_moved(term, lambda _: 0.0) if term in own else term for term in terms(table))
+    geared = FrictionTerm(
+        law=GEARED_LOAD.name,
+        parameters={"coulomb": 0.0, **forward, "viscous": 0.0},
+        negative=None if backward == forward else backward,
+        load_includes_rotor=includes_rotor,
     )
-    robot = robot.with_joint(table.model_copy(update={"friction": without}))
-    own = {"coulomb": 0.0, "load_driving": driving, "load_braking": braking, "viscous": 0.0}
-    return with_term(robot, joint, GEARED_LOAD.name, own, load_includes_rotor=includes_rotor)
+    return robot.with_joint(table.model_copy(update={"friction": (*rest, geared)}))
+
+
+def _less(taken: float, load: float) -> float:
+    return load - taken
 
 
 def _of_load(term: FrictionTerm, includes_rotor: bool) -> bool:
     return term.law in COEFFICIENTS and term.load_includes_rotor == includes_rotor
 
 
-def _lowered(term: FrictionTerm, less: dict[str, float]) -> FrictionTerm:
-    lower = {name: term.value(name) - taken for name, taken in less.items()}
-    return term.model_copy(update={"parameters": {**term.parameters, **lower}})
+def _ways(term: FrictionTerm) -> list[list[float]]:
+    # The two coefficients for motion forward, and for motion backward.
+    sides = (term.parameters, {**term.parameters, **(term.negative or {})})
+    return [[scalar(values, name) for name in COEFFICIENTS[term.law]] for values in sides]
+
+
+def _geared(driving: float, braking: float) -> dict[str, float]:
+    return {"load_driving": driving, "load_braking": braking}
+
+
+def _moved(term: FrictionTerm, move: Callable[[float], float]) -> FrictionTerm:
+    def moved(values: Values) -> Values:
+        own = COEFFICIENTS[term.law]
+        return {name: move(scalar(values, name)) if name in own else values[name] for name in values}
+
+    negative = None if term.negative is None else moved(term.negative)
+    return term.model_copy(update={"parameters": moved(term.parameters), "negative": negative})

@@ -62,10 +62,12 @@ def test_a_torque_constant_beside_load_friction_stays_one(tmp_path: Path) -> Non
 @pytest.mark.parametrize("cause", [GearedLoad(), GearedDriveLoad()])
 @pytest.mark.parametrize("strengths", [(0.2, 0.04), (-0.05, 0.1), (0.1, -0.05)])
 @pytest.mark.parametrize("law", [LOAD_DEPENDENT, GEARED_LOAD])
+@pytest.mark.parametrize("more_backward", [0.0, 0.05])
 def test_what_is_drawn_is_what_the_extended_robot_predicts(
     cause: GearedLoad | GearedDriveLoad,
     strengths: tuple[float, float],
     law: Law,
+    more_backward: float,
     tmp_path: Path,
 ) -> None:
     log, path = write_case(tmp_path, Machine(), seed=3, seconds=10.0)
@@ -76,6 +78,11 @@ def test_what_is_drawn_is_what_the_extended_robot_predicts(
     turned = table.actuator.model_copy(update={"rotor_inertia": 0.5 / table.actuator.gear_ratio**2})
     own = own.with_joint(table.model_copy(update={"actuator": turned}))
     robot = with_term(own, UR5_JOINTS[ELBOW], law.name, parameters, load_includes_rotor=cause.includes_rotor)
+    table = robot.joint(UR5_JOINTS[ELBOW])
+    *others, last = table.friction or ()
+    backward = {name: load + more_backward for name, load in loads.items()}
+    last = last.model_copy(update={"negative": backward if more_backward else None})
+    robot = robot.with_joint(table.model_copy(update={"friction": (*others, last)}))
     gap, site = measure_gap(read_log(log), robot), Site(ELBOW)
     added = np.array(strengths)
     assert cause.admissible(gap, site, added)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 from mjfriction.diagnose import findings
@@ -11,6 +9,7 @@ from mjfriction.diagnose.alike import Standing
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.offset import Offset
+from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.causes.spring import Spring
 from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.exact import usual_nuisance
@@ -28,6 +27,7 @@ from tests.hidden.machine import UR5_JOINTS, Machine, write_case
 
 ELBOW = 2
 SPRING = Chosen(Spring(), Site(ELBOW))
+MANY = ("sensor.encoder_offset", "body.link_inertia", "drive.cogging")
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +43,7 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Model:
 def test_it_is_told_only_where_it_names_something(
     confidence: float, left: float, told: bool, model: Model, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    many = Standing(("drive.offset", "body.link_inertia", "drive.cogging"), confidence)
+    many = Standing(MANY, confidence)
     monkeypatch.setattr(findings, "standing", lambda *_: many)
     untold = Untold(frozenset(), {ELBOW: left} if left else {}, model.heldout_residual())
     said = make_findings(Settled(model, ()), untold, make_field(model.gap, STRUCTURAL), seed=0)
@@ -51,22 +51,35 @@ def test_it_is_told_only_where_it_names_something(
     assert (SPRING.key in said.untold) is not told
 
 
-def test_beside_another_it_is_what_that_leaves(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    machine = Machine(noise=0.1, hidden={ELBOW: lambda course: 6.0 * course.q + 4.0})
-    log, robot = write_case(tmp_path, machine, seed=6, seconds=20.0, rate=100.0)
-    gap = measure_gap(read_log(log), read_robot(robot))
+def test_beside_another_it_is_what_that_leaves(model: Model, monkeypatch: pytest.MonkeyPatch) -> None:
+    spring, offset = ("body.spring", UR5_JOINTS[ELBOW]), ("drive.offset", UR5_JOINTS[ELBOW])
 
-    def found(joint: int) -> list[tuple[str, str | None]]:
-        offset = Chosen(Offset(), Site(joint))
-        both = build_model(gap, usual_nuisance(gap), (SPRING, offset))
-        sure, many = Standing((), 0.9), Standing(("body.link_inertia", "drive.cogging", "body.payload"), 0.2)
-        monkeypatch.setattr(findings, "standing", lambda _, choice, __: sure if choice.key == offset.key else many)
+    def found(joint: int, confidence: float) -> list[tuple[str, str | None]]:
+        other = Chosen(Offset(), Site(joint))
+        both = build_model(model.gap, model.nuisance, (SPRING, other))
+        its, many = Standing(MANY, confidence), Standing(MANY, 0.2)
+        monkeypatch.setattr(findings, "standing", lambda _, choice, __: its if choice.key == other.key else many)
         untold = Untold(frozenset(), {}, both.heldout_residual())
-        said = make_findings(Settled(both, ()), untold, make_field(gap, STRUCTURAL), seed=0)
+        said = make_findings(Settled(both, ()), untold, make_field(model.gap, STRUCTURAL), seed=0)
         return sorted((one.cause, one.joint) for one in said.findings)
 
-    assert found(ELBOW) == [("drive.offset", UR5_JOINTS[ELBOW])]
-    assert found(ELBOW - 1) == [("body.spring", UR5_JOINTS[ELBOW]), ("drive.offset", UR5_JOINTS[ELBOW - 1])]
+    assert found(ELBOW, 0.5) == [offset]
+    assert found(ELBOW - 1, 0.5) == [spring, ("drive.offset", UR5_JOINTS[ELBOW - 1])]
+    # Neither of two that name nothing is a finding that leaves the other.
+    assert found(ELBOW, 0.2) == [spring, offset]
+
+
+@pytest.mark.parametrize("left", [{}, {ELBOW + 1: 0.5}])
+def test_of_the_whole_arm_it_names_nothing_where_anything_is_left(
+    left: dict[int, float], model: Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    payload = Chosen(Payload(), Payload().sites(model.gap)[0])
+    loaded = build_model(model.gap, model.nuisance, (payload,))
+    monkeypatch.setattr(findings, "standing", lambda *_: Standing(MANY, 0.2))
+    untold = Untold(frozenset(), left, loaded.heldout_residual())
+    said = make_findings(Settled(loaded, ()), untold, make_field(model.gap, STRUCTURAL), seed=0)
+    assert [one.cause for one in said.findings] == ["body.payload"] * (not left)
+    assert (payload.key in said.untold) is bool(left)
 
 
 @pytest.mark.parametrize(("confidence", "told"), [(0.01, False), (0.1, True)])

@@ -18,7 +18,7 @@ from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Machine, write_case
 
-FEWER = 16_000_000  # numbers than all candidates of six joints are screened by
+FEWER = 16_000_000  # numbers; all candidates of six joints are screened by more
 
 
 @pytest.mark.parametrize("room", [None, FEWER])

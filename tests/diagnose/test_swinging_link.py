@@ -18,7 +18,7 @@ from mjfriction.diagnose.causes.elasticity import SwingingElasticity
 from mjfriction.diagnose.causes.moved_link import own_slopes
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.exact import usual_nuisance
-from mjfriction.diagnose.field import make_field
+from mjfriction.diagnose.field import chances_in, make_field
 from mjfriction.diagnose.model import Chosen, build_model
 from mjfriction.diagnose.outcome import Verdict
 from mjfriction.identify.gap import measure_gap, thinned
@@ -126,7 +126,7 @@ def test_one_that_swings_at_up_to_half_the_cutoff_is_found(monkeypatch: pytest.M
     assert "damping_ratio" not in {value.name for own in found.findings for value in own.parameters}
 
 
-def test_a_link_that_others_may_feel_more_is_tried_with_one_of_its_kind_that_ranks_before_it(
+def test_a_link_that_others_may_feel_more_is_tried_beside_one_of_its_kind_that_ranks_before_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     lift, elbow = 1, 2
@@ -135,8 +135,14 @@ def test_a_link_that_others_may_feel_more_is_tried_with_one_of_its_kind_that_ran
     field = make_field(gap, (SwingingElasticity(),))
     last = sorted(short_list.ranked(model, field), key=lambda choice: choice.site.joint == lift)
     assert [choice.site.joint for choice in last] == [elbow, lift]
-    tried = short_list.all_tried(model, last[:1])
-    assert [trial.chosen.site.joint for trial in tried] == [elbow]
-    assert compete._alike(tried, last[1:]) == last[1:]
+    # One at the elbow could do by itself, were the other not asked.
+    monkeypatch.setattr(compete, "ranked", lambda *_: last)
+    monkeypatch.setattr(compete, "SHORT_LIST", 1)
+    monkeypatch.setattr(compete, "passing", lambda trials, _: [trial for trial in trials if trial.merit > 0.0])
+
+    def able() -> set[int]:
+        return {trial.chosen.site.joint for trial in compete._passing(model, field, chances_in(field))}
+
+    assert able() == {elbow, lift}
     monkeypatch.setattr(SwingingElasticity, "ranked_alone", False)
-    assert compete._alike(tried, last[1:]) == []
+    assert able() == {elbow}

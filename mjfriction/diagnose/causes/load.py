@@ -12,7 +12,7 @@ from mjfriction.laws.geared_load import GEARED_LOAD
 from mjfriction.laws.load_dependent import LOAD_DEPENDENT
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import with_term
-from mjfriction.robot.load_friction import stated_load, stated_loads, with_less_load, with_loads
+from mjfriction.robot.load_friction import stated_load, stated_loads, with_less_load, with_more_load
 from mjfriction.robot.robot import Robot
 
 BELOW = 0.1  # of the larger coefficient, by which the smaller may come out below none
@@ -81,22 +81,21 @@ class _GearedLoad(_Load):
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """Both coefficients, stated plus change."""
-        ways = zip(("driving", "braking"), self._both(gap.robot, site), strict=True)
+        ways = zip(("driving", "braking"), self._both(gap, site), strict=True)
         return tuple(Quantity(GEARED_LOAD.parameter(f"load_{way}"), shift=stated) for way, stated in ways)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """Neither of the two drives the joint."""
-        less, more = np.sort(self._both(gap.robot, site) + strengths)
+        less, more = np.sort(self._both(gap, site) + strengths)
         return bool(more > 0.0 and less > -BELOW * more)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Put a law with both coefficients in the place of what is stated of the load."""
-        joint = robot.joints[site.joint]
-        driving, braking = np.maximum(0.0, self._both(robot, site) + strengths).tolist()
-        return with_loads(robot, joint, driving, braking, includes_rotor=self.includes_rotor)
+        joint, (driving, braking) = robot.joints[site.joint], strengths.tolist()
+        return with_more_load(robot, joint, (driving, braking), includes_rotor=self.includes_rotor)
 
-    def _both(self, robot: Robot, site: Site) -> Floats:
-        return np.array(stated_loads(robot.table.joint[site.joint], includes_rotor=self.includes_rotor))
+    def _both(self, gap: Gap, site: Site) -> Floats:
+        return np.array(stated_loads(gap.robot.table.joint[site.joint], includes_rotor=self.includes_rotor))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Say what the load adds, either way."""
