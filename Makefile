@@ -2,13 +2,17 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test check docs bench lock clean
+.PHONY: demo test deep check docs bench lock clean
 
 demo: $(READY)
 	$(BIN)/mjfriction demo --out demo_out
 
 test: $(READY)
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses 2 --dist loadfile
+
+# Half an hour of whole diagnoses and simulations that the tests leave out.
+deep: $(READY)
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses 2 --dist loadfile -m deep
 
 check: $(READY)
 	$(BIN)/ruff check .
@@ -23,9 +27,8 @@ docs: $(READY)
 	$(BIN)/python -m mkdocs build
 
 # Over an hour: two hundred cases, and two other tools on some of them.
-bench: $(READY)
+bench: deep
 	$(BIN)/python -m pip install --quiet --require-hashes -r requirements-bench.lock
-	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses 2 --dist loadfile -m bench
 	$(BIN)/python -m scripts.bench
 	$(BIN)/python -m scripts.hidden_effects --cases 200 --beside 60
 	$(BIN)/python -m scripts.five_cases

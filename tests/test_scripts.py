@@ -28,7 +28,7 @@ def test_own_robot(printed, tmp_path: Path) -> None:
     assert {"report.html", "robot.toml"} <= {path.name for path in (tmp_path / "own/result").iterdir()}
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_many_models(printed) -> None:
     said = printed(many_models, "--count", "24")
     stated, identified, low, high = (float(x) for x in re.findall(r"(0\.\d{4})\b", said.split("rad:")[1]))

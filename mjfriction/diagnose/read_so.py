@@ -10,7 +10,7 @@ import numpy as np
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.record.fault import Mend
 from mjfriction.record.log import POSITION, VELOCITY, Floats, Log
-from mjfriction.record.motion import velocity_ratio
+from mjfriction.record.recorded_velocity import velocity_ratio
 from mjfriction.record.reread import part_of, reread
 from mjfriction.record.span import EVER, Span, within
 from mjfriction.robot.bandwidth import HIGHEST

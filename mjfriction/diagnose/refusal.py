@@ -14,6 +14,8 @@ from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, cause_block
 from mjfriction.diagnose.nearness import nearness_of, relief
 from mjfriction.identify.proof import measure_gain
+from mjfriction.record.motion_frequency import motion_frequency
+from mjfriction.robot.bandwidth import HARMONICS
 
 BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "friction.presliding", "friction.asymmetry"})
 PROOF_SEED = 0  # of the resampling by which a gain is held against zero
@@ -28,11 +30,11 @@ def refused(model: Model) -> list[Chosen]:
 
     Those whose gain on motion not fitted may be none while joints move; those whose size is not told from none
     beside another curve on their joint; efforts that seem early beside play; delays of which only a part of the effort
-    knows; courses of friction over time that raise it when slow and lower it when fast, or the other way round; and a
-    spot along a stroke beside waves of friction.
+    knows, its friction or what is quicker than the motion; courses of friction over time that raise it when slow and
+    lower it when fast, or the other way round; and a spot along a stroke beside waves of friction.
     """
     unproved = [choice for choice in model.chosen if not proved(model, choice)]
-    rules = (_dissolved, _of_landings, _torn, _both_ways, _among_waves)
+    rules = (_dissolved, _of_landings, _torn, _too_quick, _both_ways, _among_waves)
     return [*unproved, *(choice for rule in rules for choice in rule(model))]
 
 
@@ -112,20 +114,16 @@ def _torn(model: Model) -> list[Chosen]:
     # rest of the effort does, something else is wrong with one of the two; but friction that comes later still than a
     # rest that is late is that of a contact which yields, and earlier still than an early one, that of a joint which
     # its drive winds up before it turns.  One that is earlier than a filter of positions makes it is a shift only where
-    # its friction is known to be as early.  A shift within a sample is refitted along.
-    gap = model.gap
+    # its friction is known to be as early.
+    gap, friction = model.gap, model.gap.known.effort.friction
     out = []
-    for choice, place in zip(model.chosen, model.places, strict=True):
-        strengths = model.strengths[place]
-        if choice.cause.name != JointDelay.name or not choice.cause.noteworthy(gap, choice.site, strengths):
-            continue
+    for choice, place in _delays(model):
+        delay = float(model.strengths[place][0])
         joints = gap.examined if choice.cause.whole_arm else (choice.site.joint,)
-        delay, friction = float(strengths[0]), gap.known.effort.friction
         own = {joint: gap.reported(joint, late(gap, friction[:, joint], delay)[:, None]) for joint in joints}
         normal = model.system.extended(own, np.zeros(1))
-        strengths = normal.fitted
+        rest, beside = float(normal.fitted[place][0]), float(normal.fitted[-1])
         deviation = float(np.sqrt(normal.covariance(np.arange(gap.blocks.count))[-1, -1]))
-        rest, beside = float(strengths[place][0]), float(strengths[-1])
         farther = rest * delay > APART * delay**2 and beside * delay > 0.0
         known = max(APART * abs(delay), SURELY_APART * deviation, BLURRED / gap.motion.cutoff)
         torn = abs(beside) > known and not farther
@@ -133,3 +131,34 @@ def _torn(model: Model) -> list[Chosen]:
         if torn or (early and abs(beside) + SURELY_APART * deviation > APART * abs(delay)):
             out.append(choice)
     return out
+
+
+def _too_quick(model: Model) -> list[Chosen]:
+    # A drive that reports late does so of the motion that its joint was sent on, too.  What is quicker, a controller's
+    # answer to its sensor's noise or an arm that shakes its base, may look late by any time: where means over a part of
+    # the motion's own period know nothing of it, it is that.
+    gap, motion, delays = model.gap, model.gap.motion, _delays(model)
+    longest = motion.position[max(motion.pieces, key=lambda piece: piece.stop - piece.start)]
+    quickest = max(motion_frequency(own, motion.rate) for own in longest.T[motion.moving])
+    step = float(np.median(np.diff(gap.chain.time)))
+    if not delays or quickest == 0.0 or (count := int(0.5 / (HARMONICS * quickest * step))) < 2:
+        return []
+    normal = model.system.averaged(count)
+    covariances = normal.covariance(np.arange(gap.blocks.count)), normal.white_covariance(np.ones(normal.joints))
+    out = []
+    for choice, place in delays:
+        delay, slow = float(model.strengths[place][0]), float(normal.fitted[place][0])
+        deviation = np.sqrt(max(float(own[place, place][0, 0]) for own in covariances))
+        if slow * delay < APART * delay**2 or abs(slow) < SURELY_APART * deviation:
+            out.append(choice)
+    return out
+
+
+def _delays(model: Model) -> list[tuple[Chosen, slice]]:
+    # A shift within a sample is refitted along.
+    return [
+        (choice, place)
+        for choice, place in zip(model.chosen, model.places, strict=True)
+        if choice.cause.name == JointDelay.name
+        and choice.cause.noteworthy(model.gap, choice.site, model.strengths[place])
+    ]

@@ -13,7 +13,8 @@ from mjfriction.diagnose.read_so import off_as_stated, read_so
 from mjfriction.identify.gap import Gap
 from mjfriction.record.fault import Fault, Mend
 from mjfriction.record.log import POSITION, VELOCITY, Log
-from mjfriction.record.motion import Motion, velocity_ratio
+from mjfriction.record.motion import Motion
+from mjfriction.record.recorded_velocity import velocity_ratio
 from mjfriction.record.reread import part_of
 from mjfriction.record.span import EVER, Span
 

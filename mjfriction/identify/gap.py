@@ -21,7 +21,9 @@ from mjfriction.identify.kept import Kept, Lately
 from mjfriction.identify.rows import Chain, make_chain
 from mjfriction.identify.turning import travel_since_turn, turning_speeds
 from mjfriction.record.log import Floats, Log, check_joints
-from mjfriction.record.motion import SHORTEST_PIECE, Motion, raw_noise
+from mjfriction.record.motion import Motion
+from mjfriction.record.noise import raw_noise
+from mjfriction.record.resample import SHORTEST_PIECE
 from mjfriction.robot.bandwidth import HIGHEST, choose_cutoff
 from mjfriction.robot.effort import (
     Carried,

@@ -81,8 +81,7 @@ class System:
         self.normal = Normal(Products(parts, self.count), precision)
 
     def _part_of(self, joint: int) -> Part:
-        whole = self.rows.products(self.told[joint], self.told[joint])
-        return Part(self.felt[joint], whole[:, :-1, :-1], whole[:, :-1, -1], whole[:, -1, -1])
+        return _part(self.felt[joint], self.rows.products(self.told[joint], self.told[joint]))
 
     def reweighted(self, weight: Floats, joints: Iterable[int]) -> System:
         """Return the system with the rows of some ``joints`` counted by another ``weight`` (rows, joints)."""
@@ -112,6 +111,19 @@ class System:
         # What is screened by is of the equations as they were.
         for name in ("_kept", "_kept_of_joints", "_whitened"):
             self.__dict__.pop(name, None)
+
+    def averaged(self, count: int) -> Normal:
+        """Return the normal equations of means over up to ``count`` rows next to one another in a block, weighted as
+        these are: of noise, and of what is as quick, next to nothing is left in them.
+        """
+        block = self.rows.block
+        place = np.arange(block.size) - np.searchsorted(block, block)
+        first = np.flatnonzero(place % count == 0)
+        size = np.diff(np.append(first, block.size))
+        thin = Rows(self.rows.target[first], self.rows.weight[first], block[first])
+        means = [np.add.reduceat(told, first, axis=0) / np.sqrt(size)[:, None] for told in self.told]
+        parts = tuple(_part(felt, thin.products(own, own)) for felt, own in zip(self.felt, means, strict=True))
+        return Normal(Products(parts, self.count), self.normal.precision)
 
     def residual(self, strengths: Floats) -> Floats:
         """Return what given strengths leave of the target, unweighted, (rows, joints); 0 where nothing is measured."""
@@ -208,6 +220,11 @@ class System:
             more[joint] = Part(np.append(part.felt, new), gram, moment, part.power)
         products = self.normal.products.extended(more, precision.size)
         return Normal(products, np.append(self.normal.precision, precision))
+
+
+def _part(felt: Integers, whole: Floats) -> Part:
+    # Out of the products of what a joint is told with itself, the target last.
+    return Part(felt, whole[:, :-1, :-1], whole[:, :-1, -1], whole[:, -1, -1])
 
 
 def _joint_columns(rows: Rows, blocks: list[Columns], precisions: list[Floats], joint: int) -> tuple[Integers, Floats]:

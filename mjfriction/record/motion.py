@@ -13,22 +13,17 @@ from scipy.ndimage import maximum_filter1d
 
 from mjfriction.errors import LogError
 from mjfriction.record.log import CURRENT, EFFORT, POSITION, VELOCITY, Floats, Integers, Log
-from mjfriction.record.low_pass import LowPass, butterworth, low_passed
-from mjfriction.record.noise import noise_level
-from mjfriction.record.resample import Clock, Grid, even_grid, grid_segments, onto_grid, read_clock
+from mjfriction.record.low_pass import ORDER, LowPass, butterworth, low_passed
+from mjfriction.record.noise import raw_noise
+from mjfriction.record.recorded_velocity import velocity_lateness
+from mjfriction.record.resample import SHORTEST_PIECE, Clock, Grid, grid_segments, long_grids, onto_grid, read_clock
 
-FILTER_ORDER = 4
-SHORTEST_PIECE = 60  # samples; shorter pieces are all edge
 EDGE_PERIODS = 3  # periods of the cutoff by which a piece is continued at both ends before it is filtered
 SETTLING_PERIODS = 3.0  # periods of the cutoff at each end of a piece that the filter's start and end touch
 STILL = 1e-5  # rad or m; a joint that travels less does not move to speak of
 HELD = 0.01  # of the fastest joint's speed and of the farthest one's travel: what stays below both is held, and gives
 DAWDLING = 0.04  # of both, among joints of its kind, below which friction never leaves what every law has near rest
 USUALLY = 0.98  # of the time, for a controller that takes hold may let a joint drop
-AGREEMENT = 0.03  # measured velocity is believed when its gain is within this of the derivative of position
-LIKENESS = 0.95  # correlation from which on a measured velocity is that of its position, whatever its unit or clock
-LATEST = 0.1  # periods of the cutoff by which it may come late, as a drive's does that is filtered
-SLOWLY = 0.1  # of the cutoff, below which both are compared
 SURE = 3.0  # deviations of the velocity's noise beyond which the direction of motion is known
 TOP = 0.99  # of samples, in which a joint is slower than at its top speed
 LEAST_SPEED = 1e-12  # rad/s or m/s, for logs without any noise
@@ -166,15 +161,6 @@ class Motion:
         return out
 
 
-def raw_noise(log: Log, quantity: str, joint: str, clock: Clock) -> float:
-    """Return the white-noise level of one recorded column, 0 where it was not recorded."""
-    values = log.channel(quantity, joint)
-    if values is None:
-        return 0.0
-    grids = [even_grid(log, clock, piece) for piece in clock.pieces]
-    return noise_level([onto_grid(values, log.time, grid, smooth=True) for grid in grids])
-
-
 def estimate_motion(log: Log, joints: Sequence[str], cutoff: float) -> Motion:
     """Estimate velocity and acceleration of every joint by a filter that shifts nothing in time.
 
@@ -186,7 +172,7 @@ def estimate_motion(log: Log, joints: Sequence[str], cutoff: float) -> Motion:
     Raises :class:`LogError` when no piece of the log is long enough.
     """
     clock = read_clock(log)
-    grids = _grids(log, clock)
+    grids = long_grids(log, clock)
     if not grids:
         raise LogError(
             f"{log.source}: no stretch of {SHORTEST_PIECE} samples without a gap; "
@@ -194,7 +180,7 @@ def estimate_motion(log: Log, joints: Sequence[str], cutoff: float) -> Motion:
         )
     rate = 1.0 / clock.step
     cutoff = min(cutoff, 0.45 * rate)
-    slow = butterworth(FILTER_ORDER, cutoff, rate)
+    slow = butterworth(ORDER, cutoff, rate)
 
     def on_clock(values: Floats, *, smooth: bool) -> list[Floats]:
         return [onto_grid(values, log.time, grid, smooth=smooth) for grid in grids]
@@ -256,66 +242,6 @@ def estimate_motion(log: Log, joints: Sequence[str], cutoff: float) -> Motion:
     )
 
 
-def velocity_lateness(log: Log, joint: str, cutoff: float, clock: Clock) -> float | None:
-    """Return by how much (s) a joint's measured velocity comes after its position's: most drives filter theirs.
-
-    None where it is not the position's: another in gain, or in time by more than a low-pass of that ``cutoff`` (Hz)
-    allows.  Both are compared slowly: where noise makes most of the acceleration, a velocity that comes late looks like
-    none.
-    """
-    compared = _compared_slowly(log, joint, cutoff, clock)
-    if compared is None:
-        return None
-    own, change, other = compared
-    difference = other - own
-    gain = np.mean(difference * own) / max(float(np.mean(np.square(own))), 1e-300)
-    late = np.mean(difference * change) / max(float(np.mean(np.square(change))), 1e-300)
-    return float(late) if abs(gain) < AGREEMENT and abs(late) < LATEST / cutoff else None
-
-
-def velocity_ratio(log: Log, joint: str, cutoff: float) -> float | None:
-    """Return what a joint's measured velocity reads over what its position does on the log's clock, slowly, well below
-    ``cutoff`` (Hz); None where they are not alike at all, there is no such column, or the clock is none.
-    """
-    if log.channel(VELOCITY, joint) is None:
-        return None
-    try:
-        clock = read_clock(log)
-    except LogError:
-        return None  # a few rows, or uneven ones, of a log that as a whole is none such
-    compared = _compared_slowly(log, joint, cutoff, clock)
-    if compared is None:
-        return None
-    own, _, other = compared
-    power, cross, mine = (float(np.mean(pair)) for pair in (other * other, other * own, own * own))
-    return cross / power if power > 0.0 and cross > LIKENESS * np.sqrt(power * mine) else None
-
-
-def _compared_slowly(log: Log, joint: str, cutoff: float, clock: Clock) -> tuple[Floats, Floats, Floats] | None:
-    # A joint's measured velocity, its rate of change, and the rate of change of its position, all low-passed alike.
-    position, velocity = log.channel(POSITION, joint), log.channel(VELOCITY, joint)
-    grids = _grids(log, clock)
-    if position is None or velocity is None or not grids:
-        return None
-    rate = 1.0 / clock.step
-    slow = butterworth(FILTER_ORDER, SLOWLY * min(cutoff, 0.45 * rate), rate)
-    smooth = [
-        [slow.to_and_fro(onto_grid(values, log.time, grid, smooth=True)) for grid in grids]
-        for values in (position, velocity)
-    ]
-    # What the filter's ends touch is left out.
-    edge = int(rate / (SLOWLY * cutoff))
-    inner = [slice(edge, piece.size - edge) if piece.size > 4 * edge else slice(None) for piece in smooth[0]]
-    own = np.concatenate([piece[part] for piece, part in zip(smooth[1], inner, strict=True)])
-    change = np.concatenate([(np.gradient(piece) * rate)[part] for piece, part in zip(smooth[1], inner, strict=True)])
-    other = np.concatenate([(np.gradient(piece) * rate)[part] for piece, part in zip(smooth[0], inner, strict=True)])
-    return own, change, other
-
-
-def _grids(log: Log, clock: Clock) -> list[Grid]:
-    return [even_grid(log, clock, piece) for piece in clock.pieces if piece[1] - piece[0] >= SHORTEST_PIECE]
-
-
 def smooth_derivatives(motion: Motion, values: Floats, share: float = 1.0) -> list[Floats]:
     """Return values (n,) on a motion's clock through its position filter, with their two derivatives, each (n,).
 
@@ -323,7 +249,7 @@ def smooth_derivatives(motion: Motion, values: Floats, share: float = 1.0) -> li
     that the values carry themselves.
     """
     cutoff = share * motion.cutoff
-    slow = butterworth(FILTER_ORDER, cutoff, motion.rate)
+    slow = butterworth(ORDER, cutoff, motion.rate)
     edge = int(EDGE_PERIODS * motion.rate / cutoff) + 12
     out = [np.empty_like(values) for _ in range(3)]
     for own in motion.pieces:

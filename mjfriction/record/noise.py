@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from mjfriction.record.log import Floats
+from mjfriction.record.log import Floats, Log
+from mjfriction.record.resample import Clock, even_grid, onto_grid
 
 ORDER = 8  # differences of this order leave noise and next to nothing of a motion sampled well
 TRIMMED = 0.01  # share of the largest differences left out: jumps at reversals and single-sample glitches
@@ -27,6 +28,15 @@ def noise_level(pieces: list[Floats]) -> float:
     # The mean of a normal variable's squares without their largest 1 %.
     correction = 1.0 - 2.0 * _trimmed_share()
     return math.sqrt(float(np.mean(kept)) * (1.0 - TRIMMED) / (correction * math.comb(2 * ORDER, ORDER)))
+
+
+def raw_noise(log: Log, quantity: str, joint: str, clock: Clock) -> float:
+    """Return the white-noise level of one recorded column, 0 where it was not recorded."""
+    values = log.channel(quantity, joint)
+    if values is None:
+        return 0.0
+    grids = [even_grid(log, clock, piece) for piece in clock.pieces]
+    return noise_level([onto_grid(values, log.time, grid, smooth=True) for grid in grids])
 
 
 def _trimmed_share() -> float:

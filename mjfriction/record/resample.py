@@ -14,6 +14,7 @@ from mjfriction.record.log import Floats, Integers, Log
 GAP_STEPS = 4.0  # a step longer than this many ordinary ones is a gap, not jitter
 WORST_JITTER = 0.5  # spread of the steps, relative to the ordinary one, past which nothing can be differentiated
 SLOWEST = 0.1  # s between samples
+SHORTEST_PIECE = 60  # samples; shorter pieces are all edge
 EVEN = 1e-3  # spread up to which the samples are taken as even
 
 
@@ -98,3 +99,8 @@ def onto_grid(values: Floats, log_time: Floats, grid: Grid, *, smooth: bool, lat
 def grid_segments(grids: list[Grid]) -> Integers:
     """Return the number of the grid each of the concatenated grid samples belongs to."""
     return np.concatenate([np.full(grid.time.size, i, dtype=np.int64) for i, grid in enumerate(grids)])
+
+
+def long_grids(log: Log, clock: Clock) -> list[Grid]:
+    """Return the pieces of a log that are long enough to be filtered, each on an even grid."""
+    return [even_grid(log, clock, piece) for piece in clock.pieces if piece[1] - piece[0] >= SHORTEST_PIECE]

@@ -7,16 +7,16 @@ import numpy as np
 from mjfriction.body.inverse import inertia_at
 from mjfriction.body.model import Body
 from mjfriction.errors import LogError
-from mjfriction.record.log import POSITION, VELOCITY, Floats, Log
-from mjfriction.record.motion import raw_noise, velocity_lateness
+from mjfriction.record.log import POSITION, VELOCITY, Log
+from mjfriction.record.motion_frequency import motion_frequency
+from mjfriction.record.noise import raw_noise
+from mjfriction.record.recorded_velocity import velocity_lateness
 from mjfriction.record.resample import read_clock
 from mjfriction.robot.effort import effort_per_reported
 from mjfriction.robot.robot import Robot
 
 HIGHEST = 100.0  # Hz; manipulators do nothing above it that rigid bodies and friction explain
 HARMONICS = 5.0  # the band must hold this many times the frequencies that the motion itself has
-MOTION_POWER = 0.9999  # share of the position's power that counts as the motion
-ABOVE_NOISE = 30.0  # times the noise's power in a bin from which on the bin is taken as motion
 NOISE_SHARE = 0.5  # what position noise, seen as inertia torque, may add relative to the effort's own noise
 EFFORT_SHARE = 0.01  # and what it may always add, relative to the effort itself
 
@@ -45,7 +45,7 @@ def choose_cutoff(log: Log, robot: Robot, body: Body, highest: float = HIGHEST) 
         values = positions[joint.name]
         if values is None or np.ptp(values) == 0.0:
             continue
-        motion = max(motion, _motion_frequency(values[longest[0] : longest[1]], rate))
+        motion = max(motion, motion_frequency(values[longest[0] : longest[1]], rate))
         quantity = log.torque_quantity(joint.name)
         reported = log.channel(quantity, joint.name) if quantity else None
         if quantity is None or reported is None:
@@ -71,19 +71,3 @@ def choose_cutoff(log: Log, robot: Robot, body: Body, highest: float = HIGHEST) 
             "record the joints moving in both directions"
         )
     return min(highest, max(cutoff, HARMONICS * motion))
-
-
-def _motion_frequency(position: Floats, rate: float) -> float:
-    count = position.size
-    if count < 16 or np.ptp(position) == 0.0:
-        return 0.0
-    spectrum = np.fft.rfft((position - np.linspace(position[0], position[-1], count)) * np.hanning(count))
-    frequency = np.fft.rfftfreq(count, 1.0 / rate)
-    power = np.square(np.abs(spectrum))
-    floor = float(np.median(power[3 * power.size // 4 :]))
-    # The power of noise in one bin is exponentially distributed: next to none of it reaches so far above its median.
-    # Position's power is counted, not velocity's, in which the lines of a coarse encoder would weigh too much.
-    motion = np.cumsum(np.where(power > ABOVE_NOISE * floor, power, 0.0))
-    if motion[-1] <= 0.0:
-        return 0.0
-    return float(frequency[np.searchsorted(motion, MOTION_POWER * motion[-1])])

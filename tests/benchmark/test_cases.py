@@ -33,7 +33,7 @@ def named(diagnosis: Diagnosis) -> set[tuple[str, str | None]]:
     return {(finding.cause, finding.joint) for finding in diagnosis.findings}
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 @pytest.mark.parametrize("draw", EFFECTS, ids=lambda draw: draw.__name__)
 def test_an_effect_does_nothing_at_no_strength_and_stands_out_as_asked(draw) -> None:
     setting = Setting(seconds=12.0, rate=250.0, noise=0.05)
@@ -60,7 +60,7 @@ def test_the_same_seed_makes_the_same_case_and_its_folder_can_be_diagnosed(tmp_p
     [
         ("friction.stribeck", 0.03),
         *(
-            pytest.param(cause, off, marks=pytest.mark.bench)
+            pytest.param(cause, off, marks=pytest.mark.deep)
             for cause, off in (
                 ("body.payload", 0.03),
                 ("friction.presliding", 0.0),
@@ -82,7 +82,7 @@ def test_a_hidden_effect_is_named_at_its_joint(cause: str, off: float) -> None:
     assert named(diagnosis) == {(hidden.cause, hidden.joint) for hidden in case.hidden}
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_messy_log_keeps_its_finding() -> None:
     # A gap, a block sent twice, single wild samples and an uneven clock: said, and no obstacle.
     case = make_case(17, Setting(seconds=40.0, rate=250.0, off=0.03), (draw_of("friction.load"),), SEVERITY["large"])
@@ -101,7 +101,7 @@ def test_a_messy_log_keeps_its_finding() -> None:
     assert len(diagnosis.gap.motion.clock.gaps) == 1
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_clean_log_has_no_finding(seed: int) -> None:
     setting = Setting(seconds=40.0, rate=250.0, off=0.03 * (seed % 2), noise=(0.05, 0.2)[seed // 2])
@@ -110,7 +110,7 @@ def test_a_clean_log_has_no_finding(seed: int) -> None:
     assert diagnosis.verdict is Verdict.CONSISTENT
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_what_is_no_cause_ends_as_unexplained() -> None:
     case = make_case(23, SHORT, (), 1.0)
     rng = np.random.default_rng(1)
@@ -121,14 +121,14 @@ def test_what_is_no_cause_ends_as_unexplained() -> None:
     assert {entry.joint for entry in diagnosis.remaining} == {"elbow_joint"}
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_play_is_no_delay() -> None:
     setting = Setting("ur5", rate=500.0, noise=0.1, encoder=2.0 * np.pi / 2**17, quantity="current")
     case = make_case(1009, setting, (draw_of("drive.backlash"),), SEVERITY["medium"])
     assert named(diagnosed(case)) == {("drive.backlash", "wrist_2_joint")}
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_play_of_a_sliding_table_is_found_with_its_size() -> None:
     case = make_case(12, Setting("machine_table", seconds=40.0, noise=0.1), (draw_of("drive.backlash"),), 2.0)
     (hidden,) = case.hidden
@@ -137,7 +137,7 @@ def test_play_of_a_sliding_table_is_found_with_its_size() -> None:
     assert finding.parameters[0].value == pytest.approx(hidden.strength, rel=0.05)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_landing_is_no_effort_that_comes_early(monkeypatch: pytest.MonkeyPatch) -> None:
     case = draw_case(540012).case()  # play, and behind it a give that hardly shows
     assert named(diagnosed(case)) == {("drive.backlash", "axis")}
@@ -148,7 +148,7 @@ def test_a_landing_is_no_effort_that_comes_early(monkeypatch: pytest.MonkeyPatch
     assert ("sensor.delay", "axis") in named(diagnosed(case))
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_what_links_that_are_off_leave_is_no_other_half_of_an_asymmetry(monkeypatch: pytest.MonkeyPatch) -> None:
     case = draw_case(820025).case()
     assert named(diagnosed(case)) == {("friction.asymmetry", "wrist_3_joint")}
@@ -156,7 +156,7 @@ def test_what_links_that_are_off_leave_is_no_other_half_of_an_asymmetry(monkeypa
     assert ("drive.offset", "wrist_3_joint") in named(diagnosed(case))
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_play_behind_a_payload_is_drawn_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
     case = draw_case(540002).case()  # a payload that weighs most of what the wrist's play lets go
     loose = ("drive.backlash", "wrist_2_joint")
@@ -165,7 +165,7 @@ def test_play_behind_a_payload_is_drawn_with_it(monkeypatch: pytest.MonkeyPatch)
     assert loose not in named(diagnosed(case))
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_drive_that_others_could_stand_in_for_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     """All other drives 1 % off did as well on motion not fitted."""
     case = draw_case(740096).case()
@@ -178,7 +178,7 @@ def test_a_drive_that_others_could_stand_in_for_is_named(monkeypatch: pytest.Mon
     assert constant not in named(diagnosed(case))
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_play_of_a_third_of_a_millimetre_is_found() -> None:
     setting = Setting("linear_axis", seconds=40.0, rate=500.0, noise=0.05, off=0.03)
     case = make_case(4, setting, (draw_of("drive.backlash"),), SEVERITY["medium"])
@@ -189,7 +189,7 @@ def test_a_play_of_a_third_of_a_millimetre_is_found() -> None:
     assert hidden.strength < 0.34e-3
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 @pytest.mark.parametrize(("seed", "grows"), [(20, {"difference"}), (24, {"head", "rod"})])
 def test_seals_under_pressure_are_named_on_a_cylinder(seed: int, grows: set[str]) -> None:
     setting = Setting("hydraulic_cylinder", seconds=14.0, rate=250.0, noise=0.1)

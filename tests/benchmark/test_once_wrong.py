@@ -38,14 +38,14 @@ def named(diagnosis: Diagnosis) -> set[tuple[str, str | None]]:
     return {(finding.cause, finding.joint) for finding in diagnosis.findings}
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_joints_that_stick_hold_what_their_law_gives_at_rest() -> None:
     # A clean log of an arm whose static friction is several times its Coulomb level: rows at rest say nothing.
     diagnosis = diagnosed(300028)
     assert (diagnosis.findings, diagnosis.verdict) == ((), Verdict.CONSISTENT)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_spring_that_is_none_beside_waves_is_an_offset() -> None:
     # Before the cogging and the presliding of a table are told, its offset looks as if it grew along the stroke.
     log, robot = log_and_robot(300065)
@@ -59,7 +59,7 @@ def test_a_spring_that_is_none_beside_waves_is_an_offset() -> None:
     assert {choice.key[:2] for choice in plainer(sprung, asked).chosen} == {("drive.offset", 0), *others}
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_soft_stop_is_left_open_and_hides_no_finding_of_another_joint() -> None:
     # A dozen candidates at the joint that meets the stop rank before the offset of a wrist; none of them passes.
     diagnosis = diagnosed(300049)
@@ -68,7 +68,7 @@ def test_a_soft_stop_is_left_open_and_hides_no_finding_of_another_joint() -> Non
     assert named(diagnosis) == {("drive.offset", "wrist_2_joint")}
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_hum_is_no_give_of_the_transmission(monkeypatch: pytest.MonkeyPatch) -> None:
     # It follows none of the covariates; that it is no noise shows in its spectrum alone.
     diagnosis = diagnosed(300084)
@@ -79,7 +79,7 @@ def test_a_hum_is_no_give_of_the_transmission(monkeypatch: pytest.MonkeyPatch) -
     assert diagnosed(300084).verdict is not Verdict.UNEXPLAINED
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_hum_is_heard_beside_a_cause_and_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     # It is louder than what is hidden on the same axis.
     diagnosis = diagnosed(400037)
@@ -89,7 +89,7 @@ def test_a_hum_is_heard_beside_a_cause_and_is_none(monkeypatch: pytest.MonkeyPat
     assert named(diagnosed(400037)) != {("drive.cogging", "axis")}
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_hum_is_no_load_that_swings_beside_a_rotor(monkeypatch: pytest.MonkeyPatch) -> None:
     # Beside a rotor and a bristle that are none, a load that swings leaves half a percent less than the hum it is.
     diagnosis = diagnosed(630023)
@@ -99,7 +99,7 @@ def test_a_hum_is_no_load_that_swings_beside_a_rotor(monkeypatch: pytest.MonkeyP
     assert ("drive.rotor_inertia", "joint4") in named(diagnosed(630023))
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_load_that_swings_is_heard_beside_causes_and_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     # It is left by a bristle, which would be told, did it not go under in what is left unheard.
     found = {("body.spring", "wrist_1_joint")}
@@ -111,7 +111,7 @@ def test_a_load_that_swings_is_heard_beside_causes_and_is_none(monkeypatch: pyte
     assert named(diagnosed(581229)) != found
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_robot_that_is_off_has_no_link_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
     # Its friction looks right to a percent, but for level and damping one by one.
     assert ("body.link_inertia", None) not in named(diagnosed(560036))
@@ -119,7 +119,7 @@ def test_a_robot_that_is_off_has_no_link_of_its_own(monkeypatch: pytest.MonkeyPa
     assert ("body.link_inertia", None) in named(diagnosed(560036))
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_causes_that_go_under_in_what_none_explains_are_no_findings(monkeypatch: pytest.MonkeyPatch) -> None:
     # A load that swings, which goes unheard here.
     monkeypatch.setattr("mjfriction.diagnose.oscillations._loudest_swing", lambda *_: None)
@@ -130,7 +130,7 @@ def test_causes_that_go_under_in_what_none_explains_are_no_findings(monkeypatch:
     assert "joint5" in {finding.joint for finding in diagnosed(300007).findings}
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_torque_constant_is_told_by_the_loads_of_the_pose_that_was_found(monkeypatch: pytest.MonkeyPatch) -> None:
     # The zero of joint3 is off by eleven degrees, so that joint5 bears another load than was stated.
     found = {("sensor.encoder_offset", "joint3"), ("drive.torque_constant", "joint5")}
@@ -139,7 +139,7 @@ def test_a_torque_constant_is_told_by_the_loads_of_the_pose_that_was_found(monke
     assert named(diagnosed(560001)) > found
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_load_on_a_lone_axis_may_be_its_link_or_its_rotor() -> None:
     (finding,) = diagnosed(310265).findings
     told = {finding.cause, *finding.alternatives}

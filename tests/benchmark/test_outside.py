@@ -11,7 +11,7 @@ from mjfriction.benchmark.effects.outside import OUTSIDE
 SETTING = Setting("linear_axis", seconds=20.0, rate=250.0, noise=0.1)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 @pytest.mark.parametrize("draw", OUTSIDE, ids=lambda draw: draw.__name__)
 def test_it_stands_out_as_asked_in_the_log_and_in_no_other_motion(draw) -> None:
     case, clean = make_case(4, SETTING, (draw,), 3.0), make_case(4, SETTING, (), 3.0)

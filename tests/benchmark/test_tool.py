@@ -26,6 +26,7 @@ def outcome(command: str, case: Case, folder: Path) -> Outcome:
     return run_tool(shlex.split(command), case, folder)
 
 
+@pytest.mark.deep
 def test_ours_names_the_cause_and_removes_what_can_be_removed(case: Case, tmp_path: Path) -> None:
     found = outcome(OURS, case, tmp_path)
     assert found.exact
@@ -38,7 +39,7 @@ def test_ours_names_the_cause_and_removes_what_can_be_removed(case: Case, tmp_pa
     assert row.ours is found
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_the_naive_tool_is_scored_alike(case: Case, tmp_path: Path, monkeypatch) -> None:
     monkeypatch.chdir(ROOT)
     found = outcome(f"{shlex.quote(sys.executable)} -m scripts.naive_baseline", case, tmp_path)

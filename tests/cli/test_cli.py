@@ -125,7 +125,7 @@ def test_diagnose_then_predict(tmp_path: Path, good: tuple[dict[str, np.ndarray]
     }  # fmt: skip
     errors = []
     for source in (robot, out / "robot.toml"):
-        run = mjfriction("predict", log, "--robot", source, "--out", tmp_path / "p.parquet", "--json")
+        run = mjfriction_here("predict", log, "--robot", source, "--out", tmp_path / "p.parquet", "--json")
         assert run.returncode == 0, run.stderr
         errors.append(json.loads(run.stdout)["columns"]["effort.elbow_joint"])
     assert errors[1]["rms_error"] < 0.9 * errors[0]["rms_error"]
@@ -138,7 +138,7 @@ def test_diagnose_then_predict(tmp_path: Path, good: tuple[dict[str, np.ndarray]
 
 def test_json_is_the_report(tmp_path: Path, good: tuple[dict[str, np.ndarray], str]) -> None:
     log, robot = place(tmp_path, good)
-    run = mjfriction("diagnose", log, log, "--robot", robot, "--out", tmp_path / "out", "--json")
+    run = mjfriction_here("diagnose", log, log, "--robot", robot, "--out", tmp_path / "out", "--json")
     assert run.returncode == 0, run.stderr
     jsonschema.validate(json.loads(run.stdout), json.loads(schema()))
     assert run.stdout == (tmp_path / "out" / "report.json").read_text(encoding="utf-8")

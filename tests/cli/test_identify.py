@@ -16,7 +16,6 @@ from mjfriction.plant.trajectory import read_trajectory
 from mjfriction.robot.files import read_robot
 from scripts.make_schema import schema
 from tests.cli.here import mjfriction_here
-from tests.cli.test_cli import mjfriction
 from tests.hidden.machine import UR5_JOINTS, Machine, record, robot_toml
 
 FILES = {"report.json", "report.html", "recording.rrd", "robot.toml", "ur5_robot.urdf"}
@@ -34,7 +33,7 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
 @pytest.fixture(scope="module")
 def identified(case: tuple[Path, Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("out") / "identified"
-    done = mjfriction("identify", case[0], "--robot", case[1], "--law", "coulomb_viscous", "--out", out)
+    done = mjfriction_here("identify", case[0], "--robot", case[1], "--law", "coulomb_viscous", "--out", out)
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     assert done.stdout.startswith("IDENTIFIED")
@@ -58,7 +57,7 @@ def test_identify_writes_four_files_that_hold_together(identified: Path) -> None
 
 def test_compare_prints_and_writes_both_robots(case: tuple[Path, Path], identified: Path, tmp_path: Path) -> None:
     words = ("compare", case[0], "--robot", case[1], "--robot", identified / "robot.toml", "--simulated", "0.5")
-    done = mjfriction(*words, "--out", tmp_path / "out", "--json")
+    done = mjfriction_here(*words, "--out", tmp_path / "out", "--json")
     assert done.returncode == 0, done.stderr
     table = json.loads(done.stdout)
     assert table == json.loads((tmp_path / "out/comparison.json").read_text())
@@ -69,7 +68,7 @@ def test_compare_prints_and_writes_both_robots(case: tuple[Path, Path], identifi
     (elbow,) = (joint for joint in table["joints"] if joint["joint"] == "elbow_joint")
     assert elbow["rms_position"][1] < 0.5 * elbow["rms_position"][0]
     assert {path.name for path in (tmp_path / "out").iterdir()} == {"comparison.json", "report.html", "recording.rrd"}
-    done = mjfriction(*words)
+    done = mjfriction_here(*words)
     assert done.returncode == 0, done.stderr
     assert max(len(line) for line in done.stdout.splitlines() if "/" not in line) <= 80
 
@@ -113,7 +112,7 @@ def test_laws_that_make_no_sense_together_are_one_line(
 def test_plan_writes_a_trajectory(tmp_path: Path) -> None:
     out = tmp_path / "passes.csv"
     words = ("--robot", "ur5", "--protocol", "forward_backward", "--joint", "wrist_3_joint", "--speeds", 4)
-    done = mjfriction("plan", *words, "--out", out)
+    done = mjfriction_here("plan", *words, "--out", out)
     assert done.returncode == 0, done.stderr
     assert "free of gravity in some poses" in done.stdout
     assert read_trajectory(out).joints == read_robot("ur5").joints
@@ -164,7 +163,7 @@ def test_a_misspelt_column_is_not_left_out_in_silence(case: tuple[Path, Path], t
 def test_compare_names_no_winner_where_there_is_none(case: tuple[Path, Path], tmp_path: Path) -> None:
     same = tmp_path / "same.toml"
     same.write_text(case[1].read_text())
-    done = mjfriction("compare", case[0], "--robot", case[1], "--robot", same)
+    done = mjfriction_here("compare", case[0], "--robot", case[1], "--robot", same)
     assert done.returncode == 0, done.stderr
     assert "equally near" in done.stdout
     done = mjfriction_here("compare", case[0], "--robot", case[1])

@@ -11,7 +11,6 @@ import pyarrow.csv
 import pytest
 
 from tests.cli.here import mjfriction_here
-from tests.cli.test_cli import mjfriction
 from tests.hidden.machine import UR5_JOINTS, Machine, record, robot_toml
 
 
@@ -30,8 +29,9 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.deep
 def test_a_log_alone(case: Path) -> None:
-    done = mjfriction("inspect", case / "log.csv")
+    done = mjfriction_here("inspect", case / "log.csv")
     assert done.returncode == 0, done.stderr
     assert "3750 rows, 15 s at 250 Hz" in done.stdout
     for joint in UR5_JOINTS:
@@ -41,11 +41,11 @@ def test_a_log_alone(case: Path) -> None:
 
 
 def test_a_log_and_its_robot(case: Path) -> None:
-    done = mjfriction("inspect", case / "log.csv", "--robot", case / "robot.toml")
+    done = mjfriction_here("inspect", case / "log.csv", "--robot", case / "robot.toml")
     assert done.returncode == 0, done.stderr
     assert "friction.stribeck" in done.stdout
     assert "hydraulic.pressure" in done.stdout.split("for want of a column:")[1]
-    machine = mjfriction("inspect", case / "log.csv", "--robot", case / "robot.toml", "--json")
+    machine = mjfriction_here("inspect", case / "log.csv", "--robot", case / "robot.toml", "--json")
     told = json.loads(machine.stdout)
     assert [joint["joint"] for joint in told["joints"]] == list(UR5_JOINTS)
     assert all(one["least"] > 0.0 for one in told["could_show"])
@@ -69,13 +69,13 @@ def test_a_log_that_reads_wrong_shows_nothing_unless_it_is_mended(
 
 def test_foreign_names_are_shown_confirmed_and_used(case: Path, tmp_path: Path) -> None:
     log, robot, kept = case / "foreign.csv", case / "robot.toml", tmp_path / "columns.toml"
-    refused = mjfriction("predict", log, "--robot", robot, "--out", tmp_path / "p.parquet")
+    refused = mjfriction_here("predict", log, "--robot", robot, "--out", tmp_path / "p.parquet")
     assert refused.returncode == 2
     assert "column 'time' is missing" in refused.stderr
     assert "time from 't_ms'" in refused.stderr
     assert "--map guess" in refused.stderr
     assert len(refused.stderr.strip().splitlines()) == 1
-    shown = mjfriction("inspect", log, "--robot", robot, "--write-map", kept)
+    shown = mjfriction_here("inspect", log, "--robot", robot, "--write-map", kept)
     assert shown.returncode == 0, shown.stderr
     assert "position.elbow_joint  from 'actual_q_2'" in shown.stdout
     assert "time  from 't_ms' times 0.001" in shown.stdout
@@ -84,7 +84,7 @@ def test_foreign_names_are_shown_confirmed_and_used(case: Path, tmp_path: Path) 
         out = tmp_path / f"{name}.parquet"
         words = () if mapping is None else ("--map", mapping)
         source = log if mapping is not None else case / "log.csv"
-        done = mjfriction("predict", source, "--robot", robot, "--out", out, *words)
+        done = mjfriction_here("predict", source, "--robot", robot, "--out", out, *words)
         assert done.returncode == 0, done.stderr
         results.append(done.stdout)
     assert results[0] == results[1] == results[2]
@@ -116,31 +116,31 @@ def test_a_mapping_is_kept_even_where_the_log_cannot_be_read_by_it(case: Path, t
 
 
 def test_there_is_nothing_to_guess(case: Path, tmp_path: Path) -> None:
-    done = mjfriction("inspect", case / "log.csv", "--write-map", tmp_path / "columns.toml")
+    done = mjfriction_here("inspect", case / "log.csv", "--write-map", tmp_path / "columns.toml")
     assert done.returncode == 2
     assert "no columns to guess" in done.stderr
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_names_that_tell_nothing_give_a_mapping_to_fill_in(case: Path, tmp_path: Path) -> None:
     columns = (case / "log.csv").read_text().splitlines()
     names = columns[0].replace('"', "").split(",")
     odd = tmp_path / "odd.csv"
     odd.write_text("\n".join([",".join(f"c{chr(97 + k)}" for k in range(len(names))), *columns[1:]]) + "\n")
     kept = tmp_path / "columns.toml"
-    done = mjfriction("inspect", odd, "--robot", case / "robot.toml", "--write-map", kept)
+    done = mjfriction_here("inspect", odd, "--robot", case / "robot.toml", "--write-map", kept)
     assert done.returncode == 0, done.stderr
     assert "ca, cb" in done.stdout
     assert "fill it in, and give it with --map" in " ".join(done.stdout.split())
     text = kept.read_text()
     assert "#   ca" in text
-    done = mjfriction("inspect", odd, "--robot", case / "robot.toml", "--map", kept)
+    done = mjfriction_here("inspect", odd, "--robot", case / "robot.toml", "--map", kept)
     assert "names no column" in done.stderr
     # Filled in with the right columns, it is what was meant.
     for k, name in enumerate(names):
         text = text.replace(f'# "{name}" = "..."', f'"{name}" = "c{chr(97 + k)}"')
     kept.write_text(text)
-    done = mjfriction("predict", odd, "--robot", case / "robot.toml", "--out", tmp_path / "p.csv", "--map", kept)
+    done = mjfriction_here("predict", odd, "--robot", case / "robot.toml", "--out", tmp_path / "p.csv", "--map", kept)
     assert done.returncode == 0, done.stderr
     assert "RMS error" in done.stdout

@@ -14,13 +14,13 @@ from mjfriction.laws.catalog import LAWS
 from mjfriction.laws.portrait import portrait, typical_values
 from mjfriction.report.canvas import line_plot
 from scripts.law_pages import chooser, section
-from tests.cli.test_cli import mjfriction
+from tests.cli.here import mjfriction_here
 
 ROOT = Path(__file__).resolve().parents[2]
 
 
 def test_every_law_has_a_line_within_eighty_columns() -> None:
-    done = mjfriction("laws")
+    done = mjfriction_here("laws")
     assert done.returncode == 0
     for law in LAWS.values():
         assert re.search(rf"^{law.name} ", done.stdout, re.MULTILINE)
@@ -29,7 +29,7 @@ def test_every_law_has_a_line_within_eighty_columns() -> None:
 
 def test_one_law_is_shown_with_its_picture_and_page(tmp_path: Path) -> None:
     page = tmp_path / "gms.html"
-    done = mjfriction("laws", "gms", "--out", page)
+    done = mjfriction_here("laws", "gms", "--out", page)
     assert done.returncode == 0
     for parameter in (*LAWS["gms"].parameters, *LAWS["gms"].elements):
         assert parameter.name in done.stdout
@@ -44,7 +44,7 @@ def test_wrong_words_are_one_line() -> None:
         (("laws", "--out", "x.html"), "name it"),
         (("laws", "lugre", "--out", "/nowhere/x.html"), "there is no folder /nowhere"),
     ):
-        done = mjfriction(*words)
+        done = mjfriction_here(*words)
         assert done.returncode == 2
         assert message in done.stderr
         assert done.stderr.count("\n") == 1

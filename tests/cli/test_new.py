@@ -13,7 +13,6 @@ import pytest
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import resolve_model
 from tests.cli.here import mjfriction_here
-from tests.cli.test_cli import mjfriction
 
 Z1 = "package://example-robot-data/z1_description/urdf/z1.urdf"
 ARM = """<mujoco><worldbody><body name="column"><joint name="lift" type="slide" axis="0 0 1" range="-0.1 0.4"
@@ -22,7 +21,7 @@ frictionloss="3"/><geom size=".1"/><body name="ball"><joint name="wrist" type="b
 
 
 def test_a_draft_reads_back_as_the_robot_that_its_model_is(tmp_path: Path) -> None:
-    done = mjfriction("new", Z1, "--out", tmp_path / "z1.toml")
+    done = mjfriction_here("new", Z1, "--out", tmp_path / "z1.toml")
     assert done.returncode == 0, done.stderr
     robot = read_robot(tmp_path / "z1.toml")
     assert robot.joints[:6] == tuple(f"joint{k}" for k in range(1, 7))
@@ -48,7 +47,7 @@ def test_a_grippers_joints_are_left_out_unless_there_are_no_others(tmp_path: Pat
 def test_slides_and_hinges_are_listed_and_balls_are_not(tmp_path: Path) -> None:
     (tmp_path / "models").mkdir()
     (tmp_path / "models/arm.xml").write_text(ARM)
-    assert mjfriction("new", tmp_path / "models/arm.xml", "--out", tmp_path / "arm.toml").returncode == 0
+    assert mjfriction_here("new", tmp_path / "models/arm.xml", "--out", tmp_path / "arm.toml").returncode == 0
     robot = read_robot(tmp_path / "arm.toml")
     assert robot.joints == ("lift", "tool")
     assert robot.table.model == "models/arm.xml"
@@ -61,7 +60,7 @@ def test_a_log_says_which_joints_and_in_which_order(tmp_path: Path) -> None:
     time = np.arange(200) / 100.0
     columns = {"time": time, "position.joint3": np.sin(time), "position.joint1": np.cos(time)}
     pa.parquet.write_table(pa.table(columns), tmp_path / "log.parquet")
-    done = mjfriction("new", Z1, "--log", tmp_path / "log.parquet", "--out", tmp_path / "z1.toml")
+    done = mjfriction_here("new", Z1, "--log", tmp_path / "log.parquet", "--out", tmp_path / "z1.toml")
     assert done.returncode == 0, done.stderr
     assert read_robot(tmp_path / "z1.toml").joints == ("joint3", "joint1")
 
@@ -77,7 +76,7 @@ def test_a_log_says_which_joints_and_in_which_order(tmp_path: Path) -> None:
 def test_what_cannot_be_drawn_up_is_said_in_a_line(model: str, said: str, tmp_path: Path) -> None:
     (tmp_path / "balls.xml").write_text(re.sub(r'<joint name="(lift|tool)"[^/]*/>', "", ARM))
     named = model if "://" in model else tmp_path / model
-    done = mjfriction("new", named, "--out", tmp_path / "robot.toml")
+    done = mjfriction_here("new", named, "--out", tmp_path / "robot.toml")
     assert done.returncode == 2
     assert said in done.stderr
     assert len(done.stderr.strip().splitlines()) == 1
@@ -86,5 +85,5 @@ def test_what_cannot_be_drawn_up_is_said_in_a_line(model: str, said: str, tmp_pa
 
 def test_a_file_that_is_there_is_kept(tmp_path: Path) -> None:
     (tmp_path / "z1.toml").write_text("what I know")
-    assert mjfriction("new", Z1, "--out", tmp_path / "z1.toml").returncode == 2
+    assert mjfriction_here("new", Z1, "--out", tmp_path / "z1.toml").returncode == 2
     assert (tmp_path / "z1.toml").read_text() == "what I know"

@@ -10,7 +10,6 @@ import pytest
 from mjfriction.plant.motions import sine
 from mjfriction.record.readers import read_log
 from tests.cli.here import mjfriction_here
-from tests.cli.test_cli import mjfriction
 
 
 @pytest.fixture
@@ -23,7 +22,8 @@ def swing(tmp_path: Path) -> Path:
 def test_a_log_comes_out_that_the_diagnosis_reads(swing: Path, tmp_path: Path) -> None:
     logs = []
     for name in ("one.parquet", "two.parquet"):
-        done = mjfriction("simulate", "--robot", "ur5", "--trajectory", swing, "--out", tmp_path / name, "--rate", 250)
+        words = ("--robot", "ur5", "--trajectory", swing, "--out", tmp_path / name, "--rate", 250)
+        done = mjfriction_here("simulate", *words)
         assert done.returncode == 0, done.stderr
         logs.append((tmp_path / name).read_bytes())
     assert logs[0] == logs[1]
@@ -37,7 +37,7 @@ def test_a_log_comes_out_that_the_diagnosis_reads(swing: Path, tmp_path: Path) -
 def test_csv_currents_and_velocities(swing: Path, tmp_path: Path) -> None:
     out = tmp_path / "run.csv"
     words = ("--rate", 100, "--current", "--velocity")
-    assert mjfriction("simulate", "--robot", "ur5", "--trajectory", swing, "--out", out, *words).returncode == 0
+    assert mjfriction_here("simulate", "--robot", "ur5", "--trajectory", swing, "--out", out, *words).returncode == 0
     log = read_log(out)
     assert log.channel("current", "elbow_joint") is not None
     assert log.channel("velocity", "elbow_joint") is not None
@@ -58,27 +58,27 @@ def test_bad_input_is_one_line_and_leaves_nothing(swing: Path, tmp_path: Path) -
     assert not list(tmp_path.glob("x.*"))
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_voltages_run_a_cylinder_and_what_it_logs_runs_it_again(tmp_path: Path) -> None:
     course, log = tmp_path / "volts.csv", tmp_path / "log.parquet"
     words = ("--robot", "hydraulic_cylinder")
-    assert mjfriction("plan", *words, "--protocol", "voltages", "--out", course).returncode == 0
+    assert mjfriction_here("plan", *words, "--protocol", "voltages", "--out", course).returncode == 0
     short = tmp_path / "short.csv"
     short.write_text("\n".join(course.read_text().splitlines()[:501]) + "\n")
-    done = mjfriction("simulate", *words, "--trajectory", short, "--out", log, "--rate", 250)
+    done = mjfriction_here("simulate", *words, "--trajectory", short, "--out", log, "--rate", 250)
     assert done.returncode == 0, done.stderr
     columns = set(read_log(log).columns)
     named = ("position", "effort", "pressure_head", "pressure_rod", "flow_head", "flow_rod", "voltage")
     assert {f"{name}.piston" for name in named} | {"supply_pressure"} <= columns
     # A log has positions: the piston follows them, and its voltages are only recorded.
-    again = mjfriction("simulate", *words, "--trajectory", log, "--out", tmp_path / "again.parquet", "--rate", 250)
+    again = mjfriction_here("simulate", *words, "--trajectory", log, "--out", tmp_path / "again.parquet", "--rate", 250)
     assert again.returncode == 0, again.stderr
 
 
 def test_a_recording_of_the_run_beside_its_log(swing: Path, tmp_path: Path) -> None:
     log, recording = tmp_path / "log.parquet", tmp_path / "run.rrd"
     words = ("--robot", "ur5", "--trajectory", swing, "--out", log, "--rate", 250, "--recording", recording)
-    done = mjfriction("simulate", *words)
+    done = mjfriction_here("simulate", *words)
     assert done.returncode == 0, done.stderr
     assert f"mjfriction view {recording}" in done.stdout
     assert recording.stat().st_size > 10_000
@@ -92,7 +92,7 @@ def test_a_run_that_breaks_down_says_where_and_when_and_leaves_nothing(swing: Pa
         '[[joint]]\nname = "elbow_joint"\nspring = { stiffness = -1e9 }\n',
         encoding="utf-8",
     )
-    done = mjfriction("simulate", "--robot", robot, "--trajectory", swing, "--out", tmp_path / "log.csv")
+    done = mjfriction_here("simulate", "--robot", robot, "--trajectory", swing, "--out", tmp_path / "log.csv")
     assert done.returncode == 2
     assert len(done.stderr.strip().splitlines()) == 1
     assert "out of bounds at joint 'elbow_joint' near" in done.stderr

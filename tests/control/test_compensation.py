@@ -48,7 +48,7 @@ def followed(table: Robot, control: Control, period: float = 8.0) -> Run:
     return run_machine(table, inner_loops("axis", 0.0, 80e-6, period), 1000.0, control, table)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_fed_forward_or_observed_friction_makes_the_error_small_and_both_beat_either(table: Robot) -> None:
     plain = Control(bandwidth=20.0, friction="none", cancels_cogging=True, sensed=True)
     none = error(followed(table, plain))
@@ -204,7 +204,7 @@ def test_a_valve_under_pd_lags_by_its_speed_over_its_gain(cylinder: Robot) -> No
     assert error(soft) == pytest.approx(4.0 * error(hard), rel=0.03)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_acceleration_fed_back_calms_a_valve_that_is_too_hard(cylinder: Robot) -> None:
     def tafazoli(mass: float, step: float) -> Tafazoli:
         return Tafazoli(mass, 150.0, 300.0)

@@ -84,7 +84,7 @@ def test_a_zero_that_is_off_moves_what_is_stated_along_the_stroke(tmp_path: Path
     assert np.linalg.norm(without - difference) > 0.5 * np.linalg.norm(difference)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 @pytest.mark.parametrize("stated", [0.0, 1.0])
 def test_a_link_that_but_turns_about_its_upright_joint_is_a_rotor_for_all_it_shows(
     stated: float, tmp_path: Path

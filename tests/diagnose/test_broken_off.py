@@ -25,6 +25,7 @@ def two_springs() -> dict[int, object]:
     return {ELBOW: lambda at: 8.0 * at.q, WRIST: lambda at: 2.0 * at.q}
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize(("most", "searches"), [(1, 2), (12, 4)])
 def test_it_is_made_anew_once_beside_what_is_heard(
     most: int, searches: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -41,7 +41,7 @@ def level_that_falls_like_a_step(instant: Instant) -> np.ndarray:
     return 2.5 * np.sign(instant.v) * (np.abs(instant.v) < 0.35)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_level_that_falls_like_a_step_is_no_stribeck_curve(tmp_path: Path) -> None:
     machine = Machine(hidden={2: level_that_falls_like_a_step})
     (tmp_path / "robot.toml").write_text(robot_toml(machine), encoding="utf-8")
@@ -51,7 +51,7 @@ def test_a_level_that_falls_like_a_step_is_no_stribeck_curve(tmp_path: Path) -> 
     assert all(value < 3.9 for value in exponents)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_the_best_of_curved_rivals_is_taken_on_the_real_balance(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -76,7 +76,7 @@ def test_the_best_of_curved_rivals_is_taken_on_the_real_balance(
     assert asked, "no curved rivals came near each other"
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_what_makes_too_little_is_listed_as_refitted_and_not_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

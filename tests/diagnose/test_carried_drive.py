@@ -65,9 +65,10 @@ def told(machine: Machine, own: int, folder: Path) -> tuple[Log, Diagnosis, dict
     return log, diagnosis, {fitted.name: fitted.value for fitted in finding.parameters}
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize(
     ("own", "neighbour", "ratio"),
-    [(WRIST + 1, WRIST, 0.15), pytest.param(WRIST, WRIST + 1, -0.8, marks=pytest.mark.bench)],
+    [(WRIST + 1, WRIST, 0.15), pytest.param(WRIST, WRIST + 1, -0.8, marks=pytest.mark.deep)],
 )
 def test_it_is_one_finding_at_the_joint_whose_drive_it_is(
     own: int, neighbour: int, ratio: float, tmp_path: Path
@@ -83,7 +84,7 @@ def test_it_is_one_finding_at_the_joint_whose_drive_it_is(
     assert diagnose_log(log, diagnosis.robot).verdict is Verdict.CONSISTENT
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_where_the_neighbour_leans_on_the_drive_that_is_the_same_finding(tmp_path: Path) -> None:
     """Its own drive then reports so much less of what the other gives, in place of a part of the other's friction."""
     own, neighbour, ratio = 2, 3, 0.2
@@ -120,7 +121,7 @@ def test_a_neighbour_leans_by_the_ratio_or_not_at_all(carried: float, leans: boo
     assert [choice.cause.name for choice in model.chosen] == ["drive.coupling"] * (1 + leans)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_the_rotor_is_told_where_it_shows() -> None:
     """In MuJoCo, all of a wrist's friction and rotor turn with both."""
 
@@ -173,7 +174,7 @@ def test_it_takes_no_more_than_is_stated_and_stands_against_the_motion(tmp_path:
     assert not SumCarriedRotor().admissible(gap, site, np.array([coulomb, viscous, 0.01]))
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_rotor_that_turns_too_is_told_at_once_or_much_is_asked_in_vain(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

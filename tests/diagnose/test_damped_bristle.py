@@ -33,6 +33,7 @@ def found(folder: Path) -> dict[str, float]:
     return {value.name: value.value for value in finding.parameters} | {law: 1.0}
 
 
+@pytest.mark.deep
 def test_stiffness_and_damping_are_told_apart(tmp_path: Path) -> None:
     told = found(tmp_path)
     assert told["presliding_travel"] == pytest.approx(TRAVEL, rel=0.05)
@@ -51,7 +52,7 @@ def test_where_no_level_is_stated_none_builds_up(cause: Presliding | DampedPresl
     assert cause.extend(stated, Site(0, (0.01,)), strengths) != stated
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_without_damping_the_travel_is_taken_for_shorter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     others = tuple(cause for cause in diagnosis.STRUCTURAL if not isinstance(cause, DampedPresliding))
     monkeypatch.setattr(diagnosis, "STRUCTURAL", others)

@@ -51,6 +51,7 @@ def test_a_link_six_percent_heavier_is_named_beside_friction_that_is_right(
     assert diagnosed(tmp_path / "refitted", 0.0).findings == ()
 
 
+@pytest.mark.deep
 def test_so_is_one_that_is_lighter_and_elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     lighter, shift = 0.95, np.array([0.004, 0.0, 0.008])
 
@@ -129,6 +130,7 @@ def test_of_two_other_joints_one_that_is_far_off_says_nothing_of_the_third() -> 
     assert bar({0: own, 1: 0.005, 2: 0.009}) == stated.LEAST_CHANGE
 
 
+@pytest.mark.deep
 def test_levels_that_are_off_to_either_side_are_off(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # Coulomb friction a little less than stated, viscous more: at usual speeds that is no change, but no exactness.
     log, robot = write_case(tmp_path, Machine(noise=0.05), seed=5)

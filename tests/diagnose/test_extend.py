@@ -25,7 +25,7 @@ def everything(i: Instant) -> np.ndarray:
     return 3.0 * np.sign(i.v) * np.exp(-((i.v / 0.15) ** 2)) + 3.0 * np.abs(i.v) + 0.6
 
 
-@pytest.mark.parametrize("off", [pytest.param(0.0, marks=pytest.mark.bench), 0.05])
+@pytest.mark.parametrize("off", [pytest.param(0.0, marks=pytest.mark.deep), 0.05])
 def test_the_robot_file_predicts_what_the_fit_left(off: float, tmp_path: Path) -> None:
     log_path, robot_path = write_case(tmp_path, Machine(hidden={2: everything}), seed=3, off=off)
     diagnosis = diagnose_log(read_log(log_path), read_robot(robot_path))
@@ -36,7 +36,7 @@ def test_the_robot_file_predicts_what_the_fit_left(off: float, tmp_path: Path) -
     np.testing.assert_allclose(again, diagnosis.residual_after, atol=1e-4 * np.abs(gap.measured).max())
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_scaled_sensor_scales_what_lies_before_it(tmp_path: Path) -> None:
     machine = Machine(hidden={1: lambda i: 0.15 * (i.rigid + i.friction)})
     log_path, robot_path = write_case(tmp_path, machine, seed=3)
@@ -44,7 +44,7 @@ def test_a_scaled_sensor_scales_what_lies_before_it(tmp_path: Path) -> None:
     assert diagnosis.robot.joint("shoulder_lift_joint").effort_sensor.scale == pytest.approx(1.15, abs=0.01)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_diagnosing_the_extended_robot_finds_nothing_more(tmp_path: Path) -> None:
     log_path, robot_path = write_case(tmp_path, Machine(hidden={2: everything}), seed=3)
     log = read_log(log_path)

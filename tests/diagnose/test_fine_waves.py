@@ -21,6 +21,7 @@ def cogs(at: Instant) -> np.ndarray:
     return AMPLITUDE * np.cos(TEETH * at.q)
 
 
+@pytest.mark.deep
 def test_they_are_found_though_the_joint_is_mostly_too_fast(tmp_path: Path) -> None:
     machine = Machine(noise=0.1, encoder_bits=16, hidden={ELBOW: cogs})
     log, robot = write_case(tmp_path, machine, seed=6, seconds=30.0)

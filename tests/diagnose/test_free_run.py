@@ -34,7 +34,7 @@ def log_of(case: Case) -> Log:
     "cause",
     [
         "drive.cogging",
-        *(pytest.param(own, marks=pytest.mark.bench) for own in ("friction.load", "body.spring", "body.payload")),
+        *(pytest.param(own, marks=pytest.mark.deep) for own in ("friction.load", "body.spring", "body.payload")),
     ],
 )
 def test_the_extended_robot_goes_where_the_hidden_machine_does(cause: str) -> None:
@@ -55,7 +55,7 @@ def test_the_extended_robot_goes_where_the_hidden_machine_does(cause: str) -> No
         assert quiet.after < 1.3 * own[other], other
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_where_nothing_is_hidden_nothing_is_gained() -> None:
     case = make_case(7, SETTING, (), 1.0)
     diagnosis = diagnose_log(log_of(case), case.stated)
@@ -65,6 +65,7 @@ def test_where_nothing_is_hidden_nothing_is_gained() -> None:
         assert abs(gain.reduction) < 0.05
 
 
+@pytest.mark.deep
 def test_no_run_is_on_motion_that_its_robots_strengths_were_fitted_to(monkeypatch: pytest.MonkeyPatch) -> None:
     case = make_case(7, SETTING, (draw_of("friction.load"),), 6.0)
     fitted: list[NDArray[np.bool_]] = []
@@ -100,7 +101,7 @@ def test_efforts_that_say_nothing_drive_nothing() -> None:
     assert not np.any((begins > 10.0 - SECONDS) & (begins < 14.0))
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_cause_that_is_none_without_a_part_of_the_log_is_told_of_and_not_driven(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -118,6 +119,7 @@ def test_a_cause_that_is_none_without_a_part_of_the_log_is_told_of_and_not_drive
     assert diagnosis.not_run == "friction.load comes out as nature does not allow without a part of the log"
 
 
+@pytest.mark.deep
 def test_an_arm_that_cannot_be_driven_is_diagnosed_all_the_same() -> None:
     case = make_case(7, SETTING, (draw_of("friction.load"),), 6.0)
     log, lost = log_of(case), next(name for name in case.stated.joints if name != case.hidden[0].joint)
@@ -130,6 +132,7 @@ def test_an_arm_that_cannot_be_driven_is_diagnosed_all_the_same() -> None:
     assert f"the efforts of all joints, and {lost} has none" in report.driven
 
 
+@pytest.mark.deep
 def test_what_lies_around_a_stretch_ends_with_its_segment() -> None:
     # One sample of the segment before, by itself, has no derivatives: the simulation had no end to begin from.
     case = make_case(7, replace(SETTING, seconds=8.0), (draw_of("drive.elasticity"),), 6.0)

@@ -44,7 +44,7 @@ def diagnosed(folder: Path, machine: Machine) -> Diagnosis:
 
 @pytest.mark.parametrize(
     ("share", "width"),
-    [(0.4, 0.05), *(pytest.param(*own, marks=pytest.mark.bench) for own in ((0.7, 0.15), (0.9, 0.1)))],
+    [(0.4, 0.05), *(pytest.param(*own, marks=pytest.mark.deep) for own in ((0.7, 0.15), (0.9, 0.1)))],
 )
 def test_a_worn_place_is_told_with_where_it_is_and_how_wide(share: float, width: float, tmp_path: Path) -> None:
     found = diagnosed(tmp_path, worn(share, width))
@@ -60,7 +60,7 @@ def test_a_worn_place_is_told_with_where_it_is_and_how_wide(share: float, width:
     assert told["position"].value == pytest.approx(low + share * stroke, abs=0.05 * stroke)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_waves_alone_leave_more_of_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     machine = worn(0.4, 0.05)
     left = []

@@ -23,7 +23,7 @@ from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Machine, record, write_case
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_wave_of_little_more_than_a_period_is_one_wave(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def found(wavenumber: float) -> Diagnosis:
         machine = Machine(noise=0.05, hidden={2: lambda own: 4.0 * np.cos(wavenumber * own.q)})
@@ -39,7 +39,7 @@ def test_a_wave_of_little_more_than_a_period_is_one_wave(tmp_path: Path, monkeyp
     assert [own.cause for own in found(wavenumber).findings] != ["drive.cogging"]
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_friction_that_rises_along_the_stroke_is_half_a_wave(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     machine, lift = Machine(noise=0.2, hidden={1: lambda own: 3.0 * own.q * np.sign(own.v)}), "shoulder_lift_joint"
     log, robot = write_case(tmp_path, machine, seed=4)
@@ -63,7 +63,7 @@ def test_friction_that_rises_along_the_stroke_is_half_a_wave(tmp_path: Path, mon
     assert max(np.linalg.norm(own) for own in found()) > 10.0 * np.max(np.abs(3.0 * position))
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_the_tables_cogging_is_recovered() -> None:
     table = read_robot("machine_table")
     stated = table.with_joint(table.table.joint[0].model_copy(update={"cogging": ()}))

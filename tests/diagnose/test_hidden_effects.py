@@ -191,7 +191,7 @@ SLOW = {
 
 @pytest.mark.parametrize(
     "case",
-    [pytest.param(case, id=case.cause, marks=[pytest.mark.bench] * (case.cause in ALIKE | SLOW)) for case in CASES],
+    [pytest.param(case, id=case.cause, marks=[pytest.mark.deep] * (case.cause in ALIKE | SLOW)) for case in CASES],
 )
 def test_without_the_cause_among_the_candidates_it_is_not_found(
     case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -252,7 +252,7 @@ def test_what_no_cause_fits_is_unexplained_and_placed(tmp_path: Path) -> None:
     assert "elbow_joint" in diagnosis.summary
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_care_for_reversals_is_what_keeps_a_delay_away(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # A simulated arm whose elbow sticks and breaks loose; rows near that, believed like all others, look late.
     log = tmp_path / "log.parquet"
@@ -283,7 +283,7 @@ def tilted(model: mujoco.MjModel) -> None:
     model.opt.gravity[:] = 9.81 * np.array([0.6 * np.sin(angle), 0.8 * np.sin(angle), -np.cos(angle)])
 
 
-@pytest.mark.parametrize("off", [pytest.param(0.0, marks=pytest.mark.bench), 0.03])
+@pytest.mark.parametrize("off", [pytest.param(0.0, marks=pytest.mark.deep), 0.03])
 def test_a_payload_is_weighed_and_placed(off: float, tmp_path: Path) -> None:
     diagnosis = run(tmp_path, Machine(change=heavier), seed=5, off=off)
     (finding,) = diagnosis.findings
@@ -295,7 +295,7 @@ def test_a_payload_is_weighed_and_placed(off: float, tmp_path: Path) -> None:
     assert payload.com == pytest.approx((0.0, 0.05, 0.03), abs=0.003)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 @pytest.mark.parametrize("by_temperature", [False, True])
 def test_stated_levels_may_be_those_of_a_warm_joint(by_temperature: bool, tmp_path: Path) -> None:
     def cold(i: Instant) -> np.ndarray:
@@ -317,7 +317,7 @@ def test_stated_levels_may_be_those_of_a_warm_joint(by_temperature: bool, tmp_pa
 @pytest.mark.parametrize(
     ("parent", "com"),
     [
-        pytest.param("wrist_3_joint", "[0.0, 0.05, 0.03]", marks=pytest.mark.bench),
+        pytest.param("wrist_3_joint", "[0.0, 0.05, 0.03]", marks=pytest.mark.deep),
         ("tool0", "[0.0, -0.03, -0.0323]"),
     ],
 )
@@ -346,7 +346,7 @@ def a_few_percent_off(model: mujoco.MjModel) -> None:
             model.body_inertia[body] *= 1.0 + 0.05 * rng.normal(size=3)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_links_a_few_percent_off_in_all_they_have_are_no_finding(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -368,7 +368,7 @@ def on_the_axis(model: mujoco.MjModel) -> None:
     model.body_mass[body] = mass + 1.5
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_payload_that_the_last_joint_does_not_feel_is_no_link(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -391,6 +391,7 @@ def test_a_payload_that_the_last_joint_does_not_feel_is_no_link(
     assert ("body.payload", None) not in names(found("measured at the last joint"))
 
 
+@pytest.mark.deep
 def test_links_that_lie_millimetres_off_are_no_finding(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def loose(model: mujoco.MjModel) -> None:
         rng = np.random.default_rng(4)
@@ -408,7 +409,7 @@ def test_links_that_lie_millimetres_off_are_no_finding(tmp_path: Path, monkeypat
     assert {"body.link_inertia"} == {name for name, _ in names(found("with centres held"))}
 
 
-@pytest.mark.parametrize("off", [pytest.param(0.0, marks=pytest.mark.bench), 0.03])
+@pytest.mark.parametrize("off", [pytest.param(0.0, marks=pytest.mark.deep), 0.03])
 def test_a_tilted_base_is_levelled(off: float, tmp_path: Path) -> None:
     diagnosis = run(tmp_path, Machine(change=tilted), seed=5, off=off)
     (finding,) = diagnosis.findings
@@ -439,7 +440,7 @@ def early(rigid: float, friction: float) -> Callable[[Instant], np.ndarray]:
     return effect
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 @pytest.mark.parametrize(
     ("hidden", "told"),
     [(early(0.02, 0.02), True), (early(0.06, 0.06), True), (early(0.06, 0.0), False), (early(0.05, 0.12), False)],
@@ -465,7 +466,7 @@ def test_a_late_effort_is_timed(tmp_path: Path) -> None:
     assert delays.pop() == pytest.approx(0.02, rel=0.1)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_torque_constant_a_few_percent_off_is_a_finding_on_an_exact_robot_only(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -484,7 +485,7 @@ def test_a_torque_constant_a_few_percent_off_is_a_finding_on_an_exact_robot_only
     assert finding in names(run(tmp_path / "told", machine, seed=21, off=0.05))
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_rotor_a_few_percent_off_is_a_finding_on_an_exact_robot_only(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -510,7 +511,7 @@ def test_a_rotor_a_few_percent_off_is_a_finding_on_an_exact_robot_only(
     assert finding in names(found(0.05))
 
 
-@pytest.mark.parametrize("begin", [pytest.param(-5.0, marks=pytest.mark.bench), 1.7e9])
+@pytest.mark.parametrize("begin", [pytest.param(-5.0, marks=pytest.mark.deep), 1.7e9])
 def test_courses_of_time_are_found_on_any_clock(begin: float, tmp_path: Path) -> None:
     def steps(i: Instant) -> np.ndarray:
         return 2.0 * np.sign(i.v) * (i.time > 24.0)
@@ -539,7 +540,7 @@ def test_courses_of_time_are_found_on_any_clock(begin: float, tmp_path: Path) ->
     assert np.sqrt(np.mean(np.square(missed))) < 1.3 * 0.1 * UR5_COULOMB[2]
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_the_stated_level_may_be_that_of_after_a_step(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     machine = Machine(noise=0.1, hidden={2: lambda i: 3.0 * np.sign(i.v) * (i.time < 24.0)})
     step, level = ("event.change", "elbow_joint"), ("friction.coulomb_viscous", "elbow_joint")
@@ -552,7 +553,7 @@ def test_the_stated_level_may_be_that_of_after_a_step(tmp_path: Path, monkeypatc
     assert asked == [2]
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_friction_that_is_a_little_uneven_everywhere_is_no_finding(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -574,7 +575,7 @@ def test_friction_that_is_a_little_uneven_everywhere_is_no_finding(
     assert len(told) >= 5
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_the_ripple_of_gears_is_told_where_it_stands_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def cogs(joint: int, share: float) -> Callable[[Instant], np.ndarray]:
         return lambda i: share * UR5_COULOMB[joint] * np.cos(50.0 * i.q + joint)
@@ -592,7 +593,7 @@ def test_the_ripple_of_gears_is_told_where_it_stands_out(tmp_path: Path, monkeyp
     assert {cause for cause, _ in told} == {"drive.cogging"}
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_warm_up_of_two_time_constants_is_one_warm_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def warms(i: Instant) -> np.ndarray:
         share = 0.7 * (1.0 - np.exp(-i.time / 2.0)) + 0.3 * (1.0 - np.exp(-i.time / 25.0))
@@ -605,7 +606,7 @@ def test_a_warm_up_of_two_time_constants_is_one_warm_up(tmp_path: Path, monkeypa
     assert ("event.change", "elbow_joint") in names(run(tmp_path / "two", machine, seed=21))
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_what_a_late_drive_reports_of_another_cause_is_late_too(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -658,7 +659,7 @@ def test_a_sliding_joint_of_an_mjcf_model_reads_in_newtons(tmp_path: Path) -> No
     assert diagnosis.joints[0].unit == "N"
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_heavier_links_are_no_payload(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def stout(model: mujoco.MjModel) -> None:
         body = model.body("upper_arm_link").id

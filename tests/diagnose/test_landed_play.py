@@ -50,7 +50,7 @@ def tight() -> Gap:
     return measure_gap(moved(0.0)[0], read_robot("ur5"), highest=60.0)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_the_link_is_where_its_landings_say(loose: tuple[Gap, Run]) -> None:
     gap, run = loose
     landings = landings_of(gap)
@@ -95,7 +95,7 @@ def gap_time(gap: Gap) -> tuple[float, float]:
     return float(gap.motion.time[0]) + 1.0, float(gap.motion.time[-1]) - 1.0
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_play_is_found_by_its_landings(loose: tuple[Gap, Run], monkeypatch: pytest.MonkeyPatch) -> None:
     log, robot = loose[0].log, read_robot("ur5")
     diagnosis = diagnose_log(log, robot)

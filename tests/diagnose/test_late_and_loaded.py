@@ -33,6 +33,7 @@ def told(log: Log, robot: Robot) -> dict[str, set[str]]:
     return {one.cause: {one.cause, *one.alternatives} for one in diagnose_log(log, robot).findings}
 
 
+@pytest.mark.deep
 def test_a_delay_is_drawn_anew_where_a_load_beside_it_lets_it_go(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -42,6 +42,7 @@ def told(log: Log, robot: Robot) -> set[tuple[str, str | None]]:
     return {(finding.cause, finding.joint) for finding in diagnose_log(log, robot).findings}
 
 
+@pytest.mark.deep
 def test_a_spring_has_to_make_more_than_any_machine_has(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert told(*pulled(0.25, tmp_path / "a spring")) == {SPRING}
     hose = pulled(0.09, tmp_path / "a hose")

@@ -21,7 +21,7 @@ def higher_and_stepping(at: Instant) -> np.ndarray:
     return (LEVEL + STEP * (at.time > MOMENT)) * np.sign(at.v)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_level_that_is_off_and_a_step_are_told_as_two(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     log, robot = write_case(tmp_path, Machine(hidden={WRIST: higher_and_stepping}, noise=0.1), seed=4)
 

@@ -32,9 +32,10 @@ def one_way_and_higher(at: Instant) -> np.ndarray:
     return 0.4 * UR5_VISCOUS[ELBOW] * np.abs(at.v) + HIGHER * np.sign(at.v)
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize(
     ("bend", "cause"),
-    [(sticky, "friction.stribeck"), pytest.param(worn, "friction.position", marks=pytest.mark.bench)],
+    [(sticky, "friction.stribeck"), pytest.param(worn, "friction.position", marks=pytest.mark.deep)],
 )
 def test_they_are_told_beside_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, bend: Effect, cause: str) -> None:
     def found(higher: float) -> set[str]:
@@ -49,7 +50,7 @@ def test_they_are_told_beside_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert found(HIGHER) == {cause}
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_they_are_told_beside_directions_that_differ(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     log, robot = write_case(tmp_path, Machine(hidden={ELBOW: one_way_and_higher}, noise=0.1), seed=4)
 
@@ -70,7 +71,7 @@ def rising(at: Instant) -> np.ndarray:
     return 4.0 * UR5_COULOMB[ELBOW] * along * np.sign(at.v)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 @pytest.mark.parametrize(
     ("hidden", "cause", "rule"),
     [(one_way, "friction.asymmetry", "_of_one_direction"), (rising, "friction.position", "_rising")],

@@ -118,7 +118,7 @@ def test_the_extended_robot_predicts_another_motion_to_the_noise(tmp_path: Path)
     assert max(errors(everywhere(), another_motion(tmp_path))) < 1.05
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_within_what_is_usual_many_links_would_be_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     free = everywhere()
     monkeypatch.setattr(second_look, "compete_for_links", compete)
@@ -146,7 +146,7 @@ def held_by(model: Model) -> list[bool]:
     return [one.low < true[one.name] < one.high for one in told]
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_links_that_are_told_are_bodies_and_their_intervals_hold_the_truth(tmp_path: Path) -> None:
     model = let_go(tmp_path, 5)
     inertias, place = model.nuisance.inertias, model.nuisance.of_inertias
@@ -160,13 +160,13 @@ def test_links_that_are_told_are_bodies_and_their_intervals_hold_the_truth(tmp_p
     assert np.mean(held) > 0.9
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_nine_intervals_of_ten_hold_the_truth(tmp_path: Path) -> None:
     held = [one for seed in range(1, 13) for one in held_by(let_go(tmp_path / str(seed), seed))]
     assert np.mean(held) > 0.9
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_single_link_is_no_robot_that_is_wrong_everywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     machine = Machine(change=one_link, noise=NOISE)
     found = diagnosed(tmp_path / "one", machine)
@@ -202,7 +202,7 @@ def test_a_link_is_judged_where_it_is_felt(tmp_path: Path, monkeypatch: pytest.M
     assert not unfelt.passes(1000)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_where_letting_go_loses_the_search_that_was_broken_off_goes_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -19,6 +19,7 @@ from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.friction import with_term
 from mjfriction.robot.load_friction import stated_load
 from mjfriction.robot.robot import Robot
+from tests.deep import deep
 from tests.diagnose.test_planar_arm import planar
 
 LOAD = 0.15
@@ -34,7 +35,7 @@ def geared(folder: Path) -> Robot:
     return robot
 
 
-@pytest.mark.parametrize("includes_rotor", [False, True])
+@pytest.mark.parametrize("includes_rotor", [False, deep(True)])
 def test_the_load_is_told_with_or_without_the_rotor_as_it_is(*, includes_rotor: bool, tmp_path: Path) -> None:
     stated = geared(tmp_path)
     values = {"coulomb": 0.0, "load": LOAD, "viscous": 0.0}

@@ -36,6 +36,7 @@ def pendulum(
     return read_robot(folder / f"{name}.toml")
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize(
     ("inertia", "stated_rotor", "rotor", "told"), [(0.094, 2e-6, 2e-6, False), (0.08, 1e-5, 2e-5, True)]
 )
@@ -64,6 +65,7 @@ def test_a_drive_a_little_off_is_no_finding_beside_a_level_that_is(tmp_path: Pat
     assert {change.what for change in found.adjustments} >= {"rotor_inertia", "factor"}
 
 
+@pytest.mark.deep
 def test_a_torque_constant_is_told_beside_levels_that_are_as_stated_with_it(tmp_path: Path) -> None:
     """All that the drive reports is 7 % less: no link, rotor and levels that happen to be off by as much."""
     robot = pendulum(tmp_path, "stated", inertia=0.08, rotor=6e-5, coulomb=COULOMB)
@@ -75,7 +77,7 @@ def test_a_torque_constant_is_told_beside_levels_that_are_as_stated_with_it(tmp_
     assert finding.parameters[0].value == pytest.approx(0.93, abs=0.01)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_play_of_centimetres_on_a_slide_is_judged_on_the_real_balance() -> None:
     """The link flies for a tenth of a second: near a play of 23 mm no straight line says where it lands."""
     setting = Setting(robot="linear_axis", seconds=30.0, rate=250.0, noise=0.2, encoder=1.9e-4)
@@ -85,6 +87,7 @@ def test_play_of_centimetres_on_a_slide_is_judged_on_the_real_balance() -> None:
     assert finding.parameters[0].value == pytest.approx(case.hidden[0].strength, rel=0.02)
 
 
+@pytest.mark.deep
 def test_a_heavier_rod_may_be_a_load_at_its_end(tmp_path: Path) -> None:
     stated = pendulum(tmp_path, "stated", inertia=0.08, rotor=6e-5, coulomb=COULOMB)
     machine = pendulum(tmp_path, "machine", inertia=0.16, rotor=6e-5, coulomb=COULOMB, mass=8.0)
@@ -94,6 +97,7 @@ def test_a_heavier_rod_may_be_a_load_at_its_end(tmp_path: Path) -> None:
     assert {finding.cause, *finding.alternatives} >= {"body.link_inertia", "body.payload"}
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize("wave", [0.0, 0.09])
 def test_what_is_small_is_told_of_a_lone_axis_where_what_is_left_says_that_it_is_even(
     wave: float, tmp_path: Path

@@ -31,6 +31,7 @@ def diagnosed(folder: Path) -> Diagnosis:
     return diagnose_log(read_log(folder / "log.parquet"), read_robot(folder / "robot.toml"))
 
 
+@pytest.mark.deep
 def test_it_is_nothing_that_is_left_unexplained(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     found = diagnosed(tmp_path / "told")
     assert found.findings == ()

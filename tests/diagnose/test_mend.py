@@ -30,6 +30,7 @@ from mjfriction.report.inspected import inspected_table
 from mjfriction.report.result import make_report
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
+from tests.deep import deep
 from tests.hidden.machine import UR5_JOINTS, Instant, Machine, write_case
 
 Columns = dict[str, np.ndarray]
@@ -88,17 +89,17 @@ def of_all(quantity: str) -> list[str]:
     [
         (turned(f"effort.{ELBOW}"), "data.sign"),
         (turned(f"position.{ELBOW}"), "data.sign"),
-        (turned(f"position.{ELBOW}", f"velocity.{ELBOW}"), "data.sign"),
-        (turned(*(f"{quantity}.{ELBOW}" for quantity in ("position", "velocity", "effort"))), "data.sign"),
+        deep(turned(f"position.{ELBOW}", f"velocity.{ELBOW}"), "data.sign"),
+        deep(turned(*(f"{quantity}.{ELBOW}" for quantity in ("position", "velocity", "effort"))), "data.sign"),
         (scaled(1000.0, f"effort.{WRIST}"), "data.unit"),
         (scaled(1.0 / 101.0, f"effort.{ELBOW}"), "data.unit"),
         (scaled(180.0 / np.pi, *of_all("position")), "data.unit"),
-        (scaled(180.0 / np.pi, *of_all("position"), *of_all("velocity")), "data.unit"),
-        (scaled(180.0 / np.pi, f"position.{ELBOW}", f"velocity.{ELBOW}"), "data.unit"),
+        deep(scaled(180.0 / np.pi, *of_all("position"), *of_all("velocity")), "data.unit"),
+        deep(scaled(180.0 / np.pi, f"position.{ELBOW}", f"velocity.{ELBOW}"), "data.unit"),
         (exchanged((f"effort.{ELBOW}", f"effort.{WRIST}")), "data.swap"),
-        (exchanged(*((f"{own}.{ELBOW}", f"{own}.{LIFT}") for own in ("position", "velocity"))), "data.swap"),
+        deep(exchanged(*((f"{own}.{ELBOW}", f"{own}.{LIFT}") for own in ("position", "velocity"))), "data.swap"),
         (exchanged(*((f"{own}.{ELBOW}", f"{own}.{LIFT}") for own in ("position", "velocity", "effort"))), "data.swap"),
-        (lambda columns: turned(f"effort.{WRIST}")(columns) | scaled(1e3, f"effort.{LIFT}")(columns), "data.unit"),
+        deep(lambda columns: turned(f"effort.{WRIST}")(columns) | scaled(1e3, f"effort.{LIFT}")(columns), "data.unit"),
     ],
 )
 def test_what_is_hidden_beside_a_fault_is_what_a_sound_log_shows(

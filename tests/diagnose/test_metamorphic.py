@@ -16,6 +16,7 @@ from mjfriction.record.mapping import read_mapping
 from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
+from tests.deep import deep
 from tests.hidden.machine import UR5, UR5_JOINTS, Instant, Machine, multisine, record, robot_toml
 
 Columns = dict[str, np.ndarray]
@@ -60,7 +61,7 @@ def in_segments(columns: Columns) -> Columns:
     return {**columns, "segment": (columns["time"] // 8.0).astype(np.int64)}
 
 
-@pytest.mark.parametrize("effect", [fading, bump], ids=["stribeck", "cogging"])
+@pytest.mark.parametrize("effect", [deep(fading), bump], ids=["stribeck", "cogging"])
 @pytest.mark.parametrize("change", [shifted, reordered, in_segments])
 def test_the_same_log_told_otherwise_gives_the_same_finding(
     change: Callable[[Columns], Columns], effect: Callable[[Instant], np.ndarray], tmp_path: Path
@@ -74,6 +75,7 @@ def test_the_same_log_told_otherwise_gives_the_same_finding(
         assert other.value == pytest.approx(one.value, rel=1e-6, abs=half if change is in_segments else 1e-9)
 
 
+@pytest.mark.deep
 def test_other_names_give_the_same_finding(tmp_path: Path) -> None:
     columns, toml, model = columns_of(fading), robot_toml(Machine()), UR5.read_text(encoding="utf-8")
     renamed = dict(zip(UR5_JOINTS, ("a1", "a2", "a3", "b1", "b2", "b3"), strict=True))
@@ -101,6 +103,7 @@ def test_the_order_of_joints_in_the_robot_file_does_not_matter(tmp_path: Path) -
     assert values(after) == pytest.approx(values(before), rel=2e-3)
 
 
+@pytest.mark.deep
 def test_other_units_at_the_border_give_the_same_finding(tmp_path: Path) -> None:
     columns, toml = columns_of(fading), robot_toml(Machine())
     units = {"time": 1e-3, "position": np.pi / 180.0, "effort": 1e-3}  # ms, degrees, mN·m
@@ -117,6 +120,7 @@ def test_other_units_at_the_border_give_the_same_finding(tmp_path: Path) -> None
     assert values(after) == pytest.approx(values(before), rel=1e-6)
 
 
+@pytest.mark.deep
 def test_the_mirrored_motion_gives_the_same_finding(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     before = diagnosed(columns_of(fading), robot_toml(Machine()), tmp_path)
 
@@ -130,14 +134,14 @@ def test_the_mirrored_motion_gives_the_same_finding(tmp_path: Path, monkeypatch:
     assert values(after)["stribeck_excess"] == pytest.approx(values(before)["stribeck_excess"], rel=0.05)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_less_noise_never_loses_a_finding(tmp_path: Path) -> None:
     for noise in (0.3, 0.03, 0.0):
         found = diagnosed(columns_of(fading, noise), robot_toml(Machine()), tmp_path)
         assert named(found) == {("friction.stribeck", "elbow_joint")}, noise
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.bench) for seed in range(1, 20))])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.deep) for seed in range(1, 20))])
 def test_a_clean_log_has_no_finding_whatever_the_seed(seed: int, tmp_path: Path) -> None:
     rng = np.random.default_rng(seed)
     machine = Machine(

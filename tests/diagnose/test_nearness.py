@@ -74,6 +74,7 @@ def found(case: Case) -> list[Finding]:
     return list(diagnose_log(log_from_table(pa.table(case.log), "case"), case.stated).findings)
 
 
+@pytest.mark.deep
 def test_a_link_that_others_could_stand_in_for_stands_out_where_these_are_nearly_right(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -95,6 +96,7 @@ def test_a_link_that_others_could_stand_in_for_stands_out_where_these_are_nearly
     assert not found(case)
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize(
     ("robot", "seed", "seconds", "severity", "noise"),
     [

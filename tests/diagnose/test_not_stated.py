@@ -36,7 +36,7 @@ def told(folder: Path) -> set[tuple[str, str | None]]:
     return {(finding.cause, finding.joint) for finding in diagnose_log(read_log(log), read_robot(robot)).findings}
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_it_is_told_beside_a_bend_over_speed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     level, bend = ("friction.coulomb_viscous", UR5_JOINTS[ELBOW]), ("friction.viscous_nonlinear", UR5_JOINTS[ELBOW])
     assert told(tmp_path / "told") == {level, bend}

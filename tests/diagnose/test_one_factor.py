@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
+import pytest
 
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis
@@ -36,6 +37,7 @@ def diagnosed(kind: str, seed: int, folder: Path) -> Diagnosis:
     return diagnose_log(log(kind), read_robot(folder / "robot.toml"))
 
 
+@pytest.mark.deep
 def test_a_constant_that_is_off_is_named_where_stated_levels_are_a_little_off_too(tmp_path: Path) -> None:
     (finding,) = diagnosed("constant", 1, tmp_path).findings
     assert finding.joint == JOINT

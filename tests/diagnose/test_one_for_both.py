@@ -43,6 +43,7 @@ def model_of(machine: Robot) -> tuple[Model, Field]:
     return build_model(gap, make_nuisance(gap, drives=True), (constant,)), make_field(gap, STRUCTURAL)
 
 
+@pytest.mark.deep
 def test_a_link_that_is_off_stands_for_a_constant_and_for_levels() -> None:
     model, field = model_of(scaled_link(STATED, "axis", SCALE))
     # A drive half as strong beside friction twice as large does as well.
@@ -58,6 +59,7 @@ def test_a_link_that_is_off_stands_for_a_constant_and_for_levels() -> None:
     assert left[0] < 1.02 * left[1]
 
 
+@pytest.mark.deep
 def test_it_has_to_leave_as_little_everywhere(monkeypatch: pytest.MonkeyPatch) -> None:
     model, field = model_of(scaled_link(STATED, "axis", SCALE))
     # As good at the joint itself, and worse at another.
@@ -65,6 +67,7 @@ def test_it_has_to_leave_as_little_everywhere(monkeypatch: pytest.MonkeyPatch) -
     assert one_for_both(model, 0, field) is None
 
 
+@pytest.mark.deep
 def test_so_it_is_settled(monkeypatch: pytest.MonkeyPatch) -> None:
     model, field = model_of(scaled_link(STATED, "axis", SCALE))
     monkeypatch.setattr(stated, "_simpler", lambda *_: None)  # nothing stands for the levels alone
@@ -74,6 +77,7 @@ def test_so_it_is_settled(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(settle(model, field).levels) == 1
 
 
+@pytest.mark.deep
 def test_nothing_stands_for_a_constant_and_levels_that_are_both_off() -> None:
     machine = raised_levels(STATED, "axis", 20.0, 60.0)
     sensor = EffortSensor(scale=0.6)

@@ -35,6 +35,7 @@ def two_causes(instant: Instant) -> np.ndarray:
     return (1.0 + DIFFERENCE) * load + DIFFERENCE * (instant.rigid + instant.friction)
 
 
+@pytest.mark.deep
 def test_it_is_one_finding_with_two_coefficients(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path, stated = write_case(tmp_path, Machine(hidden={ELBOW: gear}), seed=3, seconds=40.0)
     log, robot = read_log(path), read_robot(stated)

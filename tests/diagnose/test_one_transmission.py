@@ -39,6 +39,7 @@ def with_rotors(robot: Robot) -> Robot:
     return robot
 
 
+@pytest.mark.deep
 def test_a_drive_that_was_not_stated_is_one_finding_with_its_rotor(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -117,6 +117,7 @@ def test_a_hum_is_left_open_and_named(tmp_path: Path) -> None:
     assert elbow.rms_heldout_after == pytest.approx(6.0 / np.sqrt(2.0), rel=0.05)
 
 
+@pytest.mark.deep
 def test_two_tones_at_one_joint_are_both_named(tmp_path: Path) -> None:
     second = 2.31
     machine = Machine(hidden={ELBOW: lambda i: hum(i) + 3.0 * np.cos(2.0 * np.pi * second * i.time)})
@@ -125,7 +126,7 @@ def test_two_tones_at_one_joint_are_both_named(tmp_path: Path) -> None:
     assert [entry.covariate for entry in found.remaining] == ["a steady tone of 4.74 Hz and a steady tone of 2.31 Hz"]
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_cause_under_a_louder_hum_is_found_and_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     machine = Machine(hidden={ELBOW: lambda i: hum(i) + 0.13 * cogging(i)})
     found = diagnosed(tmp_path, machine)
@@ -172,7 +173,7 @@ def test_a_load_that_swings_when_the_log_begins_is_one_load(tmp_path: Path) -> N
     assert gap.rms(beside.heldout_residual()[:, ELBOW], ELBOW) < 1.2 * gap.noise_floor[ELBOW]
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_cause_under_a_load_that_swings_is_found_and_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     machine = Machine(hidden={ELBOW: lambda i: sloshing(i) + 0.2 * cogging(i)})
     found = diagnosed(tmp_path, machine)

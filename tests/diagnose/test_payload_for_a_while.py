@@ -64,8 +64,8 @@ def told(diagnosis: Diagnosis) -> list[tuple[float, str]]:
     ("masses", "held", "logs"),
     [
         ((0.0, 1.5), 1.5, "run1.csv"),
-        pytest.param((1.5, 0.0), 1.5, "run0.csv", marks=pytest.mark.bench),
-        pytest.param((0.0, 1.5, 1.5), 1.5, "run1.csv and run2.csv", marks=pytest.mark.bench),
+        pytest.param((1.5, 0.0), 1.5, "run0.csv", marks=pytest.mark.deep),
+        pytest.param((0.0, 1.5, 1.5), 1.5, "run1.csv and run2.csv", marks=pytest.mark.deep),
     ],
 )
 def test_it_is_told_of_the_logs_that_have_it(masses: tuple[float, ...], held: float, logs: str) -> None:
@@ -87,7 +87,7 @@ def test_the_extended_robot_predicts_both() -> None:
             assert np.sqrt(np.mean(np.square(extended[name] - truth[name])[own])) < 0.1
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_payload_that_is_put_down_is_told_too() -> None:
     diagnosis = diagnosed((0.0, 1.5), 1.5)
     ((mass, evidence),) = told(diagnosis)
@@ -98,7 +98,7 @@ def test_a_payload_that_is_put_down_is_told_too() -> None:
     assert put_down.com == pytest.approx(CENTRE, abs=0.01)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_another_tool_of_the_same_mass_is_another_payload() -> None:
     robot = holding(1.5)
     longer = Payload(mass=1.5, com=(0.02, 0.01, 0.3), parent=FLANGE)
@@ -112,19 +112,19 @@ def test_another_tool_of_the_same_mass_is_another_payload() -> None:
     assert taken_up.com[2] == pytest.approx(0.3, abs=0.02)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_one_that_all_hold_and_more_in_one_are_two() -> None:
     payloads = told(diagnosed((1.0, 3.0, 1.0), 0.0))
     assert sorted(mass for mass, _ in payloads) == [pytest.approx(1.0, rel=0.05), pytest.approx(2.0, rel=0.05)]
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_what_all_logs_hold_is_held_throughout() -> None:
     ((_, evidence),) = told(diagnosed((1.5, 1.5), 0.0))
     assert "alone" not in evidence
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_friction_of_another_day_is_no_payload() -> None:
     log = merge_logs([run(0.0, 0), run(0.0, 1)])
     robot = holding(0.0)

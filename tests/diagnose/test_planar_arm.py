@@ -45,6 +45,7 @@ def planar(folder: Path) -> Robot:
     return read_robot(folder / "robot.toml")
 
 
+@pytest.mark.deep
 def test_the_payload_is_weighed_without_what_the_motion_cannot_show(tmp_path: Path) -> None:
     stated = planar(tmp_path)
     machine = Robot(stated.table.model_copy(update={"payload": HIDDEN}), stated.folder)

@@ -53,6 +53,7 @@ def test_a_level_that_is_as_stated_under_some_pressure_of_the_log_is_not_off(
     assert ("friction.coulomb_viscous" in causes) is off
 
 
+@pytest.mark.deep
 def test_little_is_told_on_a_lone_axis_that_leaves_its_sensors_noise(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

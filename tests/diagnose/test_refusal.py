@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.signal import butter, sosfiltfilt
 
 from mjfriction.diagnose import compete, refusal
 from mjfriction.diagnose.causes.cause import Site
@@ -62,6 +63,25 @@ def test_a_delay_of_which_only_friction_knows_is_none(part: str, tmp_path: Path)
     model = build_model(gap, make_nuisance(gap), (delay,))
     assert model.strengths[-1] == pytest.approx(0.03, rel=0.3)
     assert [choice.key for choice in refused(model)] == ([] if part == "all" else [delay.key])
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_a_delay_that_only_what_is_quicker_than_the_motion_knows_of_is_none(whole: bool, tmp_path: Path) -> None:
+    # The arm shakes, at five times the frequency that it is moved at and above, and its drive answers late.
+    inertia, rng = 0.5, np.random.default_rng(1)
+    band = butter(2, (3.0, 8.0), btype="band", fs=250.0, output="sos")
+    shake = 0.004 * sosfiltfilt(band, rng.normal(size=7500))
+
+    def answer(instant: Instant) -> np.ndarray:
+        quick = inertia * np.gradient(np.gradient(shake, instant.time), instant.time)
+        return quick + late(quick + (instant.rigid + instant.friction if whole else 0.0), instant, 0.03)
+
+    machine = Machine(sensed={ELBOW: lambda instant: shake}, hidden={ELBOW: answer})
+    gap = gap_of_machine(tmp_path, machine)
+    delay = Chosen(JointDelay(), Site(ELBOW, around=0.03))
+    model = build_model(gap, make_nuisance(gap), (delay,))
+    assert model.strengths[-1] > (0.02 if whole else 0.012)
+    assert (delay.key in [choice.key for choice in refused(model)]) is not whole
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

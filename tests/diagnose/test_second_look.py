@@ -24,7 +24,7 @@ HIDDEN = {
 }
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_it_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     log, robot = write_case(tmp_path, Machine(hidden=HIDDEN, noise=0.1), seed=3)
 

@@ -61,6 +61,7 @@ def test_jumps_that_accelerate_more_than_the_motion_does_are_seen(tmp_path: Path
     assert finding.parameters[0].value == pytest.approx(play, rel=0.02)
 
 
+@pytest.mark.deep
 def test_without_looking_at_the_position_it_is_missed(case: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch) -> None:
     def blind(stated: Gap, highest: float) -> SeenPlay:
         return unseen(stated)
@@ -69,12 +70,14 @@ def test_without_looking_at_the_position_it_is_missed(case: tuple[Path, Path], m
     assert diagnose_log(read_log(case[0]), read_robot(case[1])).findings == ()
 
 
+@pytest.mark.deep
 def test_a_clean_velocity_beside_it_hides_nothing(tmp_path: Path) -> None:
     log, robot = write_case(tmp_path, Machine(sensed={WRIST: jumping}, velocity="clean"), seed=7)
     (finding,) = diagnose_log(read_log(log), read_robot(robot)).findings
     assert (finding.cause, finding.joint) == ("drive.backlash", "wrist_1_joint")
 
 
+@pytest.mark.deep
 def test_what_else_is_wrong_is_found_beside_it(tmp_path: Path) -> None:
     def stribeck(instant: Instant) -> np.ndarray:
         return 1.5 * np.sign(instant.v) * np.exp(-np.square(instant.v / 0.1))
@@ -119,7 +122,7 @@ def test_a_log_that_is_refused_is_searched_for_no_play(case: tuple[Path, Path]) 
     assert diagnosis.robot.table.joint[WRIST].transmission.backlash == 0.0
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 @pytest.mark.parametrize("seed", [7, 8])
 def test_jumps_that_take_some_milliseconds_are_taken_off_too(seed: int, tmp_path: Path) -> None:
     def slowly(instant: Instant) -> np.ndarray:
@@ -133,7 +136,7 @@ def test_jumps_that_take_some_milliseconds_are_taken_off_too(seed: int, tmp_path
     assert diagnosis.joints[4].rms_heldout_after < 1.1 * diagnosis.joints[4].noise_floor
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 @pytest.mark.parametrize("seed", [7, 8])
 def test_play_that_is_crossed_little_by_little_is_found(seed: int, tmp_path: Path) -> None:
     def softly(instant: Instant) -> np.ndarray:
@@ -150,7 +153,7 @@ def test_play_that_is_crossed_little_by_little_is_found(seed: int, tmp_path: Pat
     assert diagnosis.joints[0].rms_heldout_after < 1.05 * diagnosis.joints[0].noise_floor
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_log_in_two_pieces_tells_the_same(case: tuple[Path, Path]) -> None:
     table = pq.read_table(case[0])
     rows = table.num_rows

@@ -30,7 +30,7 @@ def diagnosed(case: tuple[Path, Path]) -> Diagnosis:
     return diagnose_log(read_log(case[0]), read_robot(case[1]))
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_where_friction_points_tells_that_a_sensor_moves_with_the_load(case: tuple[Path, Path]) -> None:
     found = diagnosed(case)
     (finding,) = found.findings
@@ -43,7 +43,7 @@ def test_where_friction_points_tells_that_a_sensor_moves_with_the_load(case: tup
     assert (again.verdict, again.findings) == (Verdict.CONSISTENT, ())
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_friction_on_the_motor_s_side_does_not_do_as_well(
     case: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:

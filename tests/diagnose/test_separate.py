@@ -64,7 +64,7 @@ def over_a_short_stroke(robots: tuple[Robot, Robot]) -> dict[str, np.ndarray]:
     return simulate(machine, short, recorder=Recorder(250.0), controller_robot=stated, seed=4)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 @pytest.mark.parametrize("seed", [5, 6])
 def test_a_spring_over_a_short_stroke_may_be_an_offset(robots: tuple[Robot, Robot], seed: int) -> None:
     stated, machine = robots
@@ -73,7 +73,7 @@ def test_a_spring_over_a_short_stroke_may_be_an_offset(robots: tuple[Robot, Robo
     assert {finding.cause, *finding.alternatives} == {"drive.offset", "body.spring"}
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_an_offset_over_a_long_stroke_is_no_spring(robots: tuple[Robot, Robot]) -> None:
     stated, _ = robots
     sensor = stated.table.joint[WRIST].effort_sensor.model_copy(update={"offset": 1.78})
@@ -100,7 +100,7 @@ def test_a_spring_over_a_short_stroke_is_told_by_the_asked_motion(
     assert second.next_experiment is None
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_no_motion_is_asked_of_a_robot_whose_positions_were_misread(
     robots: tuple[Robot, Robot], over_a_short_stroke: dict[str, np.ndarray]
 ) -> None:
@@ -128,7 +128,7 @@ def test_no_motion_is_asked_of_a_robot_with_a_slide_of_which_no_range_is_stated(
     assert [motion is None for motion in asked] == [False, True]
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_play_that_the_load_never_crosses_is_a_zero_that_is_off() -> None:
     stated = noisy(read_robot("ur5"), 0.1)
     loose = stated.table.joint[ELBOW].model_copy(update={"transmission": Transmission(backlash=0.06)})
@@ -143,7 +143,7 @@ def test_play_that_the_load_never_crosses_is_a_zero_that_is_off() -> None:
     assert [(f.cause, f.joint, f.alternatives) for f in second.findings] == [("drive.backlash", "elbow_joint", ())]
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_zero_that_is_off_against_the_load_is_no_play() -> None:
     stated = noisy(read_robot("ur5"), 0.1)
     found = {}
@@ -178,7 +178,7 @@ def test_what_is_not_possible_beside_the_rival_is_left_out_of_its_robot(tmp_path
     assert with_rival(model, curve, replace(bristles, site=replace(bristles.site, order=1))) is None
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_torque_constant_at_a_joint_that_carries_nothing_is_told_from_levels_by_its_rotor() -> None:
     machine = noisy(read_robot("ur5"), 0.1)
     rng, stated, last = np.random.default_rng(2), machine, machine.table.joint[5]

@@ -25,7 +25,7 @@ def brought(at: Instant, viscous: float = VISCOUS) -> np.ndarray:
     return viscous * at.velocities[:, WRIST] + INERTIA * np.gradient(at.velocities[:, WRIST], at.time)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 @pytest.mark.parametrize(("viscous", "seed"), [(VISCOUS, 4), (0.0, 4), (0.0, 5), (0.0, 6)])
 def test_a_rotor_that_turns_with_another_joint_is_told_with_it(viscous: float, seed: int, tmp_path: Path) -> None:
     # Without friction that enters as well, what little is found of it may go either way.
@@ -57,7 +57,7 @@ def test_friction_that_enters_goes_one_way(coulomb: float, viscous: float, may_b
     assert SharedFriction().admissible(gap, Site(ELBOW, other=WRIST), strengths) is may_be
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_no_coupling_without_an_acceleration_does_as_well(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     log, robot = write_case(tmp_path, Machine(hidden={ELBOW: brought}), seed=4)
     others = tuple(cause for cause in diagnosis.STRUCTURAL if not isinstance(cause, SharedMotion))

@@ -45,6 +45,7 @@ def diagnosis(tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
     return diagnosed(tmp_path_factory.mktemp("slipping"))
 
 
+@pytest.mark.deep
 def test_they_are_presliding_and_nothing_else(diagnosis: Diagnosis) -> None:
     (finding,) = diagnosis.findings
     assert (finding.cause, finding.joint) == ("friction.presliding", UR5_JOINTS[ELBOW])
@@ -64,7 +65,7 @@ def test_the_extended_robot_predicts_another_motion(diagnosis: Diagnosis, tmp_pa
     assert rms[0] < 0.12 * rms[1], rms
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_bristle_needs_a_spring_beside_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for cause in (Presliding, DampedPresliding):
         monkeypatch.setattr(cause, "richer", None)
@@ -94,7 +95,7 @@ def test_an_element_that_holds_nothing_is_not_built_in() -> None:
     MAXWELL_SLIP.pack(term.parameters)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 @pytest.mark.parametrize("seed", range(4))
 def test_two_elements_are_elements_and_no_damped_bristle(seed: int, tmp_path: Path) -> None:
     distances = np.random.default_rng(seed).uniform([0.03, 0.2], [0.08, 0.5])

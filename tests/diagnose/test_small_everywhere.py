@@ -32,7 +32,7 @@ def diagnosed(folder: Path, machine: Machine) -> Diagnosis:
     return diagnose_log(read_log(log), read_robot(robot))
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_base_that_leans_a_little_is_told_of_an_even_machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     machine = Machine(noise=0.02, change=leaning)
     assert [finding.cause for finding in diagnosed(tmp_path / "told", machine).findings] == ["body.gravity_direction"]

@@ -23,6 +23,7 @@ def cubic(at: Instant) -> np.ndarray:
     return CUBIC * at.v**3
 
 
+@pytest.mark.deep
 def test_the_power_of_speed_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     log, robot = write_case(tmp_path, Machine(viscous=VISCOUS, hidden={WRIST: cubic}, noise=0.05), seed=4, seconds=22.0)
 

@@ -57,6 +57,7 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> Told:
     return lambda: [(one.cause, one.joint) for one in diagnose_log(read_log(log), read_robot(robot)).findings]
 
 
+@pytest.mark.deep
 def test_what_a_cause_spares_the_other_joints_counts(told: Told, monkeypatch: pytest.MonkeyPatch) -> None:
     # Links that are refitted to make up for the elbow's efforts are wrong at the shoulder.
     assert told() == [("drive.torque_constant", "elbow")]

@@ -40,7 +40,7 @@ def tight_ends(i: Instant) -> np.ndarray:
 
 @pytest.mark.parametrize(
     ("effect", "cause"),
-    [(stop, "body.spring"), pytest.param(tight_ends, "friction.position", marks=pytest.mark.bench)],
+    [(stop, "body.spring"), pytest.param(tight_ends, "friction.position", marks=pytest.mark.deep)],
 )
 def test_a_course_along_the_stroke_is_told_whole(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, effect: Effect, cause: str
@@ -68,12 +68,13 @@ def test_a_course_along_the_stroke_is_told_whole(
         assert (remaining.joint, remaining.covariate) == ("shoulder_pan_joint", ALONG_STROKE)
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize(
     "effect",
     [
         lambda i: 6.0 * (i.q - 0.3) + 9.0 * (i.q - 0.3) ** 3,  # a hose that stiffens
         # A balancer on a lever, whose joint stands upright.
-        pytest.param(lambda i: 7.0 * np.sin(i.q + 0.9), marks=pytest.mark.bench),
+        pytest.param(lambda i: 7.0 * np.sin(i.q + 0.9), marks=pytest.mark.deep),
     ],
 )
 def test_a_torque_that_bends_along_the_whole_stroke_is_one_spring(tmp_path: Path, effect: Effect) -> None:
@@ -89,12 +90,14 @@ def test_a_torque_that_bends_along_the_whole_stroke_is_one_spring(tmp_path: Path
     assert np.sqrt(np.mean(np.square(change))) < 0.03 * np.std(effect(instant))
 
 
+@pytest.mark.deep
 def test_a_straight_spring_is_not_bent(tmp_path: Path) -> None:
     (finding,) = diagnosed(tmp_path, lambda i: 9.0 * i.q).findings
     assert finding.cause == "body.spring"
     assert [parameter.name for parameter in finding.parameters] == ["stiffness", "preload"]
 
 
+@pytest.mark.deep
 def test_waves_of_a_gear_beside_a_spring_stay_what_they_are(tmp_path: Path) -> None:
     found = diagnosed(tmp_path, lambda i: 2.5 * np.cos(17.0 * i.q) + 9.0 * i.q)
     assert {finding.cause for finding in found.findings} == {"drive.cogging", "body.spring"}
@@ -105,7 +108,7 @@ def harmonics(i: Instant) -> np.ndarray:
     return 5.0 * np.sin(longest * i.q) + 2.5 * np.cos(2.0 * longest * i.q) + 2.0 * np.cos(4.0 * longest * i.q)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_harmonics_are_of_a_gear_though_one_curve_does_as_well(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     found = diagnosed(tmp_path / "as it is", harmonics)
     assert [finding.cause for finding in found.findings] == ["drive.cogging"] * 3
@@ -114,7 +117,7 @@ def test_harmonics_are_of_a_gear_though_one_curve_does_as_well(tmp_path: Path, m
     assert "drive.cogging" not in {finding.cause for finding in without.findings}
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_waves_of_which_the_period_is_not_known_are_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # A stop so steep that no smooth curve follows it; what the curve says is left aside here, and that it may be told
     # whole.
@@ -140,7 +143,7 @@ def test_two_waves_of_friction_are_told_where_their_periods_are_known(monkeypatc
     assert stroke_curve.vague_waves(model) == {waves[0].key}  # type: ignore[arg-type]
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_waves_of_friction_that_are_vague_are_no_findings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def waves(i):  # type: ignore[no-untyped-def]
         return (1.8 * np.cos(4.0 * i.q) + 1.5 * np.cos(11.0 * i.q)) * np.sign(i.v)

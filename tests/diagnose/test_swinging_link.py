@@ -51,7 +51,7 @@ def swinging(
     return log_from_table(pa.table(simulate(machine, motion, recorder=Recorder(rate), seed=1)), "swinging")
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_link_that_swings_on_its_transmission_is_one_that_gives() -> None:
     found = diagnose_log(swinging(), read_robot("ur5"))
     assert [(finding.cause, finding.joint) for finding in found.findings] == [("drive.elasticity", PAN)]
@@ -66,7 +66,7 @@ def test_a_link_that_swings_on_its_transmission_is_one_that_gives() -> None:
     assert (again.verdict, again.findings) == (Verdict.CONSISTENT, ())
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_the_frequencies_of_a_link_that_swings_are_its_own_in_every_pose() -> None:
     gap = measure_gap(swinging(), read_robot("ur5"))
     soft = Chosen(SwingingElasticity(), Site(0, (DAMPING,), around=COMPLIANCE))
@@ -79,7 +79,7 @@ def test_the_frequencies_of_a_link_that_swings_are_its_own_in_every_pose() -> No
     assert not oscillations._of_own_link(model.without(soft), float(np.median(own)))
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 @pytest.mark.parametrize("cause", [SwingingElasticity(), Backlash()])
 @pytest.mark.parametrize("at_a_time", [1, 2, 100])
 def test_many_places_of_a_joint_are_screened_as_each_by_itself(
@@ -96,7 +96,7 @@ def test_many_places_of_a_joint_are_screened_as_each_by_itself(
     assert not np.allclose(many[:, 0], many[:, -1])
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_one_that_swings_well_damped_is_found_too() -> None:
     (finding,) = diagnose_log(swinging(WELL_DAMPED), read_robot("ur5")).findings
     assert (finding.cause, finding.joint) == ("drive.elasticity", PAN)
@@ -105,7 +105,7 @@ def test_one_that_swings_well_damped_is_found_too() -> None:
     assert 0.5 * WELL_DAMPED < damping.value < 2.0 * WELL_DAMPED
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_following_its_load_at_once_it_is_not_explained(monkeypatch: pytest.MonkeyPatch) -> None:
     rest = tuple(cause for cause in STRUCTURAL if not isinstance(cause, SwingingElasticity))
     monkeypatch.setattr(module, "STRUCTURAL", rest)
@@ -113,7 +113,7 @@ def test_following_its_load_at_once_it_is_not_explained(monkeypatch: pytest.Monk
     assert found.verdict is not Verdict.EXPLAINED or [f.cause for f in found.findings] != ["drive.elasticity"]
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_one_that_swings_at_up_to_half_the_cutoff_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     stiff = swinging(DAMPING, STIFF, SPARSE, QUIET)
     gap = measure_gap(stiff, read_robot("ur5"))
@@ -126,6 +126,7 @@ def test_one_that_swings_at_up_to_half_the_cutoff_is_found(monkeypatch: pytest.M
     assert "damping_ratio" not in {value.name for own in found.findings for value in own.parameters}
 
 
+@pytest.mark.deep
 def test_a_link_that_others_may_feel_more_is_tried_beside_one_of_its_kind_that_ranks_before_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -51,7 +51,7 @@ def with_zero_off(robot: Robot, offset: float) -> Robot:
     return robot.with_joint(pan.model_copy(update={"position_sensor": sensor}))
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_the_zero_is_named_and_the_tilt_beside_it() -> None:
     diagnosis = diagnose_log(recorded(with_zero_off(on_the_wall(), 0.15)), on_the_wall())
     assert diagnosis.verdict is Verdict.AMBIGUOUS
@@ -60,6 +60,7 @@ def test_the_zero_is_named_and_the_tilt_beside_it() -> None:
     assert finding.alternatives == ("body.gravity_direction",)
 
 
+@pytest.mark.deep
 def test_a_tilt_that_was_found_beside_links_leaves_room_for_the_zero() -> None:
     # Both are fitted where they are, the links' part of it too: drawn beside the tilt, the zero would not do as well.
     machine = with_zero_off(shifted_link(on_the_wall(), WRIST, (0.06, 0.04, 0.0)), 0.25)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
+import pytest
 
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.exact import usual_nuisance
@@ -41,6 +42,7 @@ def test_what_noise_hides_is_not_taken_to_be_absent(tmp_path: Path) -> None:
     assert unevenness_of(gap_of_machine(tmp_path, Machine(noise=1.0))) == 1.0
 
 
+@pytest.mark.deep
 def test_waves_that_wrong_links_hide_are_seen_once_the_links_are_right(tmp_path: Path) -> None:
     def stouter(model: mujoco.MjModel) -> None:
         body = model.body("upper_arm_link").id

@@ -25,6 +25,7 @@ def found(folder: Path, hidden: Effect) -> Finding:
     return finding
 
 
+@pytest.mark.deep
 def test_it_is_neither_levels_that_are_off_nor_a_bend(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def fading(course: object) -> np.ndarray:
         return np.asarray(EXCESS * np.exp(-np.abs(course.v) / VELOCITY) * np.sign(course.v))  # type: ignore[attr-defined]
@@ -38,7 +39,7 @@ def test_it_is_neither_levels_that_are_off_nor_a_bend(tmp_path: Path, monkeypatc
     assert found(tmp_path / "unasked", fading).cause == "friction.viscous_nonlinear"
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_levels_that_are_off_are_no_wide_curve(tmp_path: Path) -> None:
     def off(course: object) -> np.ndarray:
         v = course.v  # type: ignore[attr-defined]

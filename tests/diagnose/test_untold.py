@@ -60,6 +60,7 @@ def test_beside_a_bristle_more_is_asked_for_on_its_own_joint() -> None:
     assert shows(gap(), left(2.2, 1.0), after, {}, bristle, {0: bristle})
 
 
+@pytest.mark.deep
 def test_only_what_is_beside_a_bristle_is_held_against_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def bristle_and_offset(at: Instant) -> np.ndarray:
         return UR5_COULOMB[ELBOW] * (bristle(at.q, 0.05) - np.sign(at.v)) + 2.0

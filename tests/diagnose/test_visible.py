@@ -32,8 +32,9 @@ def hidden(effect: Effect, size: float) -> Effect:
     return scaled
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize(
-    "cause", [pytest.param(name, marks=[pytest.mark.bench] * (name != "friction.load")) for name in sorted(EFFECTS)]
+    "cause", [pytest.param(name, marks=[pytest.mark.deep] * (name != "friction.load")) for name in sorted(EFFECTS)]
 )
 def test_what_is_said_to_show_shows(cause: str, tmp_path: Path) -> None:
     (tmp_path / "robot.toml").write_text(robot_toml(Machine()), encoding="utf-8")

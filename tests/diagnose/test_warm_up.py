@@ -38,6 +38,7 @@ def test_it_settles_with_running_time(tmp_path: Path, monkeypatch: pytest.Monkey
     assert "friction.temperature" not in {one.cause for one in findings}
 
 
+@pytest.mark.deep
 def test_a_sensor_of_whole_degrees_is_followed_all_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def warm(time: np.ndarray) -> np.ndarray:
         return 12.0 * (1.0 - np.exp(-time / 14.0))
@@ -60,6 +61,7 @@ def test_a_sensor_of_whole_degrees_is_followed_all_the_same(tmp_path: Path, monk
     assert "time_constant" in parameters()
 
 
+@pytest.mark.deep
 def test_what_is_over_in_two_seconds_is_no_warm_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def at_first(at: Instant) -> np.ndarray:
         return 1.6 * UR5_VISCOUS[ELBOW] * np.exp(-at.time / 1.8) * at.v
@@ -74,6 +76,7 @@ def test_what_is_over_in_two_seconds_is_no_warm_up(tmp_path: Path, monkeypatch: 
     assert "friction.temperature" in told()
 
 
+@pytest.mark.deep
 def test_a_warm_up_of_a_twelfth_of_the_log_is_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     seconds, tau = 60.0, 5.0
 

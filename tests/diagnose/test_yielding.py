@@ -58,12 +58,13 @@ def test_where_contacts_are_stiff_none_is_there(tmp_path: Path) -> None:
     assert yielding(own, usual_nuisance(own), make_field(own, STRUCTURAL)) == ()
 
 
+@pytest.mark.deep
 def test_at_every_joint_it_is_no_finding(tmp_path: Path) -> None:
     found = diagnosed(tmp_path, YIELDS)
     assert (found.verdict, found.findings) == (Verdict.CONSISTENT, ())
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_stribeck_curve_beside_it_is_found(tmp_path: Path) -> None:
     found = diagnosed(tmp_path, STICKS)
     (finding,) = found.findings
@@ -78,7 +79,7 @@ def builds_up(at: Instant) -> np.ndarray:
     return UR5_COULOMB[LIFT] * (bristle(at.q, TRAVEL) - np.sign(at.v))
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_at_one_joint_alone_it_is_one_where_it_is_most_of_what_is_wrong(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -94,7 +95,7 @@ def test_at_one_joint_alone_it_is_one_where_it_is_most_of_what_is_wrong(
     assert diagnosed(tmp_path, machine).findings == ()
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_at_one_joint_alone_it_is_one_where_others_are_seen_to_be_rigid(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -110,7 +111,7 @@ def test_at_one_joint_alone_it_is_one_where_others_are_seen_to_be_rigid(
     assert diagnosed(tmp_path, machine).findings == ()
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_beside_a_stribeck_curve_it_is_a_part_of_that_contact(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def sticks(at: Instant) -> np.ndarray:
         return builds_up(at) + more_near_rest(at)

@@ -38,6 +38,7 @@ def diagnosed(folder: Path, seconds: float = 40.0) -> Diagnosis:
     return diagnose_log(read_log(log), read_robot(robot))
 
 
+@pytest.mark.deep
 def test_small_zeros_bend_no_cause(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     diagnosis = diagnosed(tmp_path)
     (finding,) = diagnosis.findings

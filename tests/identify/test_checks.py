@@ -50,12 +50,13 @@ def test_slow_motion_does_not_tell_what_lies_beyond_the_fall(tmp_path: Path) -> 
     assert "record faster motion" not in fast["viscous"]
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize(
     ("law", "stroke"),
     [
         *((None, 0.04), ("stribeck", 0.15)),
-        *(pytest.param(law, 0.04, marks=pytest.mark.bench) for law in ("coulomb_viscous", "stribeck", "arctan")),
-        *(pytest.param(law, 0.15, marks=pytest.mark.bench) for law in (None, "coulomb_viscous", "arctan")),
+        *(pytest.param(law, 0.04, marks=pytest.mark.deep) for law in ("coulomb_viscous", "stribeck", "arctan")),
+        *(pytest.param(law, 0.15, marks=pytest.mark.deep) for law in (None, "coulomb_viscous", "arctan")),
     ],
 )
 def test_a_log_that_never_leaves_the_stribeck_range_says_so_whatever_the_law(
@@ -70,7 +71,7 @@ def test_a_log_that_never_leaves_the_stribeck_range_says_so_whatever_the_law(
     assert "record faster motion" in found.summary
 
 
-@pytest.mark.parametrize("law", ["stribeck", pytest.param(None, marks=pytest.mark.bench)])
+@pytest.mark.parametrize("law", ["stribeck", pytest.param(None, marks=pytest.mark.deep)])
 def test_a_log_that_is_fast_enough_says_nothing(law: str | None, tmp_path: Path) -> None:
     found = identified(tmp_path, 0.8 * np.sin(TIME), law)
     assert not found.laws[0].falls

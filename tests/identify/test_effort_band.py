@@ -20,6 +20,7 @@ from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import forward_share
 from mjfriction.robot.schema import EffortSensor, PositionSensor
+from tests.deep import deep
 
 RATE, AXIS = 500.0, "axis"
 
@@ -45,7 +46,7 @@ def filtered(columns: dict[str, Floats]) -> float:
     return float(measure_gap(log_from_table(pa.table(columns), "log"), machine()).filtered[0])
 
 
-@pytest.mark.parametrize("stroke", [0.05, 0.2])
+@pytest.mark.parametrize("stroke", [0.05, deep(0.2)])
 def test_a_drive_that_low_passes_strongly_is_known(stroke: float) -> None:
     columns, share = dict(recorded(stroke)), 1.0 - np.exp(-2.0 * np.pi / RATE)
     for _ in range(3):  # 1 Hz, three times

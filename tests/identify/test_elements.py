@@ -63,7 +63,7 @@ def identified(tmp_path_factory: pytest.TempPathFactory):
     return of
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_springs_are_found_with_their_number(identified) -> None:
     found = identified("maxwell_slip", "maxwell_slip")
     values = {fitted.name: fitted for fitted in found.laws[0].parameters}
@@ -77,6 +77,7 @@ def test_springs_are_found_with_their_number(identified) -> None:
     assert found.joints[0].rms_heldout_after < 0.1 * plain.joints[0].rms_heldout_after
 
 
+@pytest.mark.deep
 def test_the_generalized_law_is_found_whole(identified) -> None:
     values = {fitted.name: fitted.value for fitted in identified("gms", "gms").laws[0].parameters}
     assert "share[4]" not in values
@@ -97,7 +98,7 @@ def test_the_generalized_law_is_found_whole(identified) -> None:
         pytest.param(
             "leuven",
             {"coulomb": 1.5, "bristle_damping": 1.0, "shape_exponent": 1.0},
-            marks=pytest.mark.bench,
+            marks=pytest.mark.deep,
         ),
     ],
 )

@@ -68,6 +68,7 @@ def identified(held: bool) -> Identification:
     return identify_log(merge_logs(own), stated(), law={ELBOW: "load_dependent"})
 
 
+@pytest.mark.deep
 def test_a_mass_that_the_log_says_was_held_is_predicted_as_a_payload() -> None:
     log = logs()[1]
     told, without = (predict_log(log, robot) for robot in (stated(), stated(None)))
@@ -137,7 +138,7 @@ def test_held_masses_that_make_no_sense_are_one_line(
     assert done.stderr.count("\n") == 1
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_logs_of_several_masses_are_diagnosed_together() -> None:
     diagnosis = diagnose_log(merge_logs(logs()), stated())
     assert {(finding.cause, finding.joint) for finding in diagnosis.findings} == {

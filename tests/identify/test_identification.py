@@ -65,7 +65,7 @@ def test_levels_of_every_joint_are_recovered_within_their_intervals(tmp_path: Pa
         assert law.trusted
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_intervals_hold_the_truth_nine_times_in_ten(tmp_path: Path) -> None:
     robot = robot_of(machine("plain"), tmp_path)
     held = []
@@ -88,7 +88,7 @@ def test_the_law_that_is_there_is_chosen_and_its_values_found(tmp_path: Path) ->
     assert values["stribeck_exponent"].low < 2.0 < values["stribeck_exponent"].high
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_load_dependence_is_chosen_where_it_is(tmp_path: Path) -> None:
     law = at_elbow(identify_log(log_of("load"), robot_of(machine("load"), tmp_path)))
     assert law.fit.law.name == "load_dependent"
@@ -142,7 +142,7 @@ def test_what_is_no_noise_but_follows_nothing_is_said_too(tmp_path: Path, monkey
     assert at_elbow(identify_log(log_of("wander"), robot, law="coulomb_viscous")).trusted
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_the_identified_robot_predicts_another_motion(tmp_path: Path) -> None:
     robot = robot_of(machine("stribeck"), tmp_path, off=0.3)
     found = identify_log(log_of("stribeck"), robot)
@@ -157,6 +157,7 @@ def test_the_identified_robot_predicts_another_motion(tmp_path: Path) -> None:
     assert errors[1] < 0.6 * errors[0]
 
 
+@pytest.mark.deep
 def test_what_the_log_does_not_show_is_named(tmp_path: Path) -> None:
     # The machine has no bristle, so that none of a LuGre law's can be fixed.
     law = at_elbow(identify_log(log_of("plain"), robot_of(machine("plain"), tmp_path), law="lugre"))
@@ -188,6 +189,7 @@ def test_a_drive_that_reports_one_value_is_left_out(tmp_path: Path) -> None:
     assert len(found.laws) == 5
 
 
+@pytest.mark.deep
 def test_the_summary_says_which_way_the_error_went(tmp_path: Path) -> None:
     truth = robot_of(machine("plain"), tmp_path, off=0.0)
     near = identify_log(log_of("plain"), truth, law="coulomb_viscous").summary

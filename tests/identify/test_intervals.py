@@ -32,7 +32,7 @@ def covered(machine: Machine, logs: int, folder: Path) -> dict[str, np.ndarray]:
     return out
 
 
-@pytest.mark.parametrize("logs", [3, pytest.param(200, marks=pytest.mark.bench)])
+@pytest.mark.parametrize("logs", [3, pytest.param(200, marks=pytest.mark.deep)])
 def test_intervals_hold_the_truth_as_often_as_they_say(logs: int, tmp_path: Path) -> None:
     held = covered(Machine(noise=0.1), logs, tmp_path)
     for name, own in held.items():
@@ -74,7 +74,7 @@ STRUCTURES: dict[str, tuple[str, dict[str, float], Machine]] = {
 }
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 @pytest.mark.parametrize("kind", list(STRUCTURES))
 def test_intervals_of_every_structure_hold_the_truth(kind: str, tmp_path: Path) -> None:
     law, own, machine = STRUCTURES[kind]

@@ -76,6 +76,7 @@ def test_a_link_that_no_body_could_be_is_near_one_that_can() -> None:
     assert np.linalg.norm(near - spread - stated) == pytest.approx(0.5 * (0.0924 - 0.073 - 0.016))
 
 
+@pytest.mark.deep
 def test_a_stated_payload_becomes_part_of_the_link_that_holds_it(tmp_path: Path) -> None:
     machine = Machine(noise=NOISE)
     (tmp_path / "robot.toml").write_text(robot_toml(machine), encoding="utf-8")
@@ -138,6 +139,7 @@ def test_the_nearest_physical_links_are_the_fit_where_that_is_physical(seed: int
     np.testing.assert_allclose(found, strengths, atol=1e-5)
 
 
+@pytest.mark.deep
 @settings(max_examples=15)
 @given(st.integers(0, 2**32 - 1))
 def test_no_physical_links_near_by_fit_better(seed: int) -> None:

@@ -68,7 +68,7 @@ def identified() -> Identification:
     return identify_log(log_from_table(pa.table(columns), "passes"), read_robot("ur5"), law="arctan", side="motor")
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_the_law_behind_the_passes_is_recovered_on_the_motor_side() -> None:
     (law,) = identified().laws
     assert law.joint == "elbow_joint"
@@ -82,6 +82,7 @@ def test_the_law_behind_the_passes_is_recovered_on_the_motor_side() -> None:
     np.testing.assert_allclose(found, truth, rtol=0.02)
 
 
+@pytest.mark.deep
 def test_both_procedures_are_reported() -> None:
     found = identified()
     (law,), (entry,) = found.laws, make_identified_report(found).identified
@@ -154,7 +155,7 @@ def test_the_papers_own_procedure_comes_near_where_slow_speeds_were_recorded() -
     assert least_squares.rms < 1e-3 * by_slope.rms
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_half_widths_of_a_map_hold_the_truth() -> None:
     names = ("static", "stribeck_fall", "viscous", "viscous_bend", "stribeck_steepness")
     truth = dict(zip(names, (1.0419, -0.4026, 0.0120, -1.3e-5, 3.5088), strict=True))
@@ -285,6 +286,7 @@ def test_a_slow_axis_is_planned_for_at_its_own_speeds() -> None:
     assert "m/s" in plan.words[0]
 
 
+@pytest.mark.deep
 def test_joints_that_are_held_while_one_passes_are_not_identified() -> None:
     # The others' drives take hold with a start and then give by what the elbow makes them: no motion of their own.
     robot = read_robot("ur5")
@@ -301,6 +303,7 @@ def test_joints_that_are_held_while_one_passes_are_not_identified() -> None:
     assert all(found.robot.joint(name).friction == robot.joint(name).friction for name in rest)
 
 
+@pytest.mark.deep
 def test_passes_that_cannot_tell_a_law_say_why() -> None:
     robot = read_robot("ur5")
     plan = plan_passes(robot, ["elbow_joint"], count=5)
@@ -334,7 +337,7 @@ def test_passes_one_way_only_are_named() -> None:
     assert "record the same speeds in the other direction" in law.how
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_joint_that_moves_alone_but_never_steadily_is_told_what_to_record() -> None:
     time = np.arange(0.0, 20.0, 1.0 / 250.0)
     law = one_by_one([elbow(0.6 * np.sin(0.9 * time))]).laws[0]
@@ -342,7 +345,7 @@ def test_a_joint_that_moves_alone_but_never_steadily_is_told_what_to_record() ->
     assert "plan --protocol forward_backward" in law.how
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_free_motion_of_all_joints_was_not_meant_for_passes() -> None:
     time = np.arange(0.0, 15.0, 1.0 / 250.0)[:, None]
     swing = 0.4 * np.sin(time * np.array([0.9, 1.1, 1.3, 1.0, 1.2, 0.8])) + elbow(np.zeros(1))
@@ -371,7 +374,7 @@ def test_passes_say_which_law_they_need(truth: str, values: dict[str, float]) ->
     assert all(right)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_joints_that_rest_while_another_passes_do_not_bend_links_and_zeros() -> None:
     # At rest friction may be anything within its level, and most of such a log is rest.
     robot = read_robot("ur5")

@@ -49,7 +49,7 @@ def points(logs: list[Log]) -> SteadyPoints:
     return steady_points(logs, read_robot("hydraulic_cylinder"), "piston")
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_the_law_found_predicts_the_force_at_every_speed_and_supply(points: SteadyPoints) -> None:
     chosen = [choose_variant(points, way)[0] for way in ("extending", "retracting")]
     assert [variant.number for variant in chosen] == [5, 5]
@@ -60,6 +60,7 @@ def test_the_law_found_predicts_the_force_at_every_speed_and_supply(points: Stea
     assert fit_variant(points, "extending", 4).rms > 10.0 * chosen[0].rms
 
 
+@pytest.mark.deep
 def test_two_free_pressures_find_the_pistons_areas_whatever_friction_is(points: SteadyPoints) -> None:
     of = read_robot("hydraulic_cylinder").joint("piston").hydraulics
     assert of is not None
@@ -76,6 +77,7 @@ def test_two_free_pressures_find_the_pistons_areas_whatever_friction_is(points: 
     assert fit_variant(drawn, "extending", 5).rms > 100.0
 
 
+@pytest.mark.deep
 def test_friction_that_follows_the_pressures_is_identified_from_the_motion(logs: list[Log]) -> None:
     stated = read_robot("hydraulic_cylinder")
     left = {}

@@ -91,7 +91,7 @@ def test_stretches_of_no_length_are_refused(seconds: float, tmp_path: Path) -> N
         identify_log(recorded(tmp_path), robot_with(tmp_path, 1.0, 1.0), law="coulomb", simulated=seconds)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_what_the_model_does_not_hold_is_played_along(tmp_path: Path) -> None:
     cogged = "cogging = [ { wavenumber = 8.0, cosine = 0.6, sine = 0.0 } ]\n"
     real = robot_with(tmp_path, COULOMB, VISCOUS, cogged)
@@ -107,6 +107,7 @@ def test_what_the_model_does_not_hold_is_played_along(tmp_path: Path) -> None:
     assert without.simulated.after[0] > 10.0 * found.simulated.after[0]
 
 
+@pytest.mark.deep
 def test_a_late_effort_is_played_when_it_acted(tmp_path: Path) -> None:
     late = "effort_sensor = { delay = 0.02 }\n"
     real = robot_with(tmp_path, COULOMB, VISCOUS, late)
@@ -121,7 +122,7 @@ def test_a_late_effort_is_played_when_it_acted(tmp_path: Path) -> None:
         assert fitted.value == pytest.approx(truth, rel=0.01)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_piece_too_short_for_a_stretch_is_left_out(tmp_path: Path) -> None:
     whole = recorded(tmp_path)
     # A segment of a third of a second at the end: too short to be simulated for a second, long enough to be fitted.
@@ -146,7 +147,7 @@ def test_every_law_can_be_fitted(law: str, short, tmp_path: Path) -> None:
     assert error.rms_heldout_after < 0.8 * error.rms_before
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_six_joints_that_were_read_coarsely_are_brought_back_to_the_log(tmp_path: Path) -> None:
     # Encoders of a step of 0.3 degrees: nothing of an acceleration is left, but where efforts lead still is.
     stated = read_robot("ur5")

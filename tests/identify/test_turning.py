@@ -100,7 +100,7 @@ def test_an_arm_that_creeps_is_judged_where_its_friction_has_its_level(
     assert worst() > 2.0
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_creeping_is_no_finding_and_leaves_nothing_open(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     log, robot = write_case(tmp_path, CREEPS, seed=3)
     diagnosis = diagnose_log(read_log(log), read_robot(robot))

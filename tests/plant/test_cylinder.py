@@ -16,6 +16,7 @@ from mjfriction.robot.files import read_robot
 from mjfriction.robot.friction_tables import FrictionTerm, PressureFriction
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Hydraulics
+from tests.deep import deep
 from tests.plant.bare import frictionless
 
 
@@ -45,7 +46,7 @@ def run(robot: Robot, *steps: tuple[float, float]) -> Run:
     return run_machine(robot, voltages(*steps), 1000.0)
 
 
-@pytest.mark.parametrize("volts", [0.3, 1.5, 6.0, -0.3, -1.5, -6.0])
+@pytest.mark.parametrize("volts", [deep(0.3), 1.5, 6.0, deep(-0.3), -1.5, -6.0])
 def test_at_constant_speed_the_pressures_carry_the_friction(cylinder: Robot, volts: float) -> None:
     done = run(cylinder, (volts, 0.8 if abs(volts) > 1.0 else 4.0))
     oil, played = done.cylinders["piston"], done.played
@@ -126,6 +127,7 @@ def test_a_heavy_load_shut_off_cavitates_and_that_is_said(cylinder: Robot) -> No
         simulate(heavy, course)
 
 
+@pytest.mark.deep
 def test_pressures_stay_positive_and_nothing_is_said_in_ordinary_work(cylinder: Robot) -> None:
     done = run_machine(cylinder, sine("piston", 0.0, 0.05, 0.5, 3.0), 1000.0)
     oil = done.cylinders["piston"]
@@ -133,6 +135,7 @@ def test_pressures_stay_positive_and_nothing_is_said_in_ordinary_work(cylinder: 
     assert done.notes == ()
 
 
+@pytest.mark.deep
 def test_the_piston_follows_its_course(cylinder: Robot) -> None:
     course = sine("piston", 0.0, 0.05, 0.2, 3.0)
     done = run_machine(cylinder, course, 1000.0)

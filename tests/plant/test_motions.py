@@ -141,7 +141,7 @@ def test_loops_turn_back_once_on_either_way() -> None:
     assert made.time[-1] == pytest.approx(20.0 + 10.0 / 7.0, abs=0.1)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_voltages_are_held_out_and_back_and_keep_within_the_stroke() -> None:
     cylinder = read_robot("hydraulic_cylinder")
     of = cylinder.table.joint[0].hydraulics

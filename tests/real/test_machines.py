@@ -80,7 +80,7 @@ def ur10_parts(data: Path) -> tuple[Log, Log]:
     return parts(data)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_a_ur10_that_is_wrong_everywhere_is_predicted_on_motion_not_fitted(
     ur10_parts: tuple[Log, Log], data: Path
 ) -> None:
@@ -121,7 +121,7 @@ def test_a_ur10_is_told_to_be_wrong_everywhere_and_what_is_told_of_it_holds_on_t
     assert curve.excess < -0.7 * curve.coulomb
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_the_efforts_of_the_ur10_are_compared_below_their_filter(data: Path) -> None:
     diagnosis = diagnose_log(read_log(data / "ur10/exciting.parquet"), read_robot(data / "ur10/robot.toml"))
     assert diagnosis.gap.chain.band < 3.0  # its efforts hold nothing above some 2 Hz

@@ -38,7 +38,7 @@ def test_simulated_motion_tells_what_inverse_dynamics_cannot(data: Path) -> None
         assert by_forward < 0.7 * min(published, by_inverse)
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_simulated_motion_tells_more_than_was_published(data: Path) -> None:
     # Of these two runs inverse dynamics tells as much.
     for published, _, by_forward in errors_of(data, ("direct_collocation", "system_identification")):

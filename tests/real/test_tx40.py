@@ -65,7 +65,7 @@ def test_friction_identified_beside_the_coupling_is_as_published(tx40: Diagnosis
     assert sum(held) >= len(held) - 1
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_rotors_that_are_not_stated_are_found_as_published(data: Path, tmp_path: Path) -> None:
     found = diagnose_log(tx40_log(data), tx40_robot(data, tmp_path, (*ROTOR[:2], 0.0, 0.0, 0.0, 0.0)))
     assert {("drive.rotor_inertia", f"joint_{i}") for i in (3, 4)} <= {(f.cause, f.joint) for f in found.findings}

@@ -26,7 +26,7 @@ def test_friction_grows_with_the_load(data: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("fitted", "simulated", "seconds"),
     # The weak gain's runs are slow and lean on friction at rest, of which efforts say nothing, but motions do.
-    [("400", "100", None), pytest.param("100", "400", 1.5, marks=pytest.mark.bench)],
+    [("400", "100", None), pytest.param("100", "400", 1.5, marks=pytest.mark.deep)],
 )
 def test_friction_fitted_at_one_gain_simulates_the_other(
     fitted: str, simulated: str, seconds: float | None, data: Path, tmp_path: Path

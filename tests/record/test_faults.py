@@ -432,6 +432,7 @@ def test_coarse_noise_that_heaps_up_at_both_extremes_is_clipped(most: float) -> 
     np.testing.assert_array_equal(found, expected)
 
 
+@pytest.mark.deep
 def test_what_swings_or_rubs_in_coarse_counts_is_not_clipped() -> None:
     phase = np.linspace(0.0, 60.0, 8000)
     for counts in [*np.arange(8.0, 80.0, 0.37), 200.0, 1000.3]:

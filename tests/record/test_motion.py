@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.signal import lfilter
 
 from mjfriction.errors import LogError
 from mjfriction.record.log import Log
-from mjfriction.record.motion import back_to_log, estimate_motion, velocity_ratio
+from mjfriction.record.motion import back_to_log, estimate_motion
 from mjfriction.record.noise import noise_level
+from mjfriction.record.recorded_velocity import velocity_ratio
 from mjfriction.record.resample import read_clock
 
 
@@ -116,6 +118,23 @@ def test_the_quieter_source_of_velocity_is_taken_unless_it_disagrees() -> None:
     for lying in (1.2 * v, late):
         taken = estimate_motion(log_of(time, rough, velocity=lying), ["a"], 20.0)
         np.testing.assert_array_equal(taken.velocity, alone.velocity)
+
+
+@pytest.mark.parametrize("rate", [125.0, 1000.0])
+def test_a_velocity_made_of_the_coarse_position_is_no_quieter_than_that(rate: float) -> None:
+    time = np.arange(20.0 * rate) / rate
+    coarse = np.round(sine(time)[0] / 1e-4) * 1e-4
+    share = -np.expm1(-2.0 * np.pi * 30.0 / rate)
+    smoothed = lfilter([share], [1.0, share - 1.0], np.gradient(coarse) * rate)
+    alone = estimate_motion(log_of(time, coarse), ["a"], 20.0)
+    beside = estimate_motion(log_of(time, coarse, velocity=smoothed), ["a"], 20.0)
+    np.testing.assert_array_equal(beside.velocity, alone.velocity)
+    np.testing.assert_array_equal(beside.velocity_noise, alone.velocity_noise)
+    # Of a sensor of its own, as noisy and as smooth, that is not said.
+    another = sine(time)[0] + 1e-4 / np.sqrt(12.0) * np.random.default_rng(1).normal(size=time.size)
+    of_its_own = lfilter([share], [1.0, share - 1.0], np.gradient(another) * rate)
+    taken = estimate_motion(log_of(time, coarse, velocity=of_its_own), ["a"], 20.0)
+    assert np.any(taken.velocity != alone.velocity)
 
 
 @pytest.mark.parametrize("late", [-0.002, 0.0, 0.003])

@@ -116,7 +116,7 @@ FIGURES = {
 
 @pytest.mark.parametrize(("dark", "width"), [(False, 1200), (True, 500)], ids=["light, desk", "dark, phone"])
 @pytest.mark.parametrize(
-    "name", ["diagnosed", *(pytest.param(n, marks=pytest.mark.bench) for n in FIGURES if n != "diagnosed")]
+    "name", ["diagnosed", *(pytest.param(n, marks=pytest.mark.deep) for n in FIGURES if n != "diagnosed")]
 )
 def test_the_page_in_a_browser(pages: dict[str, Path], name: str, dark: bool, width: int) -> None:
     told = seen(pages[name], dark=dark, width=width)

@@ -42,9 +42,9 @@ def arms(name: str) -> list[tuple[str, Robot]]:
     ("name", "motion"),
     [
         ("comau_ns12", slow_sine),
-        pytest.param("comau_ns12", work, marks=pytest.mark.bench),
-        pytest.param("comau_nj60", slow_sine, marks=pytest.mark.bench),
-        pytest.param("comau_nj60", work, marks=pytest.mark.bench),
+        pytest.param("comau_ns12", work, marks=pytest.mark.deep),
+        pytest.param("comau_nj60", slow_sine, marks=pytest.mark.deep),
+        pytest.param("comau_nj60", work, marks=pytest.mark.deep),
     ],
 )
 def test_laws_of_the_arms_come_out_in_their_order_in_torque_and_in_current(name: str, motion, tmp_path: Path) -> None:

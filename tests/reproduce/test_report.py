@@ -63,7 +63,7 @@ def test_a_document_that_there_is_not_is_refused(tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_the_documents_orders_come_out_at_any_number_of_processes(tmp_path: Path) -> None:
     found = reproduce(DOCUMENTS, jobs=2)
     claims = {claim.sentence: claim.holds for one in found for claim in one.claims}

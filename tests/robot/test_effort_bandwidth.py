@@ -62,6 +62,7 @@ def test_a_simulation_reports_what_is_predicted(tmp_path: Path) -> None:
     assert error(log, slow) < 0.1 * error(log, plain)  # every reversal is blurred
 
 
+@pytest.mark.deep
 def test_the_bandwidth_is_found_and_stated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     machine = robot_with(tmp_path, 2.0, "effort_sensor = { bandwidth = 3.0, noise = 0.005 }\n")
     log, other = recorded(machine), recorded(machine, seed=5)

@@ -65,7 +65,7 @@ def test_small_steps_meet_the_native_lugre_element() -> None:
     assert abs(2.0 * apart[2] - apart[1]) < 0.05 * abs(apart[2])
 
 
-@pytest.mark.bench
+@pytest.mark.deep
 def test_the_goal_on_the_ns12_rotor_at_one_millisecond() -> None:
     case = rotor_case()
     truth = reference(case)
