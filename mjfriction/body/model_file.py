@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import os
 import sys
 import tempfile
@@ -15,6 +16,7 @@ import pinocchio as pin
 from mjfriction.errors import RobotError
 
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)
+MOST_KEPT = 8  # files
 
 
 def root_of(path: Path) -> ET.Element:
@@ -27,6 +29,11 @@ def root_of(path: Path) -> ET.Element:
         raise RobotError(f"{path}: not well-formed XML: {error}") from None
 
 
+def changed(path: Path) -> int:
+    """Return when a file was written last, ns; 0 where there is none."""
+    return path.stat().st_mtime_ns if path.is_file() else 0
+
+
 def parse(path: Path, text: str | None) -> tuple[pin.Model, tuple[float, ...]]:
     """Return what a URDF or MJCF says as Pinocchio's model, and its gravity, m/s².
 
@@ -35,6 +42,13 @@ def parse(path: Path, text: str | None) -> tuple[pin.Model, tuple[float, ...]]:
 
     Raises :class:`RobotError` with the file and what is wrong with it.
     """
+    model, gravity = _parsed(path, changed(path), text)
+    return model.copy(), gravity
+
+
+@functools.lru_cache(MOST_KEPT)
+def _parsed(path: Path, _changed: int, text: str | None) -> tuple[pin.Model, tuple[float, ...]]:
+    # A diagnosis draws up the bodies of hundreds of robots with the same model file.
     root = root_of(path)
     if root.tag not in ("robot", "mujoco"):
         raise RobotError(f"{path}: the root element is <{root.tag}>; a URDF has <robot>, an MJCF <mujoco>")

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import block_diag, cho_factor, cho_solve
+from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import least_squares
 
 from mjfriction.body.inertia import (
@@ -136,20 +136,22 @@ def nearest_physical(gram: Floats, moment: Floats, place: slice, stated: Floats)
     goal = target - basis @ (basis.T @ target)
 
     def strengths_at(x: Floats) -> tuple[Floats, Floats]:
-        pairs = zip(x.reshape(-1, PER_LINK), stated, strict=True)
-        values, slopes = zip(*(_from_logarithms(part, own) for part, own in pairs), strict=True)
-        return np.concatenate(values), np.asarray(block_diag(*slopes))
+        return _from_logarithms(x.reshape(-1, PER_LINK), stated)
+
+    def slopes_at(x: Floats) -> Floats:
+        each = free_of.reshape(free_of.shape[0], -1, PER_LINK)
+        return np.asarray(np.einsum("rlm,lmk->rlk", each, strengths_at(x)[1]).reshape(free_of.shape))
 
     found = least_squares(
-        lambda x: free_of @ strengths_at(x)[0] - goal,
+        lambda x: free_of @ strengths_at(x)[0].ravel() - goal,
         np.concatenate([_to_logarithms(_positive(own)) for own in stated]),
-        jac=lambda x: free_of @ strengths_at(x)[1],
+        jac=slopes_at,
         ftol=PRECISELY,
         xtol=PRECISELY,
         max_nfev=MOST_ROUNDS,
     )
     out = np.zeros(gram.shape[0])
-    out[inside] = strengths_at(found.x)[0]
+    out[inside] = strengths_at(found.x)[0].ravel()
     if rest.size:
         left = moment[rest] - gram[np.ix_(rest, inside)] @ out[inside]
         out[rest] = cho_solve(cho_factor(gram[np.ix_(rest, rest)]), left)
@@ -169,16 +171,16 @@ def _to_logarithms(relative: Floats) -> Floats:
 
 
 def _from_logarithms(x: Floats, stated: Floats) -> tuple[Floats, Floats]:
-    """Return the ten strengths of R + W = L·Lᵀ and their slopes (10, 10) by L's entries, logarithms on its diagonal."""
-    lower = np.zeros((4, 4))
-    lower[ROWS, COLUMNS] = x
+    """Return the strengths (links, 10) of R + W = L·Lᵀ and their slopes (links, 10, 10) by L's entries (links, 10),
+    logarithms on its diagonal.
+    """
+    lower = np.zeros_like(stated)
+    lower[:, ROWS, COLUMNS] = x
     on = np.arange(4)
-    lower[on, on] = np.exp(lower[on, on])
-    whole = lower @ lower.T - stated
-    slopes = np.empty((PER_LINK, PER_LINK))
-    for k in range(PER_LINK):
-        step = np.zeros((4, 4))
-        step[ROWS[k], COLUMNS[k]] = lower[ROWS[k], COLUMNS[k]] if ROWS[k] == COLUMNS[k] else 1.0
-        change = step @ lower.T + lower @ step.T
-        slopes[:, k] = change[ROWS, COLUMNS] / ORTHONORMAL
-    return whole[ROWS, COLUMNS] / ORTHONORMAL, slopes
+    lower[:, on, on] = np.exp(lower[:, on, on])
+    whole = lower @ np.swapaxes(lower, 1, 2) - stated
+    # An entry (r, c) of L is in the r-th row and column of the product: d(L·Lᵀ)ᵢⱼ = (δᵢᵣ·Lⱼ꜀ + δⱼᵣ·Lᵢ꜀)·dLᵣ꜀.
+    rows, columns = ROWS[:, None], COLUMNS[:, None]
+    slopes = (rows == ROWS) * lower[:, columns, COLUMNS] + (columns == ROWS) * lower[:, rows, COLUMNS]
+    step = np.where(ROWS == COLUMNS, lower[:, ROWS, COLUMNS], 1.0)
+    return whole[:, ROWS, COLUMNS] / ORTHONORMAL, slopes * step[:, None, :] / ORTHONORMAL[:, None]

@@ -5,10 +5,8 @@ from __future__ import annotations
 import functools
 from pathlib import Path
 
-from mjfriction.body.model_file import root_of
+from mjfriction.body.model_file import MOST_KEPT, changed, root_of
 from mjfriction.errors import RobotError, SimulationError
-
-MOST_KEPT = 8  # files
 
 
 def in_plain_words(path: Path) -> str | None:
@@ -17,13 +15,13 @@ def in_plain_words(path: Path) -> str | None:
 
     Raises :class:`RobotError` where there is no such file, or MuJoCo cannot read it.
     """
-    if root_of(path).tag != "mujoco":
-        return None
-    return _as_it_was(path, path.stat().st_mtime_ns)
+    return _as_it_was(path, changed(path))
 
 
 @functools.lru_cache(MOST_KEPT)
-def _as_it_was(path: Path, _changed: int) -> str:
+def _as_it_was(path: Path, _changed: int) -> str | None:
+    if root_of(path).tag != "mujoco":
+        return None
     from mjfriction.sim.plain_tree import plain_tree  # noqa: PLC0415  (a URDF needs no MuJoCo)
 
     try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -240,3 +241,27 @@ def test_a_joint_that_the_model_lacks_is_said_of_the_robot(tmp_path: Path) -> No
     (tmp_path / "robot.toml").write_text(f'name = "mine"\nmodel = "{model}"\n[[joint]]\nname = "joint_3"\n')
     with pytest.raises(RobotError, match=r"robot 'mine': .*joint_3"):
         read_robot(tmp_path / "robot.toml").body()
+
+
+@pytest.mark.parametrize("name", ["robot.urdf", "robot.xml"])
+def test_a_model_file_that_was_written_anew_is_read_anew(name: str, tmp_path: Path) -> None:
+    weighing = {
+        "robot.urdf": (
+            '<robot name="a"><link name="base"/><link name="arm"><inertial><mass value="{mass}"/>'
+            '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>'
+            '<joint name="j" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/></joint>'
+            "</robot>"
+        ),
+        "robot.xml": (
+            '<mujoco><worldbody><body name="arm"><joint name="j" axis="0 1 0"/>'
+            '<inertial pos="0 0 0" mass="{mass}" diaginertia="1 1 1"/></body></worldbody></mujoco>'
+        ),
+    }[name]
+    (tmp_path / "robot.toml").write_text(f'name = "a"\nmodel = "{name}"\n[[joint]]\nname = "j"\n', encoding="utf-8")
+    found = []
+    for i, mass in enumerate((1.0, 2.0)):
+        model = tmp_path / name
+        model.write_text(weighing.format(mass=mass), encoding="utf-8")
+        os.utime(model, ns=(i, i))
+        found.append(read_robot(str(tmp_path / "robot.toml")).body().model.inertias[1].mass)
+    assert found == [1.0, 2.0]
