@@ -67,6 +67,17 @@ def test_a_link_that_swings_on_its_transmission_is_one_that_gives() -> None:
 
 
 @pytest.mark.deep
+@pytest.mark.parametrize("slowest", [0.8, 2.5])
+def test_so_is_one_that_swings_hardly_faster_than_it_is_moved(slowest: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    slow, faster = 6e-3, tuple(own for own in elasticity.RESONANCES if own > 0.99 * slowest)
+    monkeypatch.setattr(elasticity, "RESONANCES", faster)
+    found = diagnose_log(swinging(WELL_DAMPED, slow), read_robot("ur5"))
+    named = [(finding.cause, finding.joint) for finding in found.findings]
+    assert (named == [("drive.elasticity", PAN)]) is (slowest < 1.0)
+    assert slowest > 1.0 or found.findings[0].parameters[0].value == pytest.approx(slow, rel=0.1)
+
+
+@pytest.mark.deep
 def test_the_frequencies_of_a_link_that_swings_are_its_own_in_every_pose() -> None:
     gap = measure_gap(swinging(), read_robot("ur5"))
     soft = Chosen(SwingingElasticity(), Site(0, (DAMPING,), around=COMPLIANCE))

@@ -29,7 +29,7 @@ from mjfriction.robot.transmission import LEAST_INERTIA, LOAD_BAND, natural_freq
 
 COMPLIANCE = Parameter("compliance", "{length}/{force}", "how far the transmission gives per load", lower=0.0)
 DAMPING_RATIO = Parameter("damping_ratio", "1", "damping of the link on what gives, over the critical one", lower=0.0)
-RESONANCES = tuple(2.5 * 1.1**k for k in range(25))  # Hz: from 2.5 to 25 Hz
+RESONANCES = tuple(2.5 * 1.1**k for k in range(-12, 25))  # Hz: from 0.8 to 25 Hz
 RESONANCE_BAND = 0.5  # of the position filter's cutoff, below which a resonance shows
 FINER_RESONANCE, NEIGHBOURS = 1.1, 5  # half of a step of these, as compliances, and what is tried within it
 GIVES = tuple(0.15 * 0.75**k for k in range(20))  # rad or m at the largest load: from 150 mrad to 0.6 mrad
