@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from mjfriction.diagnose.as_little import leaves_as_little
+from mjfriction.diagnose.causes.carried_drive import CarriedDrive
 from mjfriction.diagnose.exchange import for_place_of
 from mjfriction.diagnose.field import Field, chances_in
 from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block, without_contained
@@ -50,8 +51,17 @@ def _reshaped(model: Model, choice: Chosen, bounds: list[tuple[float, float]]) -
 def one_for_both(model: Model, joint: int, field: Field) -> Model | None:
     """Return the model with one cause in the place of a cause on a joint and of the joint's levels that are off, these
     held as stated, where it leaves as little everywhere; None where there is none.
+
+    A joint's own drive that turns with its neighbour, and takes of the stated friction what the joint has too much, is
+    one besides.
     """
     gap, kept = model.gap, model.nuisance.without_level(joint)
+    for choice in model.chosen:
+        if isinstance(choice.cause, CarriedDrive) and choice.cause.told_at(choice.site) == joint:
+            besides, rest = Chosen(choice.cause.besides(), choice.site), model.without(choice).chosen
+            there = reshaped(build_model(gap, kept, (*rest, besides)), cause_block(gap, besides)[0].keys())
+            if there.admissible() is there and leaves_as_little(there, model):
+                return there
     for choice in model.noteworthy:
         if choice.site.joint != joint:
             continue

@@ -14,7 +14,7 @@ from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Chosen, Model, cause_block
 from mjfriction.diagnose.nearness import nearness_of, relief
 from mjfriction.identify.proof import measure_gain
-from mjfriction.record.motion_frequency import motion_frequency
+from mjfriction.record.motion_frequency import quickest_motion
 from mjfriction.robot.bandwidth import HARMONICS
 
 BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "friction.presliding", "friction.asymmetry"})
@@ -138,8 +138,7 @@ def _too_quick(model: Model) -> list[Chosen]:
     # answer to its sensor's noise or an arm that shakes its base, may look late by any time: where means over a part of
     # the motion's own period know nothing of it, it is that.
     gap, motion, delays = model.gap, model.gap.motion, _delays(model)
-    longest = motion.position[max(motion.pieces, key=lambda piece: piece.stop - piece.start)]
-    quickest = max(motion_frequency(own, motion.rate) for own in longest.T[motion.moving])
+    quickest = quickest_motion(motion.position, motion.pieces, motion.rate, gap.body.sliding)
     step = float(np.median(np.diff(gap.chain.time)))
     if not delays or quickest == 0.0 or (count := int(0.5 / (HARMONICS * quickest * step))) < 2:
         return []

@@ -13,6 +13,7 @@ from mjfriction.diagnose.causes.along_stroke import FrictionAlongStroke
 from mjfriction.diagnose.causes.asymmetry import Asymmetry
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.friction_spot import FrictionSpot
+from mjfriction.diagnose.causes.load import DriveLoad, Load
 from mjfriction.diagnose.causes.pressure import ChamberPressure
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.causes.varying import Step, Varying, Warming, WarmUpDrift
@@ -56,6 +57,7 @@ AS_MUCH = 1.0  # of the stated friction: no way of writing a curve down makes up
 FADED = 0.1
 LEFT = 0.1  # of a joint's clear rows, that must be left beyond what bends its friction
 ALWAYS = 0.25  # of the stated friction: a quarter off is a finding whatever the others are
+OF_MOMENTS = Warming | WarmUpDrift | Step | ChamberPressure | Load | DriveLoad  # and by which friction is another
 MOMENTS = 61  # of a course of time, its own length before and after it included, of which stated levels may be
 BAR = 2.0  # standard errors by which drives, or links, that are let go must help on motion not fitted
 
@@ -218,14 +220,14 @@ def _off_beyond_a_bend(model: Model, level: Level, bar: float) -> bool:
 
 def _of_another_moment(model: Model, level: Level, bar: float) -> bool:
     # Where friction follows temperature or settles, it is as stated at some moment, be it before or after the log,
-    # where it steps, before or after that, and where it grows with pressures, at some that were there: of which of them
-    # the stated values are, warm or cold, is no error.
+    # where it steps, before or after that, and where it grows with pressures or the load, at some that were there: of
+    # which of them the stated values are, warm or cold, is no error.
     joint = level.site.joint
     change = model.strengths[model.nuisance.of_level(joint)]
     return any(
         min(relative_change(model.gap, level.site, change + shift) for shift in _shifts(model, choice, place)) <= bar
         for choice, place in zip(model.chosen, model.places, strict=True)
-        if choice.site.joint == joint and isinstance(choice.cause, Warming | WarmUpDrift | Step | ChamberPressure)
+        if choice.site.joint == joint and isinstance(choice.cause, OF_MOMENTS)
     )
 
 
@@ -236,6 +238,9 @@ def _shifts(model: Model, choice: Chosen, place: slice) -> Floats:
         pressures = choice.cause.course(model.gap, choice.site)
         levels = pressures[:: max(1, pressures.shape[0] // MOMENTS)] @ own
         return np.column_stack([levels, np.zeros_like(levels)])
+    if isinstance(choice.cause, Load | DriveLoad):
+        most = float(np.max(np.abs(choice.cause.load(model.gap, choice.site.joint))))
+        return np.outer(np.linspace(0.0, most, MOMENTS), [float(own[0]), 0.0])
     assert isinstance(choice.cause, Varying), "no other has a course over time"
     course = choice.cause.course(model.gap, choice.site)
     beyond = 0.0 if isinstance(choice.cause, Step) else np.ptp(course)

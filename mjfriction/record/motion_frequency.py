@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from mjfriction.record.log import Floats
 
 MOTION_POWER = 0.9999  # share of the position's power that counts as the motion
+HARDLY = 0.04  # of the farthest travel of a kind, within which what a joint does is no motion to go by
 ABOVE_NOISE = 30.0  # times the noise's power in a bin from which on the bin is taken as motion
 
 
@@ -28,3 +31,22 @@ def motion_frequency(position: Floats, rate: float) -> float:
     if motion[-1] <= 0.0:
         return 0.0
     return float(frequency[np.searchsorted(motion, MOTION_POWER * motion[-1])])
+
+
+def quickest_motion(position: Floats, pieces: Sequence[slice], rate: float, sliding: Sequence[bool]) -> float:
+    """Return the highest frequency (Hz) of the motion of several joints (n, joints), ``sliding`` or not (joints,).
+
+    Each is looked at in the one of its ``pieces`` in which it travels farthest, and one that hardly moves beside others
+    of its kind is not: at rest, and on short ways, a joint trembles as its drive does.
+    """
+    travels = np.array([np.ptp(position[piece], axis=0) for piece in pieces])  # (pieces, joints)
+    travel, slides = np.max(travels, axis=0), np.array(sliding)
+    farthest = np.where(slides, np.max(travel[slides], initial=0.0), np.max(travel[~slides], initial=0.0))
+    return max(
+        (
+            motion_frequency(position[pieces[where], joint], rate)
+            for joint, where in enumerate(np.argmax(travels, axis=0).tolist())
+            if travel[joint] > HARDLY * farthest[joint]
+        ),
+        default=0.0,
+    )

@@ -8,7 +8,7 @@ from mjfriction.body.inverse import inertia_at
 from mjfriction.body.model import Body
 from mjfriction.errors import LogError
 from mjfriction.record.log import POSITION, VELOCITY, Log
-from mjfriction.record.motion_frequency import motion_frequency
+from mjfriction.record.motion_frequency import quickest_motion
 from mjfriction.record.noise import raw_noise
 from mjfriction.record.recorded_velocity import velocity_lateness
 from mjfriction.record.resample import read_clock
@@ -36,16 +36,20 @@ def choose_cutoff(log: Log, robot: Robot, body: Body, highest: float = HIGHEST) 
     clock = read_clock(log)
     rate = 1.0 / clock.step
     highest = min(highest, rate / 5.0)
-    longest = max(clock.pieces, key=lambda piece: piece[1] - piece[0])
     positions = {joint: log.channel(POSITION, joint) for joint in robot.joints}
     pose = np.array([np.mean(values) for values in positions.values() if values is not None])
     inertia = inertia_at(body, pose)
-    cutoff, motion = highest, 0.0
+    cutoff, known = highest, [i for i, values in enumerate(positions.values()) if values is not None]
+    motion = quickest_motion(
+        np.column_stack([values for values in positions.values() if values is not None]),
+        [slice(*piece) for piece in clock.pieces],
+        rate,
+        [body.sliding[i] for i in known],
+    )
     for i, joint in enumerate(robot.table.joint):
         values = positions[joint.name]
         if values is None or np.ptp(values) == 0.0:
             continue
-        motion = max(motion, motion_frequency(values[longest[0] : longest[1]], rate))
         quantity = log.torque_quantity(joint.name)
         reported = log.channel(quantity, joint.name) if quantity else None
         if quantity is None or reported is None:

@@ -206,3 +206,24 @@ def test_a_rotor_that_turns_too_is_told_at_once_or_much_is_asked_in_vain(
     monkeypatch.setattr(compete, "fulfilled", at_last)
     diagnose_log(read_log(log), robot)
     assert len(asked) - at_once > 2 * at_once
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize("ratio", [0.7, -0.9])
+def test_one_besides_the_joints_own_is_no_level_that_is_off(ratio: float, tmp_path: Path) -> None:
+    # What turns with both rubs as much again as half of what is stated of the wrist.
+    coulomb, own, neighbour = 0.5 * UR5_COULOMB[WRIST], WRIST, WRIST - 1
+
+    def rubs(instant: Instant) -> np.ndarray:
+        return coulomb * np.sign(instant.velocities[:, own] + ratio * instant.velocities[:, neighbour])
+
+    hidden: dict[int, Callable[[Instant], np.ndarray]] = {own: rubs, neighbour: lambda one: ratio * rubs(one)}
+    log, robot = write_case(tmp_path, Machine(hidden=hidden), seed=3, seconds=40.0)
+    found = diagnose_log(read_log(log), read_robot(robot))
+    (finding,) = found.findings
+    assert (finding.cause, found.verdict) == ("drive.coupling", Verdict.EXPLAINED)
+    assert finding.joint in {UR5_JOINTS[own], UR5_JOINTS[neighbour]}
+    told = {fitted.name: fitted.value for fitted in finding.parameters}
+    assert told["coulomb"] == pytest.approx(
+        coulomb * (1.0 if finding.joint == UR5_JOINTS[own] else abs(ratio)), rel=0.3
+    )

@@ -8,12 +8,15 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
+from mjfriction.diagnose import stated
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.load import DriveLoad, Load
+from mjfriction.diagnose.causes.varying import Step
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder
+from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.friction import with_term
@@ -21,6 +24,7 @@ from mjfriction.robot.load_friction import stated_load
 from mjfriction.robot.robot import Robot
 from tests.deep import deep
 from tests.diagnose.test_planar_arm import planar
+from tests.hidden.machine import Instant, Machine, write_case
 
 LOAD = 0.15
 
@@ -68,3 +72,18 @@ def test_less_load_than_is_stated_lowers_the_law_that_states_it(
     assert all(
         term.value("load") >= 0.0 for term in lower.joint("elbow").friction or () if term.law == "load_dependent"
     )
+
+
+def test_the_stated_level_may_be_that_of_some_load(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Friction that does not know of small loads is, where it grows with them, less by a constant.
+    share, known = 0.3, 10.0
+
+    def rubs(instant: Instant) -> np.ndarray:
+        return share * (np.hypot(instant.rigid, known) - known) * np.sign(instant.v)
+
+    log, robot = write_case(tmp_path, Machine(noise=0.1, hidden={2: rubs}), seed=5)
+    found = diagnose_log(read_log(log), read_robot(robot))
+    assert [(one.cause, one.joint) for one in found.findings] == [("friction.load", "elbow_joint")]
+    monkeypatch.setattr(stated, "OF_MOMENTS", Step)
+    found = diagnose_log(read_log(log), read_robot(robot))
+    assert ("friction.coulomb_viscous", "elbow_joint") in [(one.cause, one.joint) for one in found.findings]

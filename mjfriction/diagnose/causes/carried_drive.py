@@ -3,12 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import final
+from typing import ClassVar, final
 
 import numpy as np
 
 from mjfriction.diagnose.causes.cause import Site
-from mjfriction.diagnose.causes.coupling import COULOMB, INERTIA, SPEEDS, VISCOUS, SharedDrive
+from mjfriction.diagnose.causes.coupling import (
+    COULOMB,
+    INERTIA,
+    SPEEDS,
+    VISCOUS,
+    DifferenceDrive,
+    DifferenceRotor,
+    SharedDrive,
+    SumDrive,
+    SumRotor,
+)
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
@@ -31,6 +41,7 @@ class CarriedDrive(SharedDrive):
     """
 
     shape_parameters = (RATIO,)
+    besides: ClassVar[type[SharedDrive]]  # that turns so too, but has friction that is stated of no joint
 
     def told_at(self, site: Site) -> int:
         """The joint whose drive it is."""
@@ -116,6 +127,7 @@ class SumCarriedRotor(_CarriedRotor):
     """The drive turns with v + ratio·vₖ, and its rotor with it."""
 
     way = 1.0
+    besides = SumRotor
 
 
 @final
@@ -123,6 +135,7 @@ class DifferenceCarriedRotor(_CarriedRotor):
     """The drive turns with v − ratio·vₖ, and its rotor with it."""
 
     way = -1.0
+    besides = DifferenceRotor
 
 
 @final
@@ -130,6 +143,7 @@ class SumCarried(CarriedDrive):
     """The drive turns with v + ratio·vₖ."""
 
     way = 1.0
+    besides = SumDrive
     fuller = SumCarriedRotor
 
 
@@ -138,4 +152,5 @@ class DifferenceCarried(CarriedDrive):
     """The drive turns with v − ratio·vₖ."""
 
     way = -1.0
+    besides = DifferenceDrive
     fuller = DifferenceCarriedRotor
