@@ -1,4 +1,4 @@
-"""A joint's measured velocity, held against its position: whether it is that position's, when, and how much of it."""
+"""A joint's measured velocity, held against its position: whether it is that position's, when, and tells more."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def _made_of_it(log: Log, joint: str, clock: Clock) -> bool:
     other = np.diff(onto_grid(velocity, log.time, grid, smooth=True), 1)[1:]
     rate = 1.0 / clock.step
     spell = {"fs": rate, "nperseg": max(16, int(SPELL * rate))}
-    if own.size < 4 * spell["nperseg"] or not np.any(other):
+    if own.size < 4 * spell["nperseg"] or not (np.any(own) and np.any(other)):
         return False
     frequency, power = welch(own, **spell)
     highest = min(QUICKLY, MOST_QUICKLY * rate)
