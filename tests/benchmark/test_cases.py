@@ -43,6 +43,7 @@ def test_an_effect_does_nothing_at_no_strength_and_stands_out_as_asked(draw) -> 
     assert hidden.severity < 1.6
 
 
+@pytest.mark.deep
 def test_the_same_seed_makes_the_same_case_and_its_folder_can_be_diagnosed(tmp_path: Path) -> None:
     first, again = (make_case(3, SHORT, (draw_of("friction.load"),), 2.0) for _ in range(2))
     for name, values in first.log.items():

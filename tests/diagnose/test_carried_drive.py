@@ -68,7 +68,7 @@ def told(machine: Machine, own: int, folder: Path) -> tuple[Log, Diagnosis, dict
 @pytest.mark.deep
 @pytest.mark.parametrize(
     ("own", "neighbour", "ratio"),
-    [(WRIST + 1, WRIST, 0.15), pytest.param(WRIST, WRIST + 1, -0.8, marks=pytest.mark.deep)],
+    [(WRIST + 1, WRIST, 0.15), (WRIST, WRIST + 1, -0.8)],
 )
 def test_it_is_one_finding_at_the_joint_whose_drive_it_is(
     own: int, neighbour: int, ratio: float, tmp_path: Path

@@ -48,7 +48,7 @@ def test_joints_that_stick_and_break_loose_have_no_finding(tmp_path: Path) -> No
 
 
 @pytest.mark.deep
-@pytest.mark.parametrize(("pauses", "velocity"), [(False, "clean"), pytest.param(True, "none", marks=pytest.mark.deep)])
+@pytest.mark.parametrize(("pauses", "velocity"), [(False, "clean"), (True, "none")])
 def test_bristles_of_an_ordinary_contact_are_no_finding(pauses: bool, velocity: str, tmp_path: Path) -> None:
     machine = Machine(bristle_travel=3e-4, pauses=pauses, velocity=velocity, noise=0.1)
     log, robot = write_case(tmp_path, machine, seed=6, off=0.03)

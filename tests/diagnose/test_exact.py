@@ -37,6 +37,7 @@ def diagnosed(folder: Path, off: float, change: Callable[[mujoco.MjModel], None]
     return diagnose_log(read_log(log), read_robot(robot))
 
 
+@pytest.mark.deep
 def test_a_link_six_percent_heavier_is_named_beside_friction_that_is_right(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

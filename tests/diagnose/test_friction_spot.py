@@ -42,9 +42,10 @@ def diagnosed(folder: Path, machine: Machine) -> Diagnosis:
     return diagnose_log(read_log(log), read_robot(robot))
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize(
     ("share", "width"),
-    [(0.4, 0.05), *(pytest.param(*own, marks=pytest.mark.deep) for own in ((0.7, 0.15), (0.9, 0.1)))],
+    [(0.4, 0.05), (0.7, 0.15), (0.9, 0.1)],
 )
 def test_a_worn_place_is_told_with_where_it_is_and_how_wide(share: float, width: float, tmp_path: Path) -> None:
     found = diagnosed(tmp_path, worn(share, width))

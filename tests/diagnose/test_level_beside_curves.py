@@ -35,7 +35,7 @@ def one_way_and_higher(at: Instant) -> np.ndarray:
 @pytest.mark.deep
 @pytest.mark.parametrize(
     ("bend", "cause"),
-    [(sticky, "friction.stribeck"), pytest.param(worn, "friction.position", marks=pytest.mark.deep)],
+    [(sticky, "friction.stribeck"), (worn, "friction.position")],
 )
 def test_they_are_told_beside_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, bend: Effect, cause: str) -> None:
     def found(higher: float) -> set[str]:

@@ -54,6 +54,7 @@ def test_a_rotor_is_told_where_no_link_a_little_off_explains_it(
     assert ("drive.rotor_inertia" in causes) is told
 
 
+@pytest.mark.deep
 def test_a_drive_a_little_off_is_no_finding_beside_a_level_that_is(tmp_path: Path) -> None:
     stated = pendulum(tmp_path, "stated", inertia=0.08, rotor=6e-5, coulomb=COULOMB)
     machine = pendulum(tmp_path, "machine", inertia=0.08, rotor=6.6e-5, coulomb=1.6 * COULOMB)

@@ -47,6 +47,7 @@ def test_a_constant_that_is_off_is_named_where_stated_levels_are_a_little_off_to
     assert abs(factor.value / FACTOR - 1.0) < 0.05
 
 
+@pytest.mark.deep
 def test_levels_that_are_off_each_by_its_own_are_no_constant(tmp_path: Path) -> None:
     (finding,) = diagnosed("levels apart", 1, tmp_path).findings
     assert (finding.cause, finding.joint) == (LEVELS, JOINT)

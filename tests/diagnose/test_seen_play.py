@@ -51,6 +51,7 @@ def test_a_sensor_that_jumps_with_the_load_is_play(case: tuple[Path, Path]) -> N
     assert again.joints[WRIST].rms_before < 1.1 * again.joints[WRIST].noise_floor
 
 
+@pytest.mark.deep
 def test_jumps_that_accelerate_more_than_the_motion_does_are_seen(tmp_path: Path) -> None:
     # As they are logged they make the load of an upright axis, which is all inertia, turn the other way.
     pan, play = 0, 20e-3
@@ -103,6 +104,7 @@ def test_what_is_told_of_a_log_knows_when_stated_play_was_crossed(
     assert off[1] < 0.2 * off[0]
 
 
+@pytest.mark.deep
 def test_play_that_is_stated_otherwise_is_corrected(case: tuple[Path, Path]) -> None:
     stated = read_robot(case[1])
     own = stated.table.joint[WRIST]

@@ -83,6 +83,7 @@ def test_an_offset_over_a_long_stroke_is_no_spring(robots: tuple[Robot, Robot]) 
     assert (finding.cause, finding.alternatives) == ("drive.offset", ())
 
 
+@pytest.mark.deep
 def test_a_spring_over_a_short_stroke_is_told_by_the_asked_motion(
     robots: tuple[Robot, Robot], over_a_short_stroke: dict[str, np.ndarray]
 ) -> None:

@@ -26,7 +26,8 @@ def shared(instant: Instant, inertia: float) -> np.ndarray:
     return LEVEL * np.sign(turn) + DAMPING * turn + inertia * np.gradient(turn, instant.time)
 
 
-@pytest.mark.parametrize("inertia", [pytest.param(INERTIA, marks=pytest.mark.deep), 0.0])
+@pytest.mark.deep
+@pytest.mark.parametrize("inertia", [INERTIA, 0.0])
 def test_a_drive_that_two_joints_turn_is_found_with_its_rotor_if_that_shows(inertia: float, tmp_path: Path) -> None:
     def hidden(instant: Instant) -> np.ndarray:
         return shared(instant, inertia)
@@ -67,9 +68,7 @@ def test_what_the_rotor_takes_is_what_the_extended_robot_predicts(
 
 
 @pytest.mark.deep
-@pytest.mark.parametrize(
-    ("first", "second", "told"), [pytest.param(1.0, -0.6, 0, marks=pytest.mark.deep), (-0.7, 1.0, 1)]
-)
+@pytest.mark.parametrize(("first", "second", "told"), [(1.0, -0.6, 0), (-0.7, 1.0, 1)])
 def test_the_ratio_is_the_one_beside_which_damping_is_as_stated(
     first: float, second: float, told: int, tmp_path: Path
 ) -> None:

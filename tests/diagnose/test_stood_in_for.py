@@ -65,6 +65,7 @@ def test_what_a_cause_spares_the_other_joints_counts(told: Told, monkeypatch: py
     assert ("drive.torque_constant", "elbow") not in told()
 
 
+@pytest.mark.deep
 def test_a_cause_is_told_where_the_rest_would_be_off_as_it_hardly_ever_is(
     told: Told, monkeypatch: pytest.MonkeyPatch
 ) -> None:

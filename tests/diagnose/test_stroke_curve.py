@@ -38,9 +38,10 @@ def tight_ends(i: Instant) -> np.ndarray:
     return 9.0 * along**4 * np.sign(i.v)
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize(
     ("effect", "cause"),
-    [(stop, "body.spring"), pytest.param(tight_ends, "friction.position", marks=pytest.mark.deep)],
+    [(stop, "body.spring"), (tight_ends, "friction.position")],
 )
 def test_a_course_along_the_stroke_is_told_whole(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, effect: Effect, cause: str
@@ -74,7 +75,7 @@ def test_a_course_along_the_stroke_is_told_whole(
     [
         lambda i: 6.0 * (i.q - 0.3) + 9.0 * (i.q - 0.3) ** 3,  # a hose that stiffens
         # A balancer on a lever, whose joint stands upright.
-        pytest.param(lambda i: 7.0 * np.sin(i.q + 0.9), marks=pytest.mark.deep),
+        lambda i: 7.0 * np.sin(i.q + 0.9),
     ],
 )
 def test_a_torque_that_bends_along_the_whole_stroke_is_one_spring(tmp_path: Path, effect: Effect) -> None:

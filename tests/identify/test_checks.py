@@ -43,6 +43,7 @@ def test_one_direction_does_not_tell_a_level_from_the_zero(tmp_path: Path) -> No
     assert "directions" not in remarks(tmp_path, to_and_fro, "coulomb_viscous")["coulomb"]
 
 
+@pytest.mark.deep
 def test_slow_motion_does_not_tell_what_lies_beyond_the_fall(tmp_path: Path) -> None:
     slow = remarks(tmp_path, 0.05 * np.sin(0.5 * TIME), "stribeck")
     assert "record faster motion" in slow["viscous"]
@@ -55,8 +56,8 @@ def test_slow_motion_does_not_tell_what_lies_beyond_the_fall(tmp_path: Path) -> 
     ("law", "stroke"),
     [
         *((None, 0.04), ("stribeck", 0.15)),
-        *(pytest.param(law, 0.04, marks=pytest.mark.deep) for law in ("coulomb_viscous", "stribeck", "arctan")),
-        *(pytest.param(law, 0.15, marks=pytest.mark.deep) for law in (None, "coulomb_viscous", "arctan")),
+        *((law, 0.04) for law in ("coulomb_viscous", "stribeck", "arctan")),
+        *((law, 0.15) for law in (None, "coulomb_viscous", "arctan")),
     ],
 )
 def test_a_log_that_never_leaves_the_stribeck_range_says_so_whatever_the_law(

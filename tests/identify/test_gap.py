@@ -52,6 +52,7 @@ def test_a_joint_whose_effort_clips_whenever_it_moves_is_not_examined(share: flo
     assert set(range(5)) <= set(gap.examined)
 
 
+@pytest.mark.deep
 def test_a_link_whose_joint_reports_no_effort_is_felt_by_the_others(demo: Log) -> None:
     columns = {name: values for name, values in demo.columns.items() if name != "effort.wrist_1_joint"}
     robot = read_robot("ur5")

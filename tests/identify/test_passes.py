@@ -386,6 +386,7 @@ def test_joints_that_rest_while_another_passes_do_not_bend_links_and_zeros() -> 
         assert error.rms_heldout_after < 1.5 * error.rms_before  # the robot was stated exactly
 
 
+@pytest.mark.deep
 def test_passes_both_ways_need_no_pendulum() -> None:
     # Links are heavier than stated: with the stated model's gravity, friction forward is not friction backward.
     stated = read_robot("ur5")

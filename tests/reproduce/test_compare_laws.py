@@ -38,13 +38,14 @@ def arms(name: str) -> list[tuple[str, Robot]]:
     return [(law, with_laws(robot, law, own)) for law, own in values.items()]
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize(
     ("name", "motion"),
     [
         ("comau_ns12", slow_sine),
-        pytest.param("comau_ns12", work, marks=pytest.mark.deep),
-        pytest.param("comau_nj60", slow_sine, marks=pytest.mark.deep),
-        pytest.param("comau_nj60", work, marks=pytest.mark.deep),
+        ("comau_ns12", work),
+        ("comau_nj60", slow_sine),
+        ("comau_nj60", work),
     ],
 )
 def test_laws_of_the_arms_come_out_in_their_order_in_torque_and_in_current(name: str, motion, tmp_path: Path) -> None:
