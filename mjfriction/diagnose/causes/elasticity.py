@@ -163,13 +163,14 @@ class SwingingElasticity(_Elasticity):
     shape_parameters = (DAMPING_RATIO,)
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every joint, swinging at many frequencies."""
+        """Every joint, swinging at many frequencies, on what gives by no more than a part of a turn."""
         out = []
         for joint in gap.examined:
             inertia = np.maximum(own_slopes(gap, joint)[2], LEAST_INERTIA)
             soft = [1.0 / (float(np.median(inertia)) * (2.0 * np.pi * frequency) ** 2) for frequency in RESONANCES]
-            slow = gap.motion.cutoff * RESONANCE_BAND
-            out += [Site(joint, (SCREENED_AT,), around=c) for f, c in zip(RESONANCES, soft, strict=True) if f < slow]
+            slow, most = gap.motion.cutoff * RESONANCE_BAND, float(np.max(np.abs(self.load(gap, joint))))
+            able = [c for f, c in zip(RESONANCES, soft, strict=True) if f < slow and c * most < WIDEST]
+            out += [Site(joint, (SCREENED_AT,), around=c) for c in able]
         return out
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
