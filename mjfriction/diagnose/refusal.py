@@ -138,9 +138,11 @@ def _too_quick(model: Model) -> list[Chosen]:
     # answer to its sensor's noise or an arm that shakes its base, may look late by any time: where means over a part of
     # the motion's own period know nothing of it, it is that.
     gap, motion, delays = model.gap, model.gap.motion, _delays(model)
+    if not delays:
+        return []
     quickest = quickest_motion(motion.position, motion.pieces, motion.rate, gap.body.sliding)
     step = float(np.median(np.diff(gap.chain.time)))
-    if not delays or quickest == 0.0 or (count := int(0.5 / (HARMONICS * quickest * step))) < 2:
+    if quickest == 0.0 or (count := int(0.5 / (HARMONICS * quickest * step))) < 2:
         return []
     normal = model.system.averaged(count)
     covariances = normal.covariance(np.arange(gap.blocks.count)), normal.white_covariance(np.ones(normal.joints))

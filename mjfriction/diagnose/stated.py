@@ -13,10 +13,7 @@ from mjfriction.diagnose.causes.along_stroke import FrictionAlongStroke
 from mjfriction.diagnose.causes.asymmetry import Asymmetry
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.friction_spot import FrictionSpot
-from mjfriction.diagnose.causes.load import DriveLoad, Load
-from mjfriction.diagnose.causes.pressure import ChamberPressure
 from mjfriction.diagnose.causes.stribeck import Stribeck
-from mjfriction.diagnose.causes.varying import Step, Varying, Warming, WarmUpDrift
 from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.courses import as_courses
 from mjfriction.diagnose.exact import (
@@ -41,7 +38,6 @@ from mjfriction.diagnose.refusal import BENDING
 from mjfriction.diagnose.shapes import reshaped
 from mjfriction.diagnose.short_list import contenders, passing
 from mjfriction.diagnose.trial import FALSE_ALARM, Trial, try_out
-from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_levels
 
 # Causes beside which level and damping are a matter of how the curve is written. That directions differ is none: it is
@@ -57,8 +53,6 @@ AS_MUCH = 1.0  # of the stated friction: no way of writing a curve down makes up
 FADED = 0.1
 LEFT = 0.1  # of a joint's clear rows, that must be left beyond what bends its friction
 ALWAYS = 0.25  # of the stated friction: a quarter off is a finding whatever the others are
-OF_MOMENTS = Warming | WarmUpDrift | Step | ChamberPressure | Load | DriveLoad  # and by which friction is another
-MOMENTS = 61  # of a course of time, its own length before and after it included, of which stated levels may be
 BAR = 2.0  # standard errors by which drives, or links, that are let go must help on motion not fitted
 
 
@@ -80,10 +74,10 @@ def settle(model: Model, asked: Field) -> Settled:
 
     A level is a finding when it helps beyond chance and by enough to matter, and when its change stands out: more than
     4 % of the stated friction on a robot stated exactly, more than 10 % and than three times what is typical where the
-    other joints are a little off too, or a quarter in any case; where friction follows temperature or pressures, or
-    settles, none of this at any moment of that course.  Where another cause does as much with fewer freedoms, that
-    takes its place and the level stays as stated; and where both levels are off by one factor, the torque constant that
-    is so too does.
+    other joints are a little off too, or a quarter in any case; where friction follows temperature, pressures or the
+    load, or settles, none of this at any moment of that course.  Where another cause does as much with fewer freedoms,
+    that takes its place and the level stays as stated; and where both levels are off by one factor, the torque constant
+    that is so too does.
     Refitted links are held where one cause does as well and all else is nearly stated exactly, and a load at the flange
     takes the place of a last link that is off.  Last, courses along strokes take the place of what only spells them.
     """
@@ -219,32 +213,16 @@ def _off_beyond_a_bend(model: Model, level: Level, bar: float) -> bool:
 
 
 def _of_another_moment(model: Model, level: Level, bar: float) -> bool:
-    # Where friction follows temperature or settles, it is as stated at some moment, be it before or after the log,
-    # where it steps, before or after that, and where it grows with pressures or the load, at some that were there: of
-    # which of them the stated values are, warm or cold, is no error.
-    joint = level.site.joint
+    # Where friction follows temperature or settles, steps, or grows with pressures or the load, it is as stated at some
+    # moment: of which of them the stated values are, warm or cold, is no error.
+    gap, joint = model.gap, level.site.joint
     change = model.strengths[model.nuisance.of_level(joint)]
     return any(
-        min(relative_change(model.gap, level.site, change + shift) for shift in _shifts(model, choice, place)) <= bar
+        relative_change(gap, level.site, change + shift) <= bar
         for choice, place in zip(model.chosen, model.places, strict=True)
-        if choice.site.joint == joint and isinstance(choice.cause, OF_MOMENTS)
+        if choice.site.joint == joint
+        for shift in choice.cause.level_shifts(gap, choice.site, model.strengths[place])
     )
-
-
-def _shifts(model: Model, choice: Chosen, place: slice) -> Floats:
-    # What a cause moves level and damping by at moments, (moments, 2).
-    own = model.strengths[place]
-    if isinstance(choice.cause, ChamberPressure):
-        pressures = choice.cause.course(model.gap, choice.site)
-        levels = pressures[:: max(1, pressures.shape[0] // MOMENTS)] @ own
-        return np.column_stack([levels, np.zeros_like(levels)])
-    if isinstance(choice.cause, Load | DriveLoad):
-        most = float(np.max(np.abs(choice.cause.load(model.gap, choice.site.joint))))
-        return np.outer(np.linspace(0.0, most, MOMENTS), [float(own[0]), 0.0])
-    assert isinstance(choice.cause, Varying), "no other has a course over time"
-    course = choice.cause.course(model.gap, choice.site)
-    beyond = 0.0 if isinstance(choice.cause, Step) else np.ptp(course)
-    return np.outer(np.linspace(np.min(course) - beyond, np.max(course) + beyond, MOMENTS), own)
 
 
 def _unmoved(model: Model, held: Model, own: Trial) -> tuple[Model, Trial]:

@@ -39,13 +39,12 @@ def choose_cutoff(log: Log, robot: Robot, body: Body, highest: float = HIGHEST) 
     positions = {joint: log.channel(POSITION, joint) for joint in robot.joints}
     pose = np.array([np.mean(values) for values in positions.values() if values is not None])
     inertia = inertia_at(body, pose)
-    cutoff, known = highest, [i for i, values in enumerate(positions.values()) if values is not None]
-    motion = quickest_motion(
-        np.column_stack([values for values in positions.values() if values is not None]),
-        [slice(*piece) for piece in clock.pieces],
-        rate,
-        [body.sliding[i] for i in known],
-    )
+    known = [
+        (values, slides) for values, slides in zip(positions.values(), body.sliding, strict=True) if values is not None
+    ]
+    courses, sliding = zip(*known, strict=True)
+    pieces = [slice(*piece) for piece in clock.pieces]
+    cutoff, motion = highest, quickest_motion(np.column_stack(courses), pieces, rate, sliding)
     for i, joint in enumerate(robot.table.joint):
         values = positions[joint.name]
         if values is None or np.ptp(values) == 0.0:

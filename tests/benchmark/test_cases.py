@@ -21,6 +21,7 @@ from mjfriction.errors import SimulationError
 from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
+from tests.deep import deep
 
 SHORT = Setting(seconds=40.0, rate=250.0)
 
@@ -61,7 +62,7 @@ def test_the_same_seed_makes_the_same_case_and_its_folder_can_be_diagnosed(tmp_p
     [
         ("friction.stribeck", 0.03),
         *(
-            pytest.param(cause, off, marks=pytest.mark.deep)
+            deep(cause, off)
             for cause, off in (
                 ("body.payload", 0.03),
                 ("friction.presliding", 0.0),

@@ -1,4 +1,4 @@
-"""The command run in this process, for what ends before any work begins: a process of its own costs seconds."""
+"""The command run in this process: one of its own takes seconds before it begins."""
 
 from __future__ import annotations
 

@@ -30,6 +30,7 @@ from mjfriction.report.result import data_problems
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
+from tests.deep import deep
 from tests.diagnose.test_lone_axis import pendulum
 from tests.diagnose.test_planar_arm import JOINT, LINK
 from tests.hidden.machine import Machine, write_case
@@ -58,7 +59,7 @@ def run(case: tuple[Path, Path], damage: Callable[[Columns], Columns]) -> Diagno
     ("damage", "kind", "where"),
     [
         (lambda c: {ELBOW: -c[ELBOW]}, "data.sign", ELBOW),
-        pytest.param(lambda c: {ELBOW: 1000.0 * c[ELBOW]}, "data.unit", ELBOW, marks=pytest.mark.deep),
+        deep(lambda c: {ELBOW: 1000.0 * c[ELBOW]}, "data.unit", ELBOW),
         (lambda c: {ELBOW: c[ELBOW] / 101.0}, "data.unit", ELBOW),
         (lambda c: {ELBOW: c[WRIST], WRIST: c[ELBOW]}, "data.swap", f"{WRIST} and that of elbow_joint"),
     ],
@@ -265,7 +266,7 @@ def test_a_sign_is_known_of_a_joint_whose_effort_wanders(
 
 @pytest.mark.parametrize(
     "pair",
-    [("shoulder_lift_joint", "elbow_joint"), pytest.param(("elbow_joint", "wrist_1_joint"), marks=pytest.mark.deep)],
+    [("shoulder_lift_joint", "elbow_joint"), deep(("elbow_joint", "wrist_1_joint"))],
 )
 def test_joints_that_are_exchanged_with_all_they_have_are_known(pair: tuple[str, str], case: tuple[Path, Path]) -> None:
     def exchanged(columns: Columns, quantity: str) -> Columns:
@@ -278,7 +279,7 @@ def test_joints_that_are_exchanged_with_all_they_have_are_known(pair: tuple[str,
     assert (fault.kind, fault.where) == ("data.swap", f"all columns of {pair[1]} and {pair[0]}")
 
 
-@pytest.mark.parametrize("joint", ["shoulder_lift_joint", pytest.param("elbow_joint", marks=pytest.mark.deep)])
+@pytest.mark.parametrize("joint", ["shoulder_lift_joint", deep("elbow_joint")])
 def test_a_joint_counted_the_other_way_round_is_known(joint: str, case: tuple[Path, Path]) -> None:
     diagnosis = run(case, lambda c: of_both(c, lambda c, quantity: {f"{quantity}.{joint}": -c[f"{quantity}.{joint}"]}))
     assert diagnosis.verdict is Verdict.BAD_DATA
@@ -356,9 +357,7 @@ def test_a_joint_that_never_moves_is_not_examined(case: tuple[Path, Path]) -> No
     ("damage", "kind", "where"),
     [
         (lambda c, late: {ELBOW: np.where(late, 100.0, 1.0) * c[ELBOW]}, "data.unit", ELBOW),
-        pytest.param(
-            lambda c, late: {WRIST: np.where(late, -1.0, 1.0) * c[WRIST]}, "data.sign", WRIST, marks=pytest.mark.deep
-        ),
+        deep(lambda c, late: {WRIST: np.where(late, -1.0, 1.0) * c[WRIST]}, "data.sign", WRIST),
         (lambda c, late: {LIFTED: np.where(late, -1.0, 1.0) * c[LIFTED]}, "data.sign", LIFTED),
     ],
 )

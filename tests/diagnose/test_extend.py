@@ -16,6 +16,7 @@ from mjfriction.record.readers import read_log
 from mjfriction.robot.effort import predict_effort
 from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.simulation import robot_laws
+from tests.deep import deep
 from tests.hidden.machine import Instant, Machine, write_case
 
 JOINT = "elbow_joint"
@@ -25,7 +26,7 @@ def everything(i: Instant) -> np.ndarray:
     return 3.0 * np.sign(i.v) * np.exp(-((i.v / 0.15) ** 2)) + 3.0 * np.abs(i.v) + 0.6
 
 
-@pytest.mark.parametrize("off", [pytest.param(0.0, marks=pytest.mark.deep), 0.05])
+@pytest.mark.parametrize("off", [deep(0.0), 0.05])
 def test_the_robot_file_predicts_what_the_fit_left(off: float, tmp_path: Path) -> None:
     log_path, robot_path = write_case(tmp_path, Machine(hidden={2: everything}), seed=3, off=off)
     diagnosis = diagnose_log(read_log(log_path), read_robot(robot_path))

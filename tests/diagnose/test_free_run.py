@@ -22,6 +22,7 @@ from mjfriction.record.log import Floats, Log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.report.result import make_report
 from mjfriction.robot.robot import Robot
+from tests.deep import deep
 
 SETTING = Setting(seconds=30.0, rate=250.0)
 
@@ -34,7 +35,7 @@ def log_of(case: Case) -> Log:
     "cause",
     [
         "drive.cogging",
-        *(pytest.param(own, marks=pytest.mark.deep) for own in ("friction.load", "body.spring", "body.payload")),
+        *(deep(own) for own in ("friction.load", "body.spring", "body.payload")),
     ],
 )
 def test_the_extended_robot_goes_where_the_hidden_machine_does(cause: str) -> None:

@@ -24,6 +24,7 @@ from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.predict import predict_log
+from tests.deep import deep
 from tests.hidden.closed_loop import record_closed_loop
 from tests.hidden.machine import UR5_COULOMB, UR5_JOINTS, UR5_VISCOUS, Instant, Machine, bristle, record, write_case
 
@@ -283,7 +284,7 @@ def tilted(model: mujoco.MjModel) -> None:
     model.opt.gravity[:] = 9.81 * np.array([0.6 * np.sin(angle), 0.8 * np.sin(angle), -np.cos(angle)])
 
 
-@pytest.mark.parametrize("off", [pytest.param(0.0, marks=pytest.mark.deep), 0.03])
+@pytest.mark.parametrize("off", [deep(0.0), 0.03])
 def test_a_payload_is_weighed_and_placed(off: float, tmp_path: Path) -> None:
     diagnosis = run(tmp_path, Machine(change=heavier), seed=5, off=off)
     (finding,) = diagnosis.findings
@@ -317,7 +318,7 @@ def test_stated_levels_may_be_those_of_a_warm_joint(by_temperature: bool, tmp_pa
 @pytest.mark.parametrize(
     ("parent", "com"),
     [
-        pytest.param("wrist_3_joint", "[0.0, 0.05, 0.03]", marks=pytest.mark.deep),
+        deep("wrist_3_joint", "[0.0, 0.05, 0.03]"),
         ("tool0", "[0.0, -0.03, -0.0323]"),
     ],
 )
@@ -409,7 +410,7 @@ def test_links_that_lie_millimetres_off_are_no_finding(tmp_path: Path, monkeypat
     assert {"body.link_inertia"} == {name for name, _ in names(found("with centres held"))}
 
 
-@pytest.mark.parametrize("off", [pytest.param(0.0, marks=pytest.mark.deep), 0.03])
+@pytest.mark.parametrize("off", [deep(0.0), 0.03])
 def test_a_tilted_base_is_levelled(off: float, tmp_path: Path) -> None:
     diagnosis = run(tmp_path, Machine(change=tilted), seed=5, off=off)
     (finding,) = diagnosis.findings
@@ -511,7 +512,7 @@ def test_a_rotor_a_few_percent_off_is_a_finding_on_an_exact_robot_only(
     assert finding in names(found(0.05))
 
 
-@pytest.mark.parametrize("begin", [pytest.param(-5.0, marks=pytest.mark.deep), 1.7e9])
+@pytest.mark.parametrize("begin", [deep(-5.0), 1.7e9])
 def test_courses_of_time_are_found_on_any_clock(begin: float, tmp_path: Path) -> None:
     def steps(i: Instant) -> np.ndarray:
         return 2.0 * np.sign(i.v) * (i.time > 24.0)

@@ -8,11 +8,10 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from mjfriction.diagnose import stated
-from mjfriction.diagnose.causes.cause import Site
-from mjfriction.diagnose.causes.load import DriveLoad, Load
-from mjfriction.diagnose.causes.varying import Step
+from mjfriction.diagnose.causes.cause import JointCause, Site
+from mjfriction.diagnose.causes.load import DriveLoad, GearedLoad, Load
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.identify.gap import measure_gap
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder
@@ -84,6 +83,18 @@ def test_the_stated_level_may_be_that_of_some_load(tmp_path: Path, monkeypatch: 
     log, robot = write_case(tmp_path, Machine(noise=0.1, hidden={2: rubs}), seed=5)
     found = diagnose_log(read_log(log), read_robot(robot))
     assert [(one.cause, one.joint) for one in found.findings] == [("friction.load", "elbow_joint")]
-    monkeypatch.setattr(stated, "OF_MOMENTS", Step)
+    monkeypatch.setattr(Load, "level_shifts", JointCause.level_shifts)
     found = diagnose_log(read_log(log), read_robot(robot))
     assert ("friction.coulomb_viscous", "elbow_joint") in [(one.cause, one.joint) for one in found.findings]
+
+
+@pytest.mark.parametrize(("cause", "strengths"), [(Load(), [0.2]), (GearedLoad(), [0.3, 0.1])])
+def test_levels_are_asked_from_no_load_to_the_most_there_was(
+    cause: Load | GearedLoad, strengths: list[float], tmp_path: Path
+) -> None:
+    log, robot = write_case(tmp_path, Machine(), seed=5, seconds=20.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    level, damping = cause.level_shifts(gap, Site(2), np.array(strengths)).T
+    most = 0.2 * np.max(np.abs(gap.effort.load[:, 2]))
+    assert (level[0], level[-1]) == pytest.approx((0.0, most))
+    assert not np.any(damping)

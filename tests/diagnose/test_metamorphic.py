@@ -141,7 +141,7 @@ def test_less_noise_never_loses_a_finding(tmp_path: Path) -> None:
         assert named(found) == {("friction.stribeck", "elbow_joint")}, noise
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.deep) for seed in range(1, 20))])
+@pytest.mark.parametrize("seed", [0, *(deep(seed) for seed in range(1, 20))])
 def test_a_clean_log_has_no_finding_whatever_the_seed(seed: int, tmp_path: Path) -> None:
     rng = np.random.default_rng(seed)
     machine = Machine(

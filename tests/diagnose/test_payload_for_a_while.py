@@ -25,6 +25,7 @@ from mjfriction.robot.links_torque import is_held
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import EffortSensor
+from tests.deep import deep
 
 HOME = np.array([0.0, -1.2, 1.4, -0.4, 1.2, 0.0])
 CENTRE, FLANGE = (0.02, 0.01, 0.08), "wrist_3_joint"
@@ -64,8 +65,8 @@ def told(diagnosis: Diagnosis) -> list[tuple[float, str]]:
     ("masses", "held", "logs"),
     [
         ((0.0, 1.5), 1.5, "run1.csv"),
-        pytest.param((1.5, 0.0), 1.5, "run0.csv", marks=pytest.mark.deep),
-        pytest.param((0.0, 1.5, 1.5), 1.5, "run1.csv and run2.csv", marks=pytest.mark.deep),
+        deep((1.5, 0.0), 1.5, "run0.csv"),
+        deep((0.0, 1.5, 1.5), 1.5, "run1.csv and run2.csv"),
     ],
 )
 def test_it_is_told_of_the_logs_that_have_it(masses: tuple[float, ...], held: float, logs: str) -> None:

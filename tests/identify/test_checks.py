@@ -14,6 +14,7 @@ from mjfriction.plant.machine import simulate
 from mjfriction.plant.sensors import Recorder
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.record.readers.table import log_from_table
+from tests.deep import deep
 from tests.identify.test_elements import robot_with
 
 TIME = np.linspace(0.0, 16.0, 321)
@@ -72,7 +73,7 @@ def test_a_log_that_never_leaves_the_stribeck_range_says_so_whatever_the_law(
     assert "record faster motion" in found.summary
 
 
-@pytest.mark.parametrize("law", ["stribeck", pytest.param(None, marks=pytest.mark.deep)])
+@pytest.mark.parametrize("law", ["stribeck", deep(None)])
 def test_a_log_that_is_fast_enough_says_nothing(law: str | None, tmp_path: Path) -> None:
     found = identified(tmp_path, 0.8 * np.sin(TIME), law)
     assert not found.laws[0].falls

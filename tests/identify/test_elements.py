@@ -23,6 +23,7 @@ from mjfriction.plant.sensors import Recorder
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
+from tests.deep import deep
 from tests.robot.test_friction_terms import URDF
 
 NOISE = 0.02  # N·m, where friction is 2.5
@@ -95,11 +96,7 @@ def test_the_generalized_law_is_found_whole(identified) -> None:
     [
         ("dahl", {"coulomb": 2.0, "bristle_stiffness": 80.0, "shape_exponent": 1.5}),
         ("lugre", {"coulomb": 1.5, "bristle_stiffness": 80.0, "bristle_damping": 1.0}),
-        pytest.param(
-            "leuven",
-            {"coulomb": 1.5, "bristle_damping": 1.0, "shape_exponent": 1.0},
-            marks=pytest.mark.deep,
-        ),
+        deep("leuven", {"coulomb": 1.5, "bristle_damping": 1.0, "shape_exponent": 1.0}),
     ],
 )
 def test_a_bristle_is_found_beside_its_statics(law: str, truth: dict[str, float], identified) -> None:

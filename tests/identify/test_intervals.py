@@ -12,6 +12,7 @@ from scipy.signal import lfilter
 from mjfriction.identify.identification import identify_log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
+from tests.deep import deep
 from tests.hidden.machine import UR5_COULOMB, UR5_JOINTS, UR5_VISCOUS, Machine, record, robot_toml
 
 ELBOW = 2
@@ -32,7 +33,7 @@ def covered(machine: Machine, logs: int, folder: Path) -> dict[str, np.ndarray]:
     return out
 
 
-@pytest.mark.parametrize("logs", [3, pytest.param(200, marks=pytest.mark.deep)])
+@pytest.mark.parametrize("logs", [3, deep(200)])
 def test_intervals_hold_the_truth_as_often_as_they_say(logs: int, tmp_path: Path) -> None:
     held = covered(Machine(noise=0.1), logs, tmp_path)
     for name, own in held.items():

@@ -101,6 +101,7 @@ def test_growth_with_speed_is_found_where_there_is_one() -> None:
     assert found.values["level"] == pytest.approx(300.0, rel=0.02)
 
 
+@pytest.mark.deep
 def test_what_cannot_be_told_is_refused_by_name(points: SteadyPoints, logs: list[Log]) -> None:
     robot = read_robot("hydraulic_cylinder")
     few = SteadyPoints(*(values[:3] for values in (points.speed, points.force, points.head, points.rod, points.error)))

@@ -109,14 +109,14 @@ def test_what_the_model_nearly_holds_is_screened_on_the_models_own_rows() -> Non
 
 
 def test_means_over_rows_keep_what_is_slow_and_forget_what_is_quick() -> None:
-    rng, count = np.random.default_rng(2), 1000
+    rng, count = np.random.default_rng(2), 1008
     time = np.arange(count) * 0.01
-    slow, quick = np.sin(0.7 * time), np.sin(40.0 * time)
+    slow, quick = np.sin(0.7 * time), np.sin(2.0 * np.pi * time / 0.21)  # three periods in 63 rows
     target = (0.5 * slow + 3.0 * quick + 0.01 * rng.normal(size=count))[:, None]
-    rows = Rows(target, np.ones_like(target), np.arange(count) // 130)  # whose last block is a short one
+    rows = Rows(target, np.ones_like(target), np.arange(count) // 126)
     system = System(rows, [{0: (slow + quick)[:, None]}], [np.zeros(1)])
     assert system.normal.fitted[0] > 1.5
-    assert system.averaged(63).fitted[0] == pytest.approx(0.5, abs=0.1)
+    assert system.averaged(63).fitted[0] == pytest.approx(0.5, abs=0.01)
     # A mean of one row is that row, and equal rows are worth as much as their mean is by its weight.
     assert_same(system.averaged(1).products, system.normal.products)
     alike = Rows(np.full((12, 1), 2.0), np.ones((12, 1)), np.repeat([0, 1], 6))

@@ -11,6 +11,7 @@ from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.identify.identification import identify_log
 from mjfriction.record.merge import merge_logs
 from scripts.real_runs.xl330 import COULOMB_VISCOUS, PUBLISHED, xl330, xl330_error, xl330_log
+from tests.deep import deep
 
 
 def test_friction_grows_with_the_load(data: Path, tmp_path: Path) -> None:
@@ -26,7 +27,7 @@ def test_friction_grows_with_the_load(data: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("fitted", "simulated", "seconds"),
     # The weak gain's runs are slow and lean on friction at rest, of which efforts say nothing, but motions do.
-    [("400", "100", None), pytest.param("100", "400", 1.5, marks=pytest.mark.deep)],
+    [("400", "100", None), deep("100", "400", 1.5)],
 )
 def test_friction_fitted_at_one_gain_simulates_the_other(
     fitted: str, simulated: str, seconds: float | None, data: Path, tmp_path: Path

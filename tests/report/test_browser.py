@@ -20,6 +20,7 @@ from mjfriction.report.identified import make_identified_report
 from mjfriction.report.reproduced import write_reproduced
 from mjfriction.report.write import save_diagnosis, write_identified
 from mjfriction.robot.files import read_robot
+from tests.deep import deep
 from tests.hidden.machine import Machine, write_case
 from tests.reproduce.test_report import made_up
 
@@ -115,9 +116,7 @@ FIGURES = {
 
 
 @pytest.mark.parametrize(("dark", "width"), [(False, 1200), (True, 500)], ids=["light, desk", "dark, phone"])
-@pytest.mark.parametrize(
-    "name", ["diagnosed", *(pytest.param(n, marks=pytest.mark.deep) for n in FIGURES if n != "diagnosed")]
-)
+@pytest.mark.parametrize("name", ["diagnosed", *(deep(n) for n in FIGURES if n != "diagnosed")])
 def test_the_page_in_a_browser(pages: dict[str, Path], name: str, dark: bool, width: int) -> None:
     told = seen(pages[name], dark=dark, width=width)
     assert told["dark"] is dark

@@ -19,6 +19,7 @@ from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 
+SHIFTS = 61  # of all that stated levels may be those of, that are asked
 AROUND_STEPS = 9  # strengths that are tried around one of a grid
 
 Shape = tuple[float, ...]
@@ -114,6 +115,12 @@ class Cause(ABC):
     def brought_level(self, strengths: Floats) -> float:
         """Return how much friction near rest the cause adds to the joint's Coulomb level: by default none."""
         return 0.0
+
+    def level_shifts(self, gap: Gap, site: Site, strengths: Floats) -> Floats:
+        """Return what the cause moves Coulomb level and damping by at each of the moments, or loads, that stated levels
+        may be those of, (moments, 2): by default at none.
+        """
+        return np.empty((0, 2))
 
     def chances(self, sites: Sequence[Site]) -> int:
         """Return how many of the places the motion tells apart: by default all."""

@@ -6,7 +6,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
+from mjfriction.diagnose.causes.cause import SHIFTS, JointCause, Quantity, Site, column
 from mjfriction.identify.gap import Gap
 from mjfriction.laws.geared_load import GEARED_LOAD
 from mjfriction.laws.load_dependent import LOAD_DEPENDENT
@@ -42,6 +42,11 @@ class _Load(JointCause):
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """Load presses gears together; it never lowers their friction below what is stated without it."""
         return bool(self._stated(gap, site) + strengths[0] > 0.0)
+
+    def level_shifts(self, gap: Gap, site: Site, strengths: Floats) -> Floats:
+        """At the loads that were there, driving and braking alike."""
+        most = float(np.max(np.abs(self.load(gap, site.joint))))
+        return np.outer(np.linspace(0.0, most, SHIFTS), [float(np.mean(strengths)), 0.0])
 
     def _stated(self, gap: Gap, site: Site) -> float:
         return stated_load(gap.robot.table.joint[site.joint], includes_rotor=self.includes_rotor)

@@ -7,7 +7,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site
+from mjfriction.diagnose.causes.cause import SHIFTS, JointCause, Quantity, Site
 from mjfriction.identify.gap import Gap
 from mjfriction.laws.pressed_seals import PRESSED_SEALS
 from mjfriction.record.log import HEAD_PRESSURE, ROD_PRESSURE, Floats
@@ -42,6 +42,12 @@ class ChamberPressure(JointCause):
         """Return the pressures that seals hold along the log, (n, m)."""
         head, rod = map(np.asarray, self._chambers(gap, site))
         return np.column_stack(self.held(head, rod))
+
+    def level_shifts(self, gap: Gap, site: Site, strengths: Floats) -> Floats:
+        """At the pressures that were there."""
+        pressures = self.course(gap, site)
+        levels = pressures[:: max(1, pressures.shape[0] // SHIFTS)] @ strengths
+        return np.column_stack([levels, np.zeros_like(levels)])
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """Growth with each pressure, stated plus change."""

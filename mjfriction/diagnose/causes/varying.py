@@ -7,11 +7,11 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import final
+from typing import ClassVar, final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site
+from mjfriction.diagnose.causes.cause import SHIFTS, JointCause, Quantity, Site
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.laws.ambient import ROOM_TEMPERATURE
@@ -45,6 +45,7 @@ class Varying(JointCause):
 
     covariate = "time"
     picture = "turned"
+    beyond: ClassVar[float] = 1.0  # lengths of its course, that it may have gone on for before and after the log
     least_of_friction = 0.0175  # a step of twice that, half of which levels take
 
     @abstractmethod
@@ -55,6 +56,12 @@ class Varying(JointCause):
         """Direction and velocity times the course, (n, 2)."""
         course = self.course(gap, site)
         return np.column_stack([gap.forward(site.joint) * course, gap.motion.velocity[:, site.joint] * course])
+
+    def level_shifts(self, gap: Gap, site: Site, strengths: Floats) -> Floats:
+        """As the course goes, and before the log and after it by as much."""
+        course = self.course(gap, site)
+        beyond = self.beyond * np.ptp(course)
+        return np.outer(np.linspace(np.min(course) - beyond, np.max(course) + beyond, SHIFTS), strengths)
 
     def one_way(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """Return whether friction rises or falls as a whole: less when slow and more when fast is another curve over
@@ -179,6 +186,7 @@ class Step(Varying):
     """Friction steps at one moment and stays."""
 
     name = "event.change"
+    beyond = 0.0
     shape_parameters = (MOMENT,)
     relative_shape = False
 
