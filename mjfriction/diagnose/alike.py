@@ -25,19 +25,26 @@ from mjfriction.diagnose.trial import Trial, try_out
 from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats
 
-UNDECIDED = 0.05  # probability of a rival from which on it is named beside the chosen cause
-AS_GOOD = 1.25  # times the error that the chosen cause leaves, which a rival may leave
-ROOM = 0.5  # of an effect, that what a wider cause has besides may make up for within its 95 % interval
-SHARED = 1e-6  # of a column, beyond what it shares with a narrower cause's, from which on it is another
-MOST_CONFIDENT = 0.9  # no finding is surer: what nobody thought of cannot be tried
-EVEN = 0.5  # the confidence of one of two that nothing tells apart
-AT_THE_BAR = 0.5  # of this, for what is just large enough to be told: it may be unevenness after all
+UNDECIDED = 0.05  # a rival with a probability above this is named as an alternative to the chosen cause
+AS_GOOD = 1.25  # a rival may leave at most this many times the error that the chosen cause leaves
+# A wider cause is a rival where its extra columns may reach this fraction of the chosen cause's effort within their
+# 95 % intervals.
+ROOM = 0.5
+# A wider cause's column is extra where more than this fraction of it is outside the span of the narrower cause's
+# columns.
+SHARED = 1e-6
+MOST_CONFIDENT = 0.9  # upper bound on the confidence of a finding: a cause that nobody thought of cannot be tried
+EVEN = 0.5  # upper bound on the confidence of either of two causes that nothing tells apart
+# Factor on the confidence of a cause that is just large enough to be reported: it may be unevenness after all.
+AT_THE_BAR = 0.5
 
 
 @dataclass(frozen=True)
 class Standing:
-    """How a chosen cause stands among its rivals: the ``alternatives`` it cannot be told from, and the probability
-    (``confidence``) that it is the right name; ``rival`` is the likeliest of the alternatives.
+    """How a chosen cause compares with its rivals.
+
+    ``alternatives`` are the causes it cannot be told from, ``confidence`` is the probability that it is the right name,
+    and ``rival`` is the likeliest of the alternatives.
     """
 
     alternatives: tuple[str, ...]
@@ -46,15 +53,16 @@ class Standing:
 
 
 def standing(model: Model, target: Chosen, field: Field) -> Standing:
-    """Take a cause out of the model, let all others try in its place, and compare on motion not fitted.
+    """Remove a cause from the model, try all others in its place, and compare them on held-out motion.
 
-    The difference of two held-out errors in units of the noise is twice the logarithm of how much likelier the data
-    are under one than under the other.  Noise that is not white carries less: the difference is divided by how many
-    rows say the same thing (:func:`redundancy`).
+    The difference of two held-out squared errors, in units of the noise variance, is twice the logarithm of how much
+    likelier the data are under one cause than under the other. Coloured noise carries less information, so the
+    difference is divided by the number of rows that carry the information of one (:func:`redundancy`).
     """
     gap, joint = model.gap, target.site.joint
     rest = tuple(choice for choice in model.chosen if choice.key != target.key)
-    # Levels that are near what is stated beside a torque constant might do without it, were they free.
+    # Levels kept near the stated values beside a torque constant might explain the effort without it if they were free.
+    # Hold them as stated here, so that free levels compete as a rival.
     beside_factor = isinstance(target.cause, TorqueConstant) and model.nuisance.level_near(joint)
     of_levels = target.cause is STATED_LEVELS or beside_factor
     free = model.nuisance.without_level(joint) if of_levels else model.nuisance
@@ -63,7 +71,7 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
     if own is None:
         return Standing((), 0.5)
     if partners(target, rest):
-        # The other half of a cause was asked for by name; nothing else stood for its place.
+        # The other half of a cause was tried because its partner names it; nothing else competed for its place.
         return Standing((), min(MOST_CONFIDENT, 1.0 - own.chance) * _clearly(own))
     here = tuple(
         entrant
@@ -79,7 +87,7 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
         rivals = [_beside_others_anew(model, without, own, rival) for rival in rivals]
     settled = [level.site.joint for level in free.levels]
     if target.cause is not STATED_LEVELS and joint in gap.examined and joint not in settled:
-        # The joint's own levels are as stated here, so they stand for the place too.
+        # The joint's own levels are held as stated here, so free levels are a rival too.
         levels = try_out(without, Chosen(STATED_LEVELS, Site(joint)))
         rivals += [levels] if levels is not None else []
     chances = chances_in(field)
@@ -97,8 +105,8 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
 
 
 def _beside_others_anew(model: Model, without: Model, own: Trial, rival: Trial) -> Trial:
-    # Curved causes were drawn beside the one that was chosen.  A rival that comes near it so is to be compared beside
-    # causes that are drawn beside the rival.
+    # The other curved causes were linearised beside the chosen cause. A curved rival that comes near the chosen cause
+    # even so must be compared beside causes that are linearised anew beside the rival.
     if not rival.chosen.cause.curved or not NEAR_BEST * own.merit < rival.merit < own.merit:
         return rival
     there = straightened(without.with_also(rival.chosen))
@@ -111,14 +119,14 @@ def _beside_others_anew(model: Model, without: Model, own: Trial, rival: Trial) 
 
 
 def _at_the_flange(without: Model) -> list[Trial]:
-    # A load in the place of the last link, of which it is a part.
+    # Trials of a payload in the place of the last link, of which a payload is a part.
     trials = (try_out(without, Chosen(Payload(), site)) for site in Payload().sites(without.gap))
     return [one for one in trials if one is not None]
 
 
 def _ahead(gap: Gap, own: Trial, rival: Trial) -> float:
-    # How much better a cause is than its rival.  How a load at the flange spreads is not known, nor where the last link
-    # is heavier: that one of the two leaves a little less says nothing.
+    # How much better a cause is than its rival. Neither the mass distribution of a payload nor the place where a last
+    # link is heavier is known, so it means nothing if one of these two leaves slightly less error.
     last = own.chosen.cause.name == LinkScale.name and of_last_link(gap, own.chosen.site.joint)
     if last and rival.chosen.cause.name == Payload.name:
         return max(0.0, own.gain - rival.gain - (AS_LITTLE**2 - 1.0) * _left_beside(own))
@@ -126,19 +134,21 @@ def _ahead(gap: Gap, own: Trial, rival: Trial) -> float:
 
 
 def _left_beside(own: Trial) -> float:
-    # What a cause leaves where it is felt.
+    # The held-out error that a cause leaves at the joints that feel it.
     return float(np.sum(own.error - own.improvement))
 
 
 def _clearly(own: Trial) -> float:
-    # How far a cause is above the size it has to have: what is just above may be a machine's unevenness after all.
+    # Confidence factor for how far a cause is above the size required to report it: one just above may be a machine's
+    # unevenness after all.
     beyond = own.of_friction / own.least_told if own.least_told > 0.0 else math.inf
     return 1.0 - (1.0 - AT_THE_BAR) * math.exp(1.0 - max(beyond, 1.0))
 
 
 def _has_room(without: Model, target: Chosen, wider: Entrant) -> bool:
-    # A cause that contains the chosen one always fits at least as well.  It is a rival where the motion leaves room for
-    # what it has besides: a stiffness that would make up for much of the offset, over a stroke too short to tell.
+    # A cause that contains the chosen one always fits at least as well. It is a rival only where the motion leaves room
+    # for its extra columns: e.g. a stiffness that could make up for much of the offset, over a stroke too short to
+    # tell.
     other = Chosen(wider.cause, wider.sites[0])
     model = without.with_also(other)
     strengths, half = model.strengths[model.places[-1]], half_widths(model).causes[-1]
@@ -161,6 +171,7 @@ def redundancy(weighted: Floats) -> float:
 
 
 def _is_rival(rival: Trial, own: Trial, number: float) -> bool:
-    # What would not pass in the place of the chosen cause is no explanation, however little that explains.  What one
-    # leaves more than the other is the difference of their gains, whichever joints each of them touches.
+    # A cause that would not pass in the place of the chosen one is no explanation, however little the chosen one
+    # explains. The error that one leaves in excess of the other is the difference of their gains, whichever joints each
+    # touches.
     return rival.passes(number) and own.gain - rival.gain < (AS_GOOD - 1.0) * _left_beside(own)

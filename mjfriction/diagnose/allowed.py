@@ -1,4 +1,4 @@
-"""Causes that what is settled after them leaves in a form which nature does not allow: in one which it does."""
+"""Replace causes that became physically inadmissible through later steps by an admissible form."""
 
 from __future__ import annotations
 
@@ -11,15 +11,18 @@ from mjfriction.diagnose.trial import try_out
 
 
 def as_allowed(model: Model, asked: Field) -> Model:
-    """Return the model with causes that came out as nature does not allow in the best form that it does: another of
-    their kind, or their own in another shape; without those that have none, for they explain nothing.
+    """Return the model with each inadmissible cause replaced by its best admissible form.
+
+    The form is another cause of its kind, or the same cause with another shape. A cause without an admissible form is
+    dropped, since it explains nothing.
     """
     for choice in model.chosen:
         if _is_allowed(model, choice):
             continue
         without = model.without(choice)
         others = [best_shape(without, form) for form in _other_forms(choice, asked)]
-        # A search that begins where nature allows nothing sees no way out; where another form is best, it does.
+        # A shape search that starts where the cause is inadmissible finds no way out; one that starts at the best shape
+        # of another form does.
         own = [best_shape(without, replace(form, cause=choice.cause)) for form in others]
         trials = [trial for form in (*others, *own) if (trial := try_out(without, form)) is not None]
         model = without
@@ -39,7 +42,7 @@ def _is_allowed(model: Model, choice: Chosen) -> bool:
 
 
 def _other_forms(choice: Chosen, asked: Field) -> list[Chosen]:
-    # What competes under the same name with the same shapes.
+    # Causes of the field with the same name at the same joint and the same shape parameters.
     return [
         Chosen(entrant.cause, choice.site)
         for entrant in asked

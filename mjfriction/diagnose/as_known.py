@@ -1,4 +1,4 @@
-"""What is found is known from then on: other causes are looked for as late as drives report, with the body's loads."""
+"""Feed findings back: search for other causes with the drive delays and body loads found so far."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from mjfriction.robot.effort import without_offsets
 from mjfriction.robot.links_torque import links_torque
 from mjfriction.robot.robot import Robot
 
-HEARD = 0.02  # periods of the band, by which a delay must have moved for columns to be drawn anew
-WEIGHED = 0.1  # of a joint's load, by which it must have changed for columns to be drawn anew
-WEIGHED_SAMPLES = 1000  # enough to tell how far loads are apart
-HEARINGS = 3
+HEARD = 0.02  # a delay must move by this many periods of the band before columns are rebuilt
+WEIGHED = 0.1  # a joint's load must change by this fraction (RMS) before columns are rebuilt
+WEIGHED_SAMPLES = 1000  # enough samples to tell how much loads differ
+HEARINGS = 3  # most rounds of rebuilding columns and refitting
 
 
 def as_known(model: Model) -> Model:
-    """Return the model on a gap that knows what it found.
+    """Return the model on a gap that includes the delays and loads found so far.
 
-    Where drives are found to report late, all causes are looked for as late as they are reported; where the body is
-    found to be another, or elsewhere, with the loads of that.
+    Where drives are found to report late, all causes are searched for with that delay. Where the body is found to
+    differ, or to be placed otherwise, causes are searched for with the loads of that body.
     """
     for _ in range(HEARINGS):
         gap, nuisance, late, robot = model.gap, model.nuisance, _delays(model), _weighed(model)
@@ -42,7 +42,7 @@ def as_known(model: Model) -> Model:
 
 
 def _weighed(model: Model) -> Robot:
-    # The stated robot with the body that was found, where it was found to be.
+    # The stated robot with the body, and its placement, as found so far.
     robot, inertias = model.gap.robot, model.nuisance.inertias
     if inertias is not None:
         robot = inertias.applied(robot, model.strengths[model.nuisance.of_inertias])
@@ -54,7 +54,7 @@ def _weighed(model: Model) -> Robot:
 
 
 def _load_changes(gap: Gap, robot: Robot) -> bool:
-    # Whether another body's loads are far from those that are known.
+    # Whether a robot's loads differ much from those that the gap is built with.
     some = slice(None, None, max(1, gap.motion.time.size // WEIGHED_SAMPLES))
     thin, loads = gap.motion.part(some), []
     for one, body in ((robot, robot.body()), (gap.known.robot, gap.known.body)):
@@ -64,7 +64,7 @@ def _load_changes(gap: Gap, robot: Robot) -> bool:
 
 
 def _delays(model: Model) -> Floats:
-    # By how much the drives report later than is stated, as far as was found, (joints,).
+    # By how much (s) the drives report later than stated, as found so far, (joints,).
     stated = robot = model.gap.robot
     for choice, place in zip(model.chosen, model.places, strict=True):
         if choice.cause.of_sensor:

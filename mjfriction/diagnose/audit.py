@@ -17,20 +17,21 @@ from mjfriction.record.log import EFFORT, Floats
 from mjfriction.record.runs import Mask
 from mjfriction.record.span import EVER, Span, within
 
-ALIKE = 0.9  # correlation from which on an effort is taken as the image of a prediction
-UNLIKE = 0.6  # and under which it is not
-MOST_OFF = 5.0  # times too large or small, past which no constant of a drive is off
+ALIKE = 0.9  # correlation above which an effort is taken to match a prediction
+UNLIKE = 0.6  # correlation below which it is taken not to match
+MOST_OFF = 5.0  # largest factor, up or down, by which a drive constant may be off
 THOUSAND = 1000.0
-AS_KNOWN = 1.25  # times, by which an effort may be off one in a unit that it is known to be in
+AS_KNOWN = 1.25  # largest factor, up or down, by which an effort's scale may deviate from that of a known unit
 
 
 def find_faults(gap: Gap) -> list[Fault]:
-    """Hold every joint's effort against what the robot says it needs, and name what no physics does.
+    """Compare every joint's effort with what the robot says it needs, and return faults that no physics explains.
 
-    Positions beyond what limits, measured velocities or efforts allow are in another unit, and a clock may be off.
-    A clear likeness to the prediction with its sign turned, or many times too large or small, or to another joint's
-    prediction that in turn looks like this one's, is a fault of signs, units or wiring.  Then positions with a sign or
-    at a joint that they should not have.
+    Positions beyond what limits, measured velocities or efforts allow are in the wrong unit, and a clock may run too
+    fast or too slow. An effort has a fault of sign, unit or wiring where it clearly matches the prediction with its
+    sign reversed or many times too large or small, or where it matches another joint's prediction while that joint's
+    effort matches this one's. Last come columns with a reversed sign or in another joint's place. With several logs,
+    the last two checks are repeated on each log alone.
     """
     return (
         find_units(gap)
@@ -43,14 +44,16 @@ def find_faults(gap: Gap) -> list[Fault]:
 
 
 def _in_one_log(gap: Gap, find: Callable[[Gap, Span], list[Fault]]) -> list[Fault]:
-    # What is at fault in one of several logs alone is lost in what all of them say together.
+    # A fault in only one of several logs is drowned out by what all of them say together.
     logs = gap.log.logs
     return [alone(fault, name, span) for name, span in logs for fault in find(gap, span)] if len(logs) > 1 else []
 
 
 def find_stretched(gap: Gap) -> list[Fault]:
-    """Return the fault of a clock that runs too fast or too slow, where measured velocities say so and the efforts fit
-    no worse once it is put right; else the velocities are what is wrong, and they are not used.
+    """Return the fault of a clock that runs too fast or too slow.
+
+    It is reported where measured velocities indicate it and the efforts fit no worse with the clock corrected.
+    Otherwise the velocities are wrong, and they are not used.
     """
     factor = stretched_clock(gap.log, gap.motion)
     if factor is None:
@@ -68,8 +71,9 @@ def find_stretched(gap: Gap) -> list[Fault]:
 
 
 def find_misread(gap: Gap, span: Span = EVER) -> list[Fault]:
-    """Return the effort columns that look like no prediction, but like one turned, scaled, or of another joint, within
-    a ``span`` of time.
+    """Return the effort columns that do not match their own prediction within a ``span`` of time.
+
+    They match it with the sign reversed or the scale wrong, or match that of another joint.
     """
     examined = list(gap.examined)
     own = within(span, gap.chain.time)
@@ -85,7 +89,7 @@ def find_misread(gap: Gap, span: Span = EVER) -> list[Fault]:
     for i, joint in enumerate(examined):
         if np.count_nonzero(clear[:, joint]) < FEWEST_ROWS:
             continue
-        # At rest friction may be anything; of pick and place that is most of a log.
+        # At rest friction may take any value, and a pick-and-place log is mostly rest: use clear rows only.
         alike, factor = _likeness(*(rows[clear[:, joint], i] for rows in (measured, predicted)))
         for j in range(i):
             crossed = min(likeness[i, j], likeness[j, i])
@@ -97,7 +101,7 @@ def find_misread(gap: Gap, span: Span = EVER) -> list[Fault]:
             action = f"it reads {factor:.3g} times what the robot needs; convert it to N·m or N at the joint, or A"
             mend = _in_a_known_unit(gap, joint, math.copysign(factor, alike))
             of_size[i] = Fault("data.unit", effort_column(gap, joint), action, mend=mend)
-    # Two that are the wrong size for their own joints, and the right one for each other's, stand in each other's place.
+    # Two efforts that have the wrong scale for their own joints, but the right one for each other's, are exchanged.
     for i, j in itertools.combinations(of_size, 2):
         if i in of_size and j in of_size and _of_each_other(gap, own, (i, j)):
             faults.append(of_efforts_or_positions(gap, span, examined[j], examined[i]))
@@ -106,7 +110,7 @@ def find_misread(gap: Gap, span: Span = EVER) -> list[Fault]:
 
 
 def _of_each_other(gap: Gap, own: Mask, pair: tuple[int, int]) -> bool:
-    # Whether what two examined joints report is what the robot as stated has the other one report.
+    # Whether each of two examined joints reports what the stated robot would report at the other one.
     for i, j in (pair, pair[::-1]):
         one, other = gap.examined[i], gap.examined[j]
         rows = own & gap.clear[:, one]
@@ -119,7 +123,8 @@ def _of_each_other(gap: Gap, own: Mask, pair: tuple[int, int]) -> bool:
 
 
 def _in_a_known_unit(gap: Gap, joint: int, factor: float) -> Mend | None:
-    # An effort that is so many times what the robot needs is one in thousandths, or one that the robot file converts.
+    # The mend of an effort that is off by a known factor: 1000 or its inverse, or a conversion that the robot file
+    # states. None where no known factor, or more than one, is near.
     drive = gap.robot.table.joint[joint].actuator
     known = {THOUSAND, 1.0 / THOUSAND}
     if gap.motion.quantity[joint] == EFFORT:
@@ -129,7 +134,7 @@ def _in_a_known_unit(gap: Gap, joint: int, factor: float) -> Mend | None:
 
 
 def _likeness(measured: Floats, predicted: Floats) -> tuple[float, float]:
-    # How alike two courses (rows,) are about their means, and how many times the second the first is.
+    # The correlation of two series (rows,), and the ratio of the first one's standard deviation to the second's.
     a, b = (values - np.mean(values) for values in (measured, predicted))
     size = float(np.sqrt((a @ a) * (b @ b)))
     return (float(a @ b) / size if size > 0.0 else 0.0), float(np.sqrt((a @ a) / max(float(b @ b), 1e-300)))

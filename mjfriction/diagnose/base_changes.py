@@ -1,4 +1,4 @@
-"""What links that were let go come to: the combinations of their inertias that the motion shows to be off."""
+"""The base parameters of freed links: combinations of their inertias that the motion shows to be off."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from mjfriction.identify.fitted import Fitted
 
 @dataclass(frozen=True)
 class BaseChanges:
-    """The combinations that the motion shows to be off, those that show most first, each as stated and as fitted;
-    ``shown`` is how many it shows at all.
+    """The combinations that the motion shows to be off, the best determined first, each as stated and as fitted.
+
+    ``shown`` is the number of combinations that the motion shows at all.
     """
 
     off: tuple[tuple[float, Fitted], ...]
@@ -22,15 +23,16 @@ class BaseChanges:
 
 
 def base_changes(model: Model, widths: HalfWidths) -> BaseChanges:
-    """Return which combinations of the inertias of links that were let go are off by more than their 95 % intervals;
-    none where no link was let go.
+    """Return which combinations of the freed links' inertias are off by more than their 95 % intervals; none where no
+    link was freed.
     """
     robot, inertias, place = model.gap.robot, model.nuisance.inertias, model.nuisance.of_inertias
     if inertias is None:
         return BaseChanges((), 0)
     normal = model.system.normal
     gram = normal.products.whole[0][place, place]
-    # What is known beforehand draws links to what is stated, by as much as that is off: no noise shows it.
+    # The prior pulls links towards the stated values. The bias is as large as those are off, and the noise does not
+    # show it, so add the prior's share of the covariance.
     drawn = normal.white_covariance(np.zeros(normal.joints))
     covariance = (widths.covariance + drawn[: model.nuisance.count, : model.nuisance.count])[place, place]
     stated, fitted = (

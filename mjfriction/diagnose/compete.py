@@ -1,4 +1,4 @@
-"""Causes compete for the residual: forward by what they explain on motion not fitted, then back."""
+"""Stepwise selection of causes: forward by what they explain on held-out motion, then backward."""
 
 from __future__ import annotations
 
@@ -27,13 +27,16 @@ from mjfriction.identify.gap import Gap
 from mjfriction.progress import Tell, silently
 
 MOST_CAUSES = 12
-KEPT = 10  # times likelier by chance, that a cause may be to be kept than to be chosen: what is as good stays
-NO_DIFFERENCE = 1.0  # of merit: the data are then but 1.6 times as likely under one as under the other
-SEARCHED, FURTHER = 0.8, 0.7  # of a diagnosis, that is search; of what is left of it, that each cause found leaves
+# A chosen cause stays up to this many times the chance level at which it may be chosen: what is as good stays.
+KEPT = 10
+# Merit difference that does not count: the data are then only 1.6 times as likely under one cause as the other.
+NO_DIFFERENCE = 1.0
+# Share of a diagnosis that is search; share of the remaining search that is left after each cause found.
+SEARCHED, FURTHER = 0.8, 0.7
 
 
 def never(_: Model) -> bool:
-    """Return that no model is enough yet."""
+    """Return False: no model ends the search early."""
     return False
 
 
@@ -46,17 +49,20 @@ def compete(
     begin: tuple[Chosen, ...] = (),
     enough: Callable[[Model], bool] = never,
 ) -> tuple[Model, Field]:
-    """Choose the causes that the log shows, strongest first; return them with what of the field was not refused.
+    """Choose the causes that the log shows, strongest first; return the model and the field without what was refused.
 
-    Forward: of the candidates whose strengths are beyond chance (Wald's test with block-clustered covariance, at a
-    level divided by the number of candidates) and that take away a share of the error on motion not fitted, the one
-    that takes most is chosen, until none is left. Backward: causes that the later ones have made needless are dropped.
-    Proof: where a steady tone or a load that swings is heard, all compete anew beside it; what
-    :func:`~mjfriction.diagnose.refusal.refused` names is refused, and the others compete anew without it. Where nothing
-    competes, nothing is listened for. Last, richer forms and courses along strokes take the place of what only begins
-    to tell them, and what they make needless is dropped. Of a search that was broken off, having come to more causes
-    than can be true, little is believed: it is made anew once at most, beside what was heard, and what is refused is
-    dropped. Causes that were found already may be there from the ``begin``; as soon as a model is ``enough`` it is
+    Forward: a candidate must have strengths beyond chance (Wald's test with block-clustered covariance, at a level
+    divided by the number of candidates) and take away a share of the held-out error. The one that takes most is chosen,
+    until none is left. Backward: causes that later ones have made needless are dropped. Proof: where a steady tone or a
+    swinging load is detected, all candidates compete anew beside it; causes that
+    :func:`~mjfriction.diagnose.refusal.refused` names are refused, and the others compete anew without them. Where
+    nothing competes, no oscillations are searched for. Last, richer forms and curves along the stroke replace causes
+    that only begin to describe them, and causes that these make needless are dropped.
+
+    A search is broken off when it has come to more causes than can be true, and its result is hardly credible. It is
+    repeated at most once, beside the oscillations that were detected, and causes that are refused are dropped.
+
+    ``begin`` holds causes that were found already and start the search. As soon as a model is ``enough``, it is
     returned as it is.
     """
     if not field:
@@ -90,7 +96,7 @@ def _with_found(gap: Gap, nuisance: Nuisance, begin: tuple[Chosen, ...]) -> Mode
 
 
 def _narrowed(field: Field, no_causes: list[Chosen]) -> Field:
-    # What is refused, and all that come after it of its kind, are asked for no more.
+    # The field without refused causes: neither these nor any later ones of their kind at the joint are tried again.
     out = []
     for entrant in field:
         orders = [one.site.order for one in no_causes if (type(one.cause), one.site.joint) == entrant.kind]
@@ -100,8 +106,8 @@ def _narrowed(field: Field, no_causes: list[Chosen]) -> Field:
 
 
 def _forward(model: Model, field: Field, chances: Chances, tell: Tell, enough: Callable[[Model], bool]) -> Model:
-    # What shows only while joints rest is set aside, and asked again when no other is left: every contact yields a
-    # little at a reversal, at every joint.
+    # Candidates that show only while joints rest are set aside, and tried again when no other is left: every contact
+    # yields a little at a reversal, at every joint.
     asked, anew = field, True
     while (named := len(model.noteworthy)) < MOST_CAUSES and not enough(model):
         tell(f"searching for causes, {named} so far", SEARCHED * (1.0 - FURTHER ** (1 + named)))
@@ -120,7 +126,8 @@ def _forward(model: Model, field: Field, chances: Chances, tell: Tell, enough: C
 
 
 def _one_more(model: Model, field: Field, chances: Chances) -> tuple[Model | None, Field]:
-    # The model with the best of the field that is proved, if any is, and the field without those that are not.
+    # The model with the best candidate of the field that is proved, if there is one, and the field without those that
+    # were not proved.
     while able := _passing(model, field, chances):
         trials = fairly(model, able)
         while trials:
@@ -134,8 +141,8 @@ def _one_more(model: Model, field: Field, chances: Chances) -> tuple[Model | Non
 
 
 def _exchanged(model: Model, field: Field, chances: Chances, tell: Tell, enough: Callable[[Model], bool]) -> Model:
-    # As often as a cause takes another's place, what is left is searched again.  That may lead back to what there was:
-    # none takes the same place twice.
+    # After each exchange of one cause for another, the remaining error is searched again. This may lead back to an
+    # earlier model, so no pair of kinds is exchanged twice.
     made: set[Kinds] = set()
     while True:
         exchange = exchanged(model, field, chances, NO_DIFFERENCE, made)
@@ -147,8 +154,8 @@ def _exchanged(model: Model, field: Field, chances: Chances, tell: Tell, enough:
 
 
 def _richer(model: Model, trial: Trial) -> Model | None:
-    # The model with a cause of the same joint in its richer form, where that does as much as another cause beside it:
-    # the one that is in the model, or the newcomer in the place of that.
+    # The model with a cause at the same joint in its richer form, where that gains as much as adding the new cause:
+    # either the cause that is in the model, or the newcomer in its place.
     new = trial.chosen
     for choice in model.chosen:
         if choice.site.joint != new.site.joint or choice.tangent or choice.cause.whole_arm:
@@ -161,8 +168,9 @@ def _richer(model: Model, trial: Trial) -> Model | None:
 
 
 def _best(model: Model, field: Field, trials: list[Trial]) -> Trial:
-    # The one of the largest merit, or the first in the field of those that come as near to it as makes no difference,
-    # or that are the same but for their name: a link that does but turn about its own upright joint, and the rotor.
+    # The trial of largest merit. Among trials whose merit differs too little to count, or whose columns are the same
+    # under another name (e.g. a link that only turns about its own vertical joint, and the rotor), the first in the
+    # field.
     causes = [type(entrant.cause) for entrant in field]
     best = max(trials, key=lambda trial: trial.merit)
     return min(
@@ -176,8 +184,8 @@ def _best(model: Model, field: Field, trials: list[Trial]) -> Trial:
 
 
 def _passing(model: Model, field: Field, chances: Chances) -> list[Trial]:
-    # The best of a short list that pass; where none does, of the next: what no cause fits at one joint may have a dozen
-    # candidates there rank before what is plain at another.
+    # The passing trials of the first short list that has any. Where none passes, the next list is tried: an effect that
+    # no cause fits at one joint may rank a dozen candidates there before an obvious one at another joint.
     choices, tried = ranked(model, field), list[Trial]()
     for first in range(0, len(choices), SHORT_LIST):
         own = all_tried(model, choices[first : first + SHORT_LIST])
@@ -190,8 +198,8 @@ def _passing(model: Model, field: Field, chances: Chances) -> list[Trial]:
 
 
 def _alike(tried: list[Trial], others: list[Chosen]) -> list[Chosen]:
-    # Of others, the best one's kind where that is ranked by what its own joint feels: at another joint, of which the
-    # joints before it feel more, it may do more.
+    # Of the other candidates, those of the best trial's kind where that kind is ranked by what its own joint feels: at
+    # another joint, where the joints before it feel more, it may do more.
     best = max(tried, key=lambda trial: trial.merit, default=None)
     if best is None or not best.chosen.cause.ranked_alone:
         return []
@@ -199,8 +207,8 @@ def _alike(tried: list[Trial], others: list[Chosen]) -> list[Chosen]:
 
 
 def _stands_for_less(model: Model, trial: Trial, tried: list[Trial], chances: Chances) -> bool:
-    # Whether what does more at the joint, and is too little of its friction to be told, leaves nothing for a cause that
-    # makes more of it.
+    # Whether another cause does more at the joint and leaves nothing for this one, though it is itself too small to
+    # pass: it is beyond chance, but too small a part of the joint's friction.
     for other in tried:
         same = other.chosen.cause.name == trial.chosen.cause.name
         if same or other.chosen.site.joint != trial.chosen.site.joint or other.merit <= trial.merit:
@@ -218,8 +226,8 @@ def _stands_for_less(model: Model, trial: Trial, tried: list[Trial], chances: Ch
 def _pruned(model: Model, chances: Chances) -> Model:
     while model.chosen:
         trials = [(choice, try_out(model.without(choice), choice)) for choice in model.chosen]
-        # What nature does not allow goes first, and of several the one that does least: it makes the others of its
-        # joint impossible.
+        # Inadmissible causes go first, and of several the one that takes least off: it makes the others at its joint
+        # impossible.
         needless = [
             (trial is not None, trial.gain if trial else _taken_off(model, choice), choice)
             for choice, trial in trials

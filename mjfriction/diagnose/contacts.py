@@ -1,4 +1,4 @@
-"""Friction that builds up within the travel that any contact yields: where it is more than that."""
+"""Presliding within the travel that any contact yields: when it is a finding all the same."""
 
 from __future__ import annotations
 
@@ -14,20 +14,23 @@ from mjfriction.diagnose.refitted import FEWEST_JOINTS
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_levels
 
-# Times the mean square left at a joint, that such friction takes away there, for it to be more than a contact's.
+# Such presliding is more than a contact's where it takes away more than this many times the mean square left at its
+# joint.
 NO_CONTACT = 3.0
-RIGID = 0.3  # of the part of its level that builds up at a joint, below which it has to be at others that are rigid
-DEVIATIONS = 2.0  # by which it is below
-FEWEST_RIGID = 2  # others, or all where a machine has fewer
+# Another joint is rigid if the share of its level that builds up is below this fraction of this joint's share.
+RIGID = 0.3
+DEVIATIONS = 2.0  # standard deviations by which it must be below
+FEWEST_RIGID = 2  # other joints that must be rigid, or all where a machine has fewer
 
 
 def more_than_contacts(model: Model, before: Mapping[Key, Floats], after: Floats) -> set[Key]:
-    """Return which causes are friction that builds up within the travel that any contact yields, and are findings all
-    the same: of a machine that does not yield so throughout, where it is by far the most that is wrong with its joint,
-    or where others would show as short a travel and do not.  A contact that sticks yields besides: beside a Stribeck
-    curve others are no measure.
+    """Return the causes that are presliding within the travel that any contact yields, but findings all the same.
 
-    ``before`` and ``after`` (rows, joints) are left on motion not fitted, without each cause and with all.
+    They are findings only on a machine that does not yield so throughout: where presliding is by far the largest error
+    at its joint, or where other joints would show as short a travel and do not. A contact that sticks also yields, so
+    beside a Stribeck curve the other joints are no measure.
+
+    ``before`` and ``after`` (rows, joints) are held-out residuals, without each cause and with all.
     """
     gap = model.gap
     short = [
@@ -53,7 +56,8 @@ def more_than_contacts(model: Model, before: Mapping[Key, Floats], after: Floats
 
 
 def _others_are_rigid(model: Model, choice: Chosen) -> bool:
-    # Whether the others would show that as much of their levels builds up over as large a part of their strokes.
+    # Whether enough other joints would show a like share of their level that builds up over a like part of their
+    # stroke, and do not.
     gap, joint = model.gap, choice.site.joint
     stroke = np.ptp(gap.motion.position, axis=0)
     place = model.places[[own.key for own in model.chosen].index(choice.key)]

@@ -1,4 +1,4 @@
-"""Waves, spots and springs that only spell a course along the stroke, and that course in their place."""
+"""Replace waves, spots and springs that only approximate a curve along the stroke by that curve."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from mjfriction.diagnose.trial import try_out
 
 
 def as_courses(model: Model) -> Model:
-    """Return the model with a course along the stroke in the place of what only spells it.
+    """Return the model with a curve along the stroke in the place of causes that only approximate it.
 
-    Of friction, where that pays for its names, or no period of several waves is known and it leaves as little; of a
-    torque, where waves and a spring are there that one smooth curve does as well as, and it leaves as little.
+    A friction curve replaces waves and spots where it pays for its extra strengths, or where the periods of several
+    waves are not known and it leaves as little error. A torque curve replaces waves and springs that one smooth curve
+    does as well as, where it leaves as little error.
     """
     vague = {joint for _, joint, _ in vague_waves(model)}
     for joint in model.gap.examined:

@@ -31,14 +31,14 @@ from mjfriction.progress import Tell, silently
 from mjfriction.record.log import Log
 from mjfriction.robot.robot import Robot
 
-HIGHEST = 60.0  # Hz, of the position filter; what arms do above it is mostly their own bending, and no cause's
-PROVING, DRIVING = 0.85, 0.95  # of the work, that is done before the proof, and before that in motion
+HIGHEST = 60.0  # Hz, highest cutoff of the position filter: above it arms mostly bend, which no cause describes
+PROVING, DRIVING = 0.85, 0.95  # shares of the work that are done before the proof, and before the free run
 
 
 def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently) -> Diagnosis:
-    """Hold a log against a robot and say what the robot gets wrong.
+    """Compare a log with a robot and report what the robot gets wrong.
 
-    ``seed`` sets the resampling behind the intervals of the gains; ``tell`` is told each step.  Raises
+    ``seed`` sets the resampling behind the intervals of the gains; ``tell`` is called at each step. Raises
     :class:`~mjfriction.errors.LogError` or :class:`~mjfriction.errors.RobotError` when either cannot be used.
     """
     tell("measuring the gap", 0.0)
@@ -96,4 +96,4 @@ def _driven(
     try:
         return run_freely(model, stated, seed, jumping), None
     except InputError as error:
-        return None, str(error)  # what MuJoCo cannot hold is diagnosed all the same
+        return None, str(error)  # a robot that MuJoCo cannot hold is diagnosed all the same

@@ -1,4 +1,4 @@
-"""How exactly a robot is stated: by what its friction is off, and may be."""
+"""How exactly a robot is stated: how far its friction is off, and how far it may be."""
 
 from __future__ import annotations
 
@@ -17,32 +17,36 @@ from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_levels
 
-MOST_JOINTS = 0.75  # share of joints whose changes are typical
-EXACT = 0.01  # of the stated friction: typical change of the other joints up to which a robot, links and all, is right
-FEWEST_OTHERS = 2  # joints, that can say how far friction usually is off
-OUTLYING = 3.0  # times the typical change of what is stated, that a change must be to be no such
-UNKNOWN = 0.04  # of the stated friction, that is taken for it where they lack
+MOST_JOINTS = 0.75  # quantile over the joints that is taken as the typical change
+EXACT = 0.01  # of the stated friction: up to this typical change a robot is taken to be stated exactly, links and all
+FEWEST_OTHERS = 2  # other joints that are needed to say how far friction usually is off
+OUTLYING = 3.0  # a change stands out where it exceeds the typical change of stated values by this factor
+UNKNOWN = 0.04  # of the stated friction: assumed typical change where too few other joints can say
 
 
 def typical(changes: Sequence[float], *, at_least: bool = False) -> float:
-    """Return the change that most joints stay below; ``at_least`` the largest that joints have and that most reach."""
+    """Return the change that most joints stay below, a quantile.
+
+    With ``at_least``, it is not interpolated: it is the largest change of a joint at or below that quantile.
+    """
     return float(np.quantile(changes, MOST_JOINTS, method="lower" if at_least else "linear"))
 
 
 def usually_off(changes: Mapping[int, float], joint: int, *, at_least: bool = False) -> float:
-    """Return by how much the friction of joints beside one is off as a rule; a few percent where too few can say.
+    """Return how far the friction of the joints beside one typically is off; a few percent where too few can say.
 
-    ``at_least``: of two or three others one that is far off says nothing of the rest.
+    ``at_least`` is for few joints: of two or three others, one that is far off says nothing about the rest.
     """
     others = [value for other, value in changes.items() if other != joint]
     return typical(others, at_least=at_least) if len(others) >= FEWEST_OTHERS else UNKNOWN
 
 
 def stated_exactly(model: Model) -> bool:
-    """Return whether friction is as stated at nearly all joints, so that the rest may be believed to be so too.
+    """Return whether friction is as stated at nearly all joints, so that the other stated values can be trusted too.
 
-    What a cause leaves of its joint's friction is a matter of its form: where enough others can say, they do.  And
-    before any is found, what makes a fit uncertain may be causes, and is no reason to believe in what is stated.
+    What a cause leaves of its joint's friction depends on the cause's form, so the joints without causes decide where
+    there are enough of them. Before any cause is found, unexplained causes may be what makes a fit uncertain. That is
+    no reason to trust the stated values, so noise is then not subtracted from the changes.
     """
     changes, others = least_off(model) if model.chosen else level_changes(model), untouched(model)
     asked = others if len(others) >= FEWEST_JOINTS else model.gap.examined
@@ -50,23 +54,24 @@ def stated_exactly(model: Model) -> bool:
 
 
 def untouched_and_exact(model: Model) -> list[int]:
-    """Return the joints that no cause touches, and whose friction is as stated."""
+    """Return the joints that no cause touches and whose friction is as stated."""
     changes = least_off(model)
     return [joint for joint in untouched(model) if changes.get(joint, 0.0) < EXACT]
 
 
 def untouched(model: Model) -> list[int]:
-    """Return the joints that no cause touches, but for those of the whole arm."""
+    """Return the examined joints that no cause touches, causes of the whole arm not counted."""
     touched = {choice.site.joint for choice in model.chosen if not choice.cause.whole_arm}
     return [joint for joint in model.gap.examined if joint not in touched]
 
 
 def usual_nuisance(gap: Gap) -> Nuisance:
-    """Return what is refitted with every candidate along a gap: of drives too, where friction is not stated exactly.
+    """Return what is refitted with every candidate along a gap, drives included where friction is not stated exactly.
 
-    What data sheets say of drives is as right as friction is: levels that are off throughout are the mark of that.  A
-    torque constant that is off looks so too, at its own joint and at those that its joint's motion tells of, but with
-    that all levels are as stated.
+    Data sheets of drives are assumed to be as accurate as friction levels: levels that are off throughout indicate that
+    drives are off too. A torque constant that is off makes levels look off as well, at its own joint and at joints that
+    are coupled to it. But once it is refitted, all levels are as stated, so levels are also judged beside refitted
+    torque constants or drives.
     """
     nuisance = make_nuisance(gap)
     exact = stated_exactly(build_model(gap, nuisance, ()))
@@ -82,7 +87,7 @@ def usual_nuisance(gap: Gap) -> Nuisance:
 def level_changes(model: Model) -> dict[int, float]:
     """Return by how much each joint's friction is refitted, relative to what is stated, by joint.
 
-    A torque constant that is refitted along scales friction too: what counts is what the drive reports of it.
+    A torque constant that is refitted along scales friction too: what counts is the friction that the drive reports.
     """
     own = _as_reported(model)
     return {
@@ -92,7 +97,7 @@ def level_changes(model: Model) -> dict[int, float]:
 
 
 def _as_reported(model: Model) -> dict[int, Floats]:
-    # By how much each joint's level and damping (2,) are refitted, as its drive reports them.
+    # The change of each joint's level and damping (2,), as its drive reports them.
     nuisance, strengths, table = model.nuisance, model.strengths, model.gap.robot.table.joint
     pairs = zip(nuisance.drives, strengths[nuisance.of_drives], strict=True)
     scale = {drive.site.joint: change for drive, change in pairs if drive.cause.name == TorqueConstant.name}
@@ -101,12 +106,12 @@ def _as_reported(model: Model) -> dict[int, Floats]:
 
 
 def least_off(model: Model) -> dict[int, float]:
-    """Return how far each joint's friction is off short of what noise makes of a fit, relative to what is stated, by
-    joint: in all, or in its level or its damping alone, whichever is more.
+    """Return how far each joint's friction is off at least, with noise taken off, relative to what is stated, by joint.
 
-    In all, noise is taken off as variances are; where it is much, no more than a percent.  Of level and damping it is
-    the nearer end of the 95 % interval that counts, where no cause touches the joint: both may be off by more than
-    friction is where the motion sees them both, one up, the other down.
+    It is the larger of two measures: that of level and damping together, and that of either alone. Together, the noise
+    variance is subtracted from the squared change, which takes off at most a percent of friction. Alone, the end of the
+    95 % interval that is nearer to zero counts, and only where no cause touches the joint: where the motion shows both,
+    one may be too high and the other too low, each by more than friction as a whole.
     """
     gap, changes, bare = model.gap, level_changes(model), untouched(model)
     reported, covariances = _as_reported(model), _covariances(model)
@@ -124,7 +129,7 @@ def least_off(model: Model) -> dict[int, float]:
 
 
 def may_be_off(model: Model) -> dict[int, float]:
-    """Return how far each joint's friction may be off, what noise leaves open included, relative to what is stated, by
+    """Return how far each joint's friction may be off, including what noise leaves open, relative to what is stated, by
     joint.
     """
     changes = level_changes(model)
@@ -134,8 +139,10 @@ def may_be_off(model: Model) -> dict[int, float]:
 
 
 def levels_off(model: Model) -> float:
-    """Return by how much levels and dampings are off one by one, relative to what is stated (RMS), short of noise, at
-    joints that no cause touches; those held as stated are right.
+    """Return the RMS change of single levels and dampings, relative to what is stated, with the noise variance
+    subtracted.
+
+    Only joints that no cause touches count; levels held as stated count as exact.
     """
     reported, covariances, asked = _as_reported(model), _covariances(model), untouched(model)
     squares = []
@@ -148,14 +155,14 @@ def levels_off(model: Model) -> float:
 
 
 def _covariances(model: Model) -> dict[int, Floats]:
-    # Of each joint's level and damping, (2, 2).
+    # The covariance of each joint's level and damping, (2, 2).
     nuisance, joints = model.nuisance, [level.site.joint for level in model.nuisance.levels]
     covariance = model.system.normal.covariance(model.gap.blocks.group)
     return {joint: covariance[nuisance.of_level(joint), nuisance.of_level(joint)] for joint in joints}
 
 
 def _noises(model: Model, covariances: Mapping[int, Floats]) -> dict[int, float]:
-    # What noise makes of each joint's friction, relative to what is stated.
+    # The RMS change of each joint's friction that noise makes, relative to what is stated.
     gap = model.gap
     return {
         joint: float(np.sqrt(np.trace(own @ _mean_square(gap, Site(joint))))) / _stated_friction(gap, joint)
@@ -173,5 +180,5 @@ def _stated_friction(gap: Gap, joint: int) -> float:
 
 
 def relative_change(gap: Gap, site: Site, strengths: Floats) -> float:
-    """Return the size of a change of a joint's level and damping (2,), relative to its stated friction."""
+    """Return the RMS effort of a change of a joint's level and damping (2,), relative to its stated friction."""
     return float(np.sqrt(strengths @ _mean_square(gap, site) @ strengths)) / _stated_friction(gap, site.joint)

@@ -1,4 +1,4 @@
-"""Causes give their places to what fits better there, now that others are known."""
+"""Exchange a chosen cause for one that fits better in its place once the other causes are known."""
 
 from __future__ import annotations
 
@@ -12,23 +12,25 @@ from mjfriction.diagnose.refusal import proved
 from mjfriction.diagnose.short_list import contenders, fairly, passing
 from mjfriction.diagnose.trial import Trial, try_out
 
-MOST_EXCHANGED = 8  # causes of a model: of a longer list none is believed much, and each exchange takes a search anew
+# Most findings with which causes are exchanged: a longer list is hardly credible, and each exchange takes a new search.
+MOST_EXCHANGED = 8
 
 Kinds = tuple[tuple[type[Cause], int], tuple[type[Cause], int]]
 
 
 @dataclass(frozen=True)
 class Exchange:
-    """A ``model`` in which one cause gave its place to another: ``kinds`` are what they are, and their joints."""
+    """A ``model`` in which one cause was exchanged for another; ``kinds`` are the types and joints of the two."""
 
     model: Model
     kinds: Kinds
 
 
 def for_place_of(choice: Chosen, field: Field) -> Field:
-    """Return what of a field may stand in the place of a cause: what sits on its joint or is felt by the whole arm, and
-    has another name, or counts apart from it; in that of one which the whole arm feels, what changes the links' loads
-    from any joint.
+    """Return the part of a field that may take the place of a cause.
+
+    These are causes at its joint or felt by the whole arm; if the whole arm feels the cause itself, also causes at any
+    joint that change the links' loads. Each has another name, or counts apart from the cause (``first_order``).
     """
     kind = choice.cause.name, choice.cause.first_order
 
@@ -42,7 +44,9 @@ def for_place_of(choice: Chosen, field: Field) -> Field:
 
 
 def in_place_of(without: Model, own: Trial, field: Field) -> tuple[Trial, list[Trial]]:
-    """Return the trial of a cause that was taken out of a model, and those of the best of a field, compared fairly."""
+    """Return the trial of a cause that was taken out of a model, and those of the best of a field, compared fairly
+    (:func:`~mjfriction.diagnose.short_list.fairly`).
+    """
     again, *rivals = fairly(without, [own, *contenders(without, field)])
     return again, rivals
 
@@ -50,11 +54,14 @@ def in_place_of(without: Model, own: Trial, field: Field) -> tuple[Trial, list[T
 def exchanged(
     model: Model, field: Field, chances: Chances, least: float, made: Collection[Kinds] = ()
 ) -> Exchange | None:
-    """Return the exchange of one of a model's causes for another that beats it by the ``least`` merit in its place, now
-    that the others are known; None where there is none but those that were ``made`` before.
+    """Return the exchange of one of a model's causes for another that beats it in its place by more than ``least``
+    merit.
 
-    What was chosen first was chosen beside nothing: a load at the flange may have stood for a heavier first link and
-    the rotor of the second joint together.  ``chances`` is how often chance might strike.
+    Return None where there is none, or only such as were ``made`` before. ``chances`` gives the number of candidates
+    among which the false-alarm level is divided.
+
+    The first cause was chosen with nothing beside it: a payload at the flange may have stood in for a heavier first
+    link and the rotor of the second joint together.
     """
     told = model.noteworthy
     if not 2 <= len(told) <= MOST_EXCHANGED:
@@ -82,5 +89,5 @@ def _kind(choice: Chosen) -> tuple[type[Cause], int]:
 
 
 def _wider(entrant: Entrant, cause: Cause) -> bool:
-    # What contains a cause takes its place where that pays, as its richer form.
+    # Whether a candidate contains the cause: it takes the cause's place elsewhere, as its richer form, where that pays.
     return cause.name in entrant.cause.contains

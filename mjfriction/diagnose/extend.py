@@ -24,7 +24,7 @@ from mjfriction.robot.robot import Robot
 
 @dataclass(frozen=True)
 class Adjustment:
-    """A stated value that was moved: at ``joint``, from ``stated`` to ``fitted``, known to ± ``half_width`` (95 %)."""
+    """A stated value that the fit moved: at ``joint``, from ``stated`` to ``fitted`` ± ``half_width`` (95 %)."""
 
     what: str
     joint: str
@@ -37,10 +37,11 @@ class Adjustment:
 def extend_robot(model: Model, strengths: Floats | None = None) -> Robot:
     """Build a fitted model into the robot: levels, zeros, drives, links, then the causes in the order they were found.
 
-    ``strengths`` are those fitted on everything if not given.
+    ``strengths`` are by default those fitted on all blocks, with links that bodies can have
+    (:attr:`~mjfriction.diagnose.model.Model.built`).
 
-    The fit adds everything at the sensor's output.  Where a joint's sensor gets a new scale 1 + ε, what lies before it
-    is divided by that, so that the robot file says the same as the fit.
+    The fit adds every effect at the sensor's output. Where a joint's sensor gets a new scale 1 + ε, effects before the
+    sensor are divided by that scale, so that the robot file predicts the same as the fit.
     """
     robot, nuisance = model.gap.robot, model.nuisance
     strengths = model.built if strengths is None else strengths
@@ -73,7 +74,7 @@ def extend_robot(model: Model, strengths: Floats | None = None) -> Robot:
 
 
 def adjustments(model: Model, untold: Collection[Key]) -> list[Adjustment]:
-    """List the stated values that the fit moved, those of causes that are no findings (``untold``) too."""
+    """List the stated values that the fit moved, including those of causes that are not findings (``untold``)."""
     gap, strengths, widths = model.gap, model.built, half_widths(model)
     half = widths.nuisance
     out = []
@@ -119,7 +120,7 @@ def _moved(gap: Gap, cause: Cause, site: Site, quantity: Quantity, value: float,
 
 
 def _moved_link(robot: Robot, name: str, change: Floats, half: Floats) -> list[Adjustment]:
-    # Its scale, and those shifts of its centre that the motion shows.
+    # The link's scale, and the shifts of its centre of mass that are larger than their half-width.
     scale = link_scale(robot, name)
     fitted = scale * (1.0 + float(change[0]))
     out = [Adjustment("link_scale", name, "1", scale, fitted, scale * float(half[0]))]

@@ -1,4 +1,4 @@
-"""The candidates of a diagnosis: every cause at every joint it may sit on."""
+"""The candidates of a diagnosis: every cause at every joint where it may occur."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mjfriction.identify.gap import Gap
 
 @dataclass(frozen=True)
 class Entrant:
-    """A cause on a joint, with every shape of its starting grid; ``times`` is how many of it the joint may have."""
+    """A cause at a joint, with every shape of its starting grid; the joint may have up to ``times`` of its kind."""
 
     cause: Cause
     joint: int
@@ -27,7 +27,7 @@ class Entrant:
 
     @property
     def kind(self) -> tuple[type[Cause], int]:
-        """What is refused when it is refused: this way to draw the cause, at this joint."""
+        """The unit of refusal: this implementation of the cause, at this joint."""
         return type(self.cause), self.joint
 
 
@@ -35,7 +35,7 @@ Field = tuple[Entrant, ...]
 
 
 def make_field(gap: Gap, causes: tuple[Cause, ...]) -> Field:
-    """Return every cause at every joint it may sit on."""
+    """Return every cause at every joint where it may occur."""
     entrants = []
     for cause in causes:
         sites = cause.sites(gap)
@@ -46,38 +46,38 @@ def make_field(gap: Gap, causes: tuple[Cause, ...]) -> Field:
 
 
 def in_place_of_levels(gap: Gap, joint: int) -> Field:
-    """Return what may stand in the place of a joint's refitted levels alone."""
+    """Return the candidates that may only take the place of a joint's refitted levels."""
     return tuple(entrant for entrant in make_field(gap, (UnfinishedStribeck(),)) if entrant.joint == joint)
 
 
 def size(field: Field) -> int:
-    """Return how many candidates a field holds, every shape counted that is told from others: how often chance may
-    strike.
+    """Return how many candidates a field holds, counting every shape that the motion tells apart: the number of chances
+    for a false alarm.
     """
     return sum(entrant.cause.chances(entrant.sites) for entrant in field)
 
 
 @dataclass(frozen=True)
 class Chances:
-    """How often chance may strike in a field: ``whole`` times, and ``own`` times by each kind of cause.
+    """The number of chances for a false alarm in a field: ``whole`` in all, and ``own`` by kind of cause.
 
-    The stated level of false alarms is shared out: one half equally among all candidates, the other equally among the
-    kinds of causes.  Of two thousand candidates most are shapes of waves; six torque constants need not stand out as if
-    they had been picked from all these.
+    The stated false-alarm level is divided: one half equally among all candidates, the other half equally among the
+    kinds of causes. Of two thousand candidates most are shapes of waves; six torque constants need not stand out as if
+    they had been picked from all of these.
     """
 
     whole: int
     own: Mapping[type[Cause], int]
 
     def among(self, cause: Cause) -> float:
-        """Return out of how many candidates one of a cause is picked: the inverse of its share of the level."""
+        """Return the effective number of candidates that a cause is picked from: one over its share of the level."""
         if type(cause) not in self.own:
             return float(self.whole)
         return 2.0 / (1.0 / self.whole + 1.0 / (len(self.own) * self.own[type(cause)]))
 
 
 def chances_in(field: Field) -> Chances:
-    """Return how often chance may strike in a field."""
+    """Return the number of chances for a false alarm in a field."""
     own: dict[type[Cause], int] = {}
     for entrant in field:
         own[type(entrant.cause)] = own.get(type(entrant.cause), 0) + entrant.cause.chances(entrant.sites)
@@ -85,7 +85,7 @@ def chances_in(field: Field) -> Chances:
 
 
 def present(model: Model, entrant: Entrant) -> int:
-    """Return how many of an entrant's kind a model has at its joint."""
+    """Return how many causes of an entrant's kind a model has at its joint."""
     return sum(
         (choice.cause.name, choice.site.joint) == entrant.key and choice.cause.first_order == entrant.cause.first_order
         for choice in model.chosen

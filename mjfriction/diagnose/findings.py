@@ -26,14 +26,17 @@ from mjfriction.identify.proof import gain_at
 from mjfriction.record.log import Floats
 
 OF_ONE_FACTOR = {STATED_LEVELS.name: TorqueConstant.name, TorqueConstant.name: STATED_LEVELS.name}
-ONE_OF_MANY = 0.25  # confidence of what is one of so many alternatives that it names nothing
-FAINTEST = 0.05  # that is told at all: the other half of a cause may be none once all is known
+ONE_OF_MANY = 0.25  # confidence below which a cause with alternatives is one of so many that it names nothing
+# Confidence below which nothing is reported: a cause's other half may prove to be none once all is known.
+FAINTEST = 0.05
 
 
 @dataclass(frozen=True)
 class Told:
-    """The ``findings``, those that gain most first, the motion that would settle the least certain of them, and which
-    causes of the model are none (``untold``).
+    """The ``findings``, largest gain first, and the ``experiment`` (a motion) that would settle the least certain of
+    them.
+
+    ``untold`` are the causes of the model that are not findings.
     """
 
     findings: tuple[Finding, ...]
@@ -42,11 +45,11 @@ class Told:
 
 
 def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> Told:
-    """Return what there is to tell of a settled model.
+    """Return what there is to report of a settled model.
 
-    ``untold`` tells which of its causes are no findings; neither is what is hardly likely at all, or but one of many
-    alternatives where something is left unexplained, or beside another finding at its joint.  ``seed`` sets the
-    resampling behind the intervals of the gains.
+    ``untold`` says which of its causes are not findings. A cause is not a finding either if it is very unlikely, or if
+    it is one of many alternatives and something is left unexplained or there is another finding at its joint. ``seed``
+    sets the resampling behind the intervals of the gains.
     """
     model = settled.model
     heldout, widths = model.heldout_residual(oscillations=True), widths_told(model)
@@ -79,8 +82,9 @@ def _one_of_many(stands: Standing) -> bool:
 
 
 def _names_nothing(choice: Chosen, stands: Standing, untold: Untold, firm: Sequence[Chosen]) -> bool:
-    # One of many alternatives may be all that is known of a joint; of what others cannot explain, or what a ``firm``
-    # cause beside it leaves whose form is not quite the one fitted, it names a part at random.
+    # One of many alternatives may be all that is known of a joint. But where an error is left that no cause explains,
+    # or that a ``firm`` cause beside it leaves because its form is not quite the fitted one, the cause names a random
+    # part of that error.
     if stands.confidence < FAINTEST:
         return True
     if choice.cause.whole_arm:
@@ -93,12 +97,12 @@ def _names_nothing(choice: Chosen, stands: Standing, untold: Untold, firm: Seque
 class _Unsure:
     confidence: float
     choice: Chosen
-    rival: str  # its likeliest rival's cause
-    other: Model  # with that in its place
+    rival: str  # cause name of its likeliest rival
+    other: Model  # the model with that rival in its place
 
 
 def _settling(model: Model, unsure: Sequence[_Unsure]) -> Experiment | None:
-    # The motion that tells the least certain finding from its rival.
+    # The motion that best distinguishes the least certain finding from its rival.
     if not unsure:
         return None
     least = min(unsure, key=lambda entry: entry.confidence)
@@ -124,7 +128,7 @@ def _finding(model: Model, told: ToTell, stands: Standing, heldout: Floats, seed
 
 
 def _instead(settled: Settled, choice: Chosen, stands: Standing) -> tuple[str, Model] | None:
-    # The likeliest other explanation: its cause's name, and the whole model.
+    # The likeliest other explanation: the name of its cause, and the whole model.
     model, joint = settled.model, choice.site.joint
     if joint in settled.scaled and choice.cause is STATED_LEVELS:
         return TorqueConstant.name, with_factor(model, joint, settled.scaled[joint])
@@ -138,7 +142,7 @@ def _instead(settled: Settled, choice: Chosen, stands: Standing) -> tuple[str, M
 
 
 def _of_one_factor(choice: Chosen, stands: Standing) -> Standing:
-    # Of levels that are both off by one factor, and of a drive that is, either may be meant.
+    # Both levels off by one factor, and a torque constant off by that factor: either may be the cause.
     if choice.cause.name not in OF_ONE_FACTOR:
         return stands
     alternatives = tuple(dict.fromkeys((*stands.alternatives, OF_ONE_FACTOR[choice.cause.name])))
@@ -146,7 +150,7 @@ def _of_one_factor(choice: Chosen, stands: Standing) -> Standing:
 
 
 def _beside_links(choice: Chosen, stands: Standing) -> Standing:
-    # What is held at the flange throughout is a part of the last link: that one may be off too where others are.
+    # A payload that is held throughout is a part of the last link, and that link may be off too where others are.
     if not isinstance(choice.cause, Payload) or stands.alternatives:
         return stands
     return replace(stands, alternatives=(LinkScale.name,), confidence=min(stands.confidence, EVEN))

@@ -1,8 +1,10 @@
-"""Robots whose links are wrong everywhere: no few causes make up for that, so links are let go and causes compete anew.
+"""Robots whose links are all wrong: a few causes cannot make up for that, so links are freed and causes compete anew.
 
-Vendors' models are made for pictures and for planning: their masses add up, but each link's may be a third off, and its
-centre a hand's breadth.  Two dozen small errors within what stated inertias usually are off by do not reach that far,
-and single links or a payload would have to stand for all.
+Vendors' models are made for pictures and for planning. Their masses add up, but each link's mass may be off by a third,
+and its centre of mass by a hand's breadth. Links refitted within the usual error of stated inertias, two dozen small
+changes, do not reach that far, and single links or a payload would have to stand in for all of them.
+
+A freed link has all ten of its inertial parameters refitted.
 """
 
 from __future__ import annotations
@@ -24,24 +26,24 @@ from mjfriction.progress import Tell, silently
 from mjfriction.record.log import Floats
 
 OF_LINKS = LinkScale | LinkCentre | Payload
-STRAINED = 2.0  # deviations, by which a link that is refitted along must be off for more to be asked
-FEWEST_GAINING = 2  # that must gain by it
-MANY = 2  # links and payloads named: no single cause any more, whatever joints gain
-LEAST_GAINED = 0.1  # of what is left at a joint, on motion not fitted, that counts as gained, or lost
-BAR = 2.0  # standard errors by which it must gain over the blocks
-CORRECTED = 1e-9  # of a gram's diagonal, that keeps what no motion shows from being a freedom
+STRAINED = 2.0  # prior standard deviations by which a refitted link must be off before freed links are tried
+FEWEST_GAINING = 2  # joints that must gain by freed links
+MANY = 2  # with this many named links and payloads, no single cause is credible, whatever joints gain
+LEAST_GAINED = 0.1  # of the held-out mean square left at a joint: a smaller change is neither a gain nor a loss
+BAR = 2.0  # standard errors over the blocks by which the gain must exceed its price
+CORRECTED = 1e-9  # of a gram's diagonal, added to it so that what no motion shows does not count as a freedom
 
 
 def compete_for_links(
     gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silently, *, begin: tuple[Chosen, ...] = ()
 ) -> tuple[Model, Field]:
-    """Let causes compete as :func:`~mjfriction.diagnose.compete.compete` does, with all links let go where that is what
-    the log shows.
+    """Let causes compete as :func:`~mjfriction.diagnose.compete.compete` does, with all links freed where the log shows
+    that.
 
-    That is asked where links are off at all.  In the place of every link and payload that was named, all ten numbers of
-    each link must gain on motion not fitted, more than what their further freedoms are worth on noise alone, less what
-    it cost to pick the others out of the field; at two joints at least, but where many were named; and at none may what
-    then competes anew beside them leave more.
+    Freed links are tried only where links are off at all. In the place of every named link and payload, all ten numbers
+    of each link must gain on held-out motion more than their extra freedoms gain on noise alone, less what it cost to
+    pick the named ones out of the field. At least two joints must gain, unless many links were named. Finally, the
+    causes that then compete anew beside freed links may not leave more at any joint.
     """
     model, asked = compete(
         gap,
@@ -60,7 +62,7 @@ def compete_for_links(
         return let_go
     if _named(model) < MANY:
         return model, asked
-    # That search may have been broken off: it goes on from there.
+    # The first search may have been broken off (``enough``): continue it from there.
     return compete(gap, nuisance, field, tell, begin=model.chosen)
 
 
@@ -73,7 +75,7 @@ def _others(model: Model) -> tuple[Chosen, ...]:
 
 
 def _strained(model: Model) -> bool:
-    # Whether any link was named, or is about as far off as stated ones ever are.
+    # Whether any link was named, or is refitted about as far as stated links are ever off.
     place = model.nuisance.of_links
     far = np.abs(model.strengths[place]) * np.sqrt(model.nuisance.precision[place]) > STRAINED
     return _named(model) > 0 or bool(np.any(far))
@@ -98,13 +100,14 @@ def _pays(model: Model, field: Field) -> bool:
 
 
 def _left(model: Model) -> Floats:
-    # The mean square that is left at each joint that is examined, on motion not fitted.
+    # The held-out mean square left at each examined joint.
     left = model.heldout_residual()
     return np.array([model.gap.rms(left[:, joint], joint) ** 2 for joint in model.gap.examined])
 
 
 def _freedoms(normal: Normal) -> float:
-    # What is held near a value is less than a freedom: the trace of what turns rows into their fit.
+    # The effective degrees of freedom: the trace of the matrix that maps rows to their fit. A strength that a prior
+    # holds near a value counts as less than one.
     gram, _ = normal.products.whole
     held = gram + np.diag(normal.precision) + CORRECTED * np.diag(np.diag(gram))
     held[np.diag_indices_from(held)] += np.where(np.diag(held) > 0.0, 0.0, 1.0)

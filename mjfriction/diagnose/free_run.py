@@ -1,5 +1,6 @@
-"""The proof in motion: the log's efforts drive the stated and the extended robot freely in MuJoCo, for a moment at a
-time, from where the machine was.
+"""Free-run check: the logged efforts drive the stated and the extended robot in MuJoCo for short runs.
+
+Each run starts where the machine was.
 """
 
 from __future__ import annotations
@@ -19,16 +20,18 @@ from mjfriction.identify.stretches import Cuts, missed, stretches_at
 from mjfriction.record.log import Floats, Integers
 from mjfriction.robot.robot import Robot
 
-SECONDS = 0.25  # of each run: nothing holds the joints on their course, and in a second any arm falls off it
+SECONDS = 0.25  # length of each run: nothing holds the joints on course, and within a second any arm drifts off it
 
 
 @dataclass(frozen=True)
 class FreeRun:
-    """How far the joints end up from where the machine was, in runs of so many ``seconds``, one in a block of motion.
+    """How far the joints end up from where the machine was, in runs of ``seconds`` each, at most one per block of
+    motion.
 
-    ``begin`` (runs,) on the log's clock and ``time`` (m,) since then; ``stated`` and ``extended`` (runs, m, joints),
-    rad or m, the strengths of the extended robot fitted to other blocks each time; ``gains``, by the index of each
-    joint that is told of, the RMS of both in rad or m.
+    ``begin`` (runs,) is on the log's clock, and ``time`` (m,) counts from it. ``stated`` and ``extended`` (runs, m,
+    joints) are the position errors in rad or m; the strengths of the extended robot are fitted to the other folds'
+    blocks each time. ``gains`` holds the RMS errors of both robots in rad or m, by the index of each joint that is
+    reported.
     """
 
     seconds: float
@@ -42,9 +45,10 @@ class FreeRun:
 def run_freely(model: Model, stated: Robot, seed: int, jumping: Collection[int] = ()) -> FreeRun:
     """Drive the ``stated`` robot and the one extended by a model freely along the model's log.
 
-    ``seed`` sets the resampling behind the intervals.  Of joints whose sensors were seen ``jumping`` nothing is told:
-    the motion is that without the jumps.  Raises :class:`~mjfriction.errors.InputError` where a joint that moves has no
-    effort, no block is long enough, a cause is none without a part of the log, or MuJoCo cannot hold a robot.
+    ``seed`` sets the resampling behind the intervals. Joints whose sensors were seen ``jumping`` are not reported,
+    since the motion is given without the jumps. Raises :class:`~mjfriction.errors.InputError` where a joint that moves
+    has no effort, no block is long enough, a cause becomes inadmissible without a part of the log, or MuJoCo cannot
+    hold a robot.
     """
     gap = model.gap
     cuts, block = _one_in_each_block(gap)
@@ -71,7 +75,7 @@ def _possible(model: Model, strengths: Floats) -> Floats:
 
 
 def _one_in_each_block(gap: Gap) -> tuple[Cuts, Integers]:
-    # In the middle of its longest stretch that no gap cuts, no filter's end touches and all efforts tell something of.
+    # Place each run in the middle of its block's longest stretch without gaps, filter transients or unusable efforts.
     motion, blocks = gap.motion, gap.blocks
     spoilt = unusable_rows(gap.log, motion, gap.chain)[:, list(gap.examined)].any(axis=1)
     told = motion.settled & (np.interp(motion.time, gap.chain.time, spoilt.astype(np.float64)) == 0.0)

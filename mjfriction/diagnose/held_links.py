@@ -1,4 +1,4 @@
-"""Links as stated and one cause more, where all else is stated exactly: what links seem off by is then a cause."""
+"""Links held as stated and one cause more, where all else is stated exactly: refitted links then hide a cause."""
 
 from __future__ import annotations
 
@@ -17,19 +17,21 @@ from mjfriction.diagnose.refitted import FEWEST_JOINTS
 from mjfriction.diagnose.short_list import contenders, fairly, passing
 from mjfriction.diagnose.tangent import straightened
 
-NEARLY_EXACT = 0.02  # of the stated friction: typical change up to which one cause may stand for all links
-NEARLY_ALL = 0.99  # of the mean square that refitted links take off any joint's error, that one cause may take instead
+# Of the stated friction: largest typical change with which one cause may stand for all refitted links.
+NEARLY_EXACT = 0.02
+# Of the mean square that refitted links take off a joint's error: share that one cause must take instead.
+NEARLY_ALL = 0.99
 
 
 def held_links(model: Model, field: Field, surely_off: Mapping[int, float], maybe_off: Mapping[int, float]) -> Model:
-    """Return the model with all links as stated and one cause more, where the rest is stated exactly and that leaves as
-    little at every joint.
+    """Return the model with all links held as stated and one cause more, where the rest is stated exactly and that
+    leaves as little error at every joint.
 
-    Links may be a few percent off beside friction levels that are; beside levels that are right to a percent, what
-    one link or payload does alone was not done by two dozen small errors.  ``surely_off`` is what friction is off by
-    for sure (:func:`~mjfriction.diagnose.exact.least_off`), ``maybe_off`` what it may be
-    (:func:`~mjfriction.diagnose.exact.may_be_off`), by joint, before any was held as stated: one that could not be told
-    is no level that is right.  Links have to be off by more than levels may be.
+    Links may be a few percent off where friction levels are. But where levels are right to a percent, what one link or
+    payload does alone was not done by two dozen small errors. ``surely_off`` is by how much friction is off at least
+    (:func:`~mjfriction.diagnose.exact.least_off`) and ``maybe_off`` by how much it may be
+    (:func:`~mjfriction.diagnose.exact.may_be_off`), by joint, before any level was held as stated: a level that the
+    data do not determine is not a level known to be right. Links must be off by more than levels may be.
     """
     if not model.nuisance.links or len(surely_off) < FEWEST_JOINTS:
         return model
@@ -38,7 +40,7 @@ def held_links(model: Model, field: Field, surely_off: Mapping[int, float], mayb
     held = model.without_links()
     links = tuple(one for one in field if isinstance(one.cause, LinkScale))
     asked = tuple(one for one in field if one not in links)
-    # A link's four numbers beside a tilt, or another link's, can be nearly anything.
+    # Beside a tilt or another link's change, a link's four numbers can be nearly anything.
     whole = not any(choice.cause.of_body for choice in model.chosen)
     lone = (LoneLink(), LoneWholeLink()) if whole else (LoneLink(),)
     asked += tuple(replace(one, cause=cause) for one in links for cause in lone)
@@ -48,14 +50,14 @@ def held_links(model: Model, field: Field, surely_off: Mapping[int, float], mayb
     best = max(fairly(held, able), key=lambda trial: trial.merit)
     rest = without_contained(held.chosen, best.chosen)
     alone = straightened(build_model(held.gap, held.nuisance, (*rest, best.chosen)))
-    # Of two columns that are alike, one may be all that the other is not.
+    # Two causes with similar columns may get large opposite strengths: every cause must still be admissible.
     possible = alone.admissible() is alone and _stand_out(model, alone, maybe_off)
     return alone if possible and _as_good(alone, model, held) else model
 
 
 def _stand_out(model: Model, alone: Model, maybe_off: Mapping[int, float]) -> bool:
-    # Whether links are off by more than levels may be: where each is off by no more, none of them did it alone.  What
-    # is no link, nor as good as one, stands out by itself.
+    # Whether links are off by more than levels may be: where each is off by no more, none of them did it alone. A cause
+    # that is neither a link nor a payload is held to the same standard by its own size.
     bare = [maybe_off[joint] for joint in untouched(alone) if joint in maybe_off] or list(maybe_off.values())
     usual, last = OUTLYING * typical(bare), alone.chosen[-1]
     if isinstance(last.cause, LoneLink | LoneWholeLink | Payload):
@@ -66,7 +68,8 @@ def _stand_out(model: Model, alone: Model, maybe_off: Mapping[int, float]) -> bo
 
 
 def _as_good(alone: Model, model: Model, bare: Model) -> bool:
-    # At every joint: by what is left, or by what is taken off the error that there is with links as stated.
+    # Whether it is as good at every joint: it leaves as little, or takes off nearly as much of the error with links as
+    # stated.
     gap = model.gap
     lefts = [one.heldout_residual() for one in (alone, model, bare)]
     for joint in gap.examined:

@@ -1,4 +1,4 @@
-"""How well the data fix each fitted quantity."""
+"""Confidence intervals: how well the data determine each fitted quantity."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from mjfriction.identify.normal import Normal
 from mjfriction.identify.regression import Columns, System
 from mjfriction.record.log import Floats
 
-STEP = 0.05  # of a shape parameter's step when it is searched, for its tangent
-LEAST_KNOWN = 100.0  # of these steps, that a shape parameter is known to beforehand
+STEP = 0.05  # of a shape parameter's search step: the step of the difference quotient for its tangent
+LEAST_KNOWN = 100.0  # prior standard deviation of a shape parameter, in search steps: next to no restraint
 
 
 @dataclass(frozen=True)
 class HalfWidths:
-    """Half-widths of 95 % intervals: of the nuisances' strengths, and for every chosen cause of its strengths and then
-    its shape parameters.
+    """Half-widths of 95 % intervals: of the nuisance strengths, and of each chosen cause's strengths, then its shape
+    parameters.
 
-    They are ``quantile`` deviations; ``covariance`` is that of the nuisances' strengths.
+    A half-width is ``quantile`` standard deviations; ``covariance`` is that of the nuisance strengths.
     """
 
     nuisance: Floats
@@ -37,19 +37,20 @@ class HalfWidths:
 def half_widths(model: Model) -> HalfWidths:
     """Return how uncertain everything fitted is, from the clustered covariance.
 
-    Shape parameters enter linearised, so that the uncertainty of a level and of the speed it fades over are the joint
-    ones.  Where the motion repeats, the repetitions are what the interval is drawn from.
+    Shape parameters enter linearised, so that the uncertainties of, say, a level and the speed over which it fades are
+    joint ones. Where the motion repeats, the repetitions are the clusters.
     """
     full, sizes = _with_shapes(model)
     return _half_widths(model, sizes, full.covariance(model.gap.blocks.group), model.nuisance.count)
 
 
 def widths_told(model: Model) -> HalfWidths:
-    """Return how uncertain what is told of a model is: its causes also by as much as stated drives and links that are
-    off would move them, unless all is stated exactly.
+    """Return how uncertain the reported values of a model are.
 
-    They are off by as much as this robot's refitted ones are, or, where held as stated, by the least.  A fit leans
-    towards what is known of them, and no row of the log tells by how much it is wrong in that.
+    The intervals of causes are widened by as much as errors of the stated drives and links would move them, unless all
+    is stated exactly or links are freed. These errors are taken to be as large as this robot's refitted ones, or, where
+    all are held as stated, the smallest that are assumed. A fit leans towards its prior, and no row of the log shows
+    how wrong the prior is.
     """
     own, nuisance = half_widths(model), model.nuisance
     if stated_exactly(model) or nuisance.inertias is not None:
@@ -64,7 +65,7 @@ def widths_told(model: Model) -> HalfWidths:
 
 
 def _with_shapes(model: Model) -> tuple[Normal, list[int]]:
-    # The equations of a model in which its shapes may move too, and how many strengths and shapes each cause has.
+    # The normal equations of a model whose shapes may move too, and how many strengths and shapes each cause has.
     nuisance, strengths = model.nuisance, model.strengths
     columns, precisions = [nuisance.columns], [model.known_of_nuisance]
     sizes = []
@@ -78,7 +79,7 @@ def _with_shapes(model: Model) -> tuple[Normal, list[int]]:
 
 
 def _half_widths(model: Model, sizes: list[int], covariance: Floats, count: int) -> HalfWidths:
-    # ``count`` of the covariance's strengths are the nuisances'.
+    # The first ``count`` strengths of the covariance are the nuisances'.
     gap = model.gap
     quantile = float(student.ppf(0.975, gap.blocks.groups - 1))
     half = quantile * np.sqrt(np.maximum(np.diag(covariance), 0.0))

@@ -1,4 +1,4 @@
-"""What a cause that was found asks for besides: one question put beforehand, not the best of many."""
+"""Companions that found causes ask for: each is one question posed in advance, not the best of many candidates."""
 
 from __future__ import annotations
 
@@ -10,17 +10,20 @@ from mjfriction.diagnose.field import Field, present
 from mjfriction.diagnose.model import Chosen, Model
 from mjfriction.diagnose.trial import try_out
 
-FULLER_CHANCE = 0.05  # at which one strength more of a cause is taken along: that of its 95 % interval leaving out zero
-# The EMPS log's offset stands at 0.008 and at 0.03; on robots of which all is a little off, halves that are none stood
-# at 0.010 and 0.026.
-KIN_CHANCE = 0.01  # at which a cause's other half is taken along
-LEAST_KIN = 0.02  # of its partner's effort that a cause's other half must reach
-LEAST_KIN_EFFECT = 0.002  # and of the joint's effort
-NEARLY_AS_MUCH = 0.95  # of the mean square that running time takes off, that the logged temperature takes off too
+FULLER_CHANCE = 0.05  # chance level for one more strength of a cause: its 95 % interval then excludes zero
+# The offset of the EMPS log comes out at 0.008 and at 0.03. On robots whose values are all a little off, other halves
+# that are not real came out at 0.010 and 0.026.
+KIN_CHANCE = 0.01  # chance level at which a cause's other half is added
+LEAST_KIN = 0.02  # of its partner's effort: least effort of a cause's other half
+LEAST_KIN_EFFECT = 0.002  # of the joint's effort: least effort of a cause's other half
+# Of the mean square that running time takes off: share that the logged temperature must take off too.
+NEARLY_AS_MUCH = 0.95
 
 
 def fulfilled(model: Model) -> Model:
-    """Return the model with those of its causes that may have one strength more in that form, where it tells."""
+    """Return the model with causes in their fuller form, which has one more strength, where that strength is beyond
+    chance and lowers the held-out error.
+    """
     for choice in model.chosen:
         if choice.cause.fuller is None:
             continue
@@ -38,9 +41,9 @@ def fulfilled(model: Model) -> Model:
 
 
 def plainer(model: Model, field: Field) -> Model:
-    """Return the model with what causes are but for one strength in their places, where the strength gains nothing.
+    """Return the model with causes replaced by simpler ones that they contain, where the extra strength gains nothing.
 
-    A spring may be told before the waves on its joint are, and be a mere offset beside them.
+    A spring may be chosen before the waves on its joint are, and turn out to be a mere offset beside them.
     """
     for choice in model.chosen:
         without = model.without(choice)
@@ -55,8 +58,10 @@ def plainer(model: Model, field: Field) -> Model:
 
 
 def by_temperature(model: Model, field: Field) -> Model:
-    """Return the model with friction that follows the logged temperature in the place of what settles with running
-    time, where that takes nearly as much off: a sensor that reads whole degrees does not make it time that counts.
+    """Return the model with friction that follows the logged temperature in the place of friction that settles with
+    running time, where it takes off nearly as much error.
+
+    A temperature sensor that reads whole degrees fits a little worse, which does not make running time the cause.
     """
     warming = {entrant.joint: entrant for entrant in field if isinstance(entrant.cause, Warming)}
     for choice in model.chosen:
@@ -77,10 +82,11 @@ def by_temperature(model: Model, field: Field) -> Model:
 
 
 def with_kin(model: Model, field: Field) -> Model:
-    """Return the model with the other halves of its causes, where they tell.
+    """Return the model with the other halves of its causes, where these are beyond chance.
 
-    A found cause names its other half, if it has one.  That is one question asked beforehand, not the best of many
-    answers, so that it stands at the plain level; and it is measured against its partner, not against the effort.
+    A found cause names its other half, if it has one. That is one question posed in advance, not the best of many
+    candidates, so it is tested at the plain level. Its size is measured against its partner, apart from a small least
+    share of the joint's effort.
     """
     for choice in model.chosen:
         for entrant in field:

@@ -1,8 +1,8 @@
-"""What free friction levels make up for: causes and shapes beside which levels as stated do as well.
+"""Causes and shapes that free friction levels make up for, refitted beside levels held as stated.
 
-What a shared drive takes of a joint's own velocity is damping like that joint's own, so that with levels free any ratio
-fits; and a torque constant half of what it is, beside twice the friction, is a link of half its mass.  Where levels are
-as stated nothing else needs to be wrong.
+What a shared drive takes of a joint's own velocity looks like that joint's damping, so with free levels any ratio fits.
+A torque constant of half its value beside twice the friction fits like a link of half its mass. Where levels can stay
+as stated, nothing else needs to be wrong.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ ROUNDS = 2
 
 
 def with_levels_as_stated(model: Model) -> Model:
-    """Return the model with those shapes, that free levels make up for, beside which levels as stated do as well: these
-    are held then.
+    """Return the model with levels held as stated wherever free ones make up for a cause's shape, and that shape
+    refitted beside them, where this does as well.
     """
     for choice in model.chosen:
         bounds = choice.cause.bounds_beside_stated_levels(model.gap, choice.site)
@@ -39,7 +39,7 @@ def _reshaped(model: Model, choice: Chosen, bounds: list[tuple[float, float]]) -
         kept = kept.without_level(joint)
     held = build_model(gap, kept, model.without(choice).chosen)
     for _ in range(ROUNDS):
-        # A curve near rest has other bounds beside levels that are held.
+        # With levels held, curves near rest take other shapes, beside which this cause's shape is searched again.
         own = best_shape(held, own, bounds)
         if try_out(held, own) is None:
             return model
@@ -49,11 +49,11 @@ def _reshaped(model: Model, choice: Chosen, bounds: list[tuple[float, float]]) -
 
 
 def one_for_both(model: Model, joint: int, field: Field) -> Model | None:
-    """Return the model with one cause in the place of a cause on a joint and of the joint's levels that are off, these
-    held as stated, where it leaves as little everywhere; None where there is none.
+    """Return the model with one cause in the place of both a cause on a joint and the joint's refitted levels, which
+    are held as stated; None where no such cause leaves as little everywhere.
 
-    A joint's own drive that turns with its neighbour, and takes of the stated friction what the joint has too much, is
-    one besides.
+    A joint's own drive that also turns with its neighbour, and takes as much of the stated friction as the refitted
+    levels add, is an additional drive.
     """
     gap, kept = model.gap, model.nuisance.without_level(joint)
     for choice in model.chosen:

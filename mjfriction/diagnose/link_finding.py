@@ -1,4 +1,4 @@
-"""body.link_inertia told from links that were refitted along, when they are off by more than stated inertias are."""
+"""The body.link_inertia finding, made from refitted links that are off by more than stated inertias are."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ from mjfriction.diagnose.untold import Untold, shows
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.proof import gain_at
 
-SURELY = 0.05  # of a link's stated mass and inertia, that the whole interval of its change must be off by
-ALWAYS_NOTED = 0.09  # of a link's mass, from which on it is a finding however far off friction is
-MOST_LISTED = 12  # combinations of inertias, that a finding lists
+SURELY = 0.05  # of a link's stated mass and inertia: the whole interval of its change must be beyond this
+ALWAYS_NOTED = 0.09  # of a link's mass: a larger change is a finding however far off friction is
+MOST_LISTED = 12  # most combinations of inertias that a finding lists
 
 
 def link_finding(model: Model, widths: HalfWidths, untold: Untold, field: Field, seed: int) -> Finding | None:
-    """Return the links' inertias as a finding when some are off by more than a stated inertia ever is."""
+    """Return the links' inertias as a finding where some are off by more than a stated inertia ever is, else None."""
     gap = model.gap
     named = [choice for choice in model.chosen if choice.cause.name == LinkScale.name]
     if any(choice.key not in untold.keys for choice in named):
-        return None  # a link was named on its own; the others' few percent are refitted along
+        return None  # a link is a finding of its own; the few percent of the others are refitted along
     off = _let_go(model, widths) if model.nuisance.inertias else _scaled(model, widths, field)
     if off is None or not links_far_off(model):
         return None
@@ -65,7 +65,7 @@ class _Off:
 
 
 def _scaled(model: Model, widths: HalfWidths, field: Field) -> _Off | None:
-    # The links whose scale is off.
+    # The links whose scale is off, with the standing of the one that is most off; None where there is none.
     nuisance, changes = model.nuisance, model.link_changes[:, 0]
     half = widths.nuisance[nuisance.of_links].reshape(-1, PER_LINK)[:, 0]
     least = min(max(LEAST_NOTED, OUTLYING * levels_off(model)), ALWAYS_NOTED)
@@ -90,7 +90,7 @@ def _scaled(model: Model, widths: HalfWidths, field: Field) -> _Off | None:
 
 
 def _let_go(model: Model, widths: HalfWidths) -> _Off | None:
-    # Whatever few causes could stand for all links has lost against them already.
+    # No rivals: whatever few causes could stand in for all links has already lost against freed links.
     changes = base_changes(model, widths)
     if not changes.off:
         return None
@@ -103,7 +103,8 @@ def _let_go(model: Model, widths: HalfWidths) -> _Off | None:
 
 
 def _link_standing(model: Model, link: str, field: Field) -> Standing:
-    # The link that is most off against whatever else could stand for it: on a lone sliding axis, a payload or a rotor.
+    # The link that is most off, compared with whatever else could stand in for it: on a lone sliding axis, a payload or
+    # a rotor.
     if link not in model.gap.robot.joints:
         return Standing((), MOST_CONFIDENT)
     scaled = Chosen(LinkScale(), Site(model.gap.robot.joints.index(link)))
@@ -112,5 +113,5 @@ def _link_standing(model: Model, link: str, field: Field) -> Standing:
     weighed = any(isinstance(choice.cause, Payload) for choice in model.chosen) or not Payload().sites(model.gap)
     if weighed or not of_last_link(model.gap, scaled.site.joint) or Payload.name in stands.alternatives:
         return stands
-    # What is held at the flange is a part of the last link, and the other links, off as they are, hide which it is.
+    # A payload is a part of the last link, and the other links, which are off too, hide which of the two it is.
     return Standing((*stands.alternatives, Payload.name), min(stands.confidence, EVEN), stands.rival)

@@ -1,4 +1,4 @@
-"""Whether links are farther off than stated inertias usually are, when all ten parameters of each may be."""
+"""Test whether links are farther off than stated inertias usually are, with all ten parameters of each refitted."""
 
 from __future__ import annotations
 
@@ -13,19 +13,24 @@ from mjfriction.identify.link_inertias import link_inertias
 from mjfriction.identify.regression import Columns, System
 from mjfriction.record.log import Floats
 
-USUALLY, EXACTLY = 0.03, 0.01  # by which a link is off in each of its ten numbers, where the rest is or is not too
-FAR = 4.0  # times that, over all of a link's ten numbers, from which on it is off by more: three are what is usual
+# Prior spread of each of a link's ten relative numbers, where the rest is off too, and where it is exact.
+USUALLY, EXACTLY = 0.03, 0.01
+FAR = 4.0  # times that spread, as the norm over a link's ten numbers: more is farther off than usual (three is usual)
 
 
 def links_far_off(model: Model) -> bool:
-    """Return whether any link has to be off by more than usual, its mass or its centre by as much as is ever a finding,
-    or in proportion where other links are nearer to what is stated, unless these or all else are stated exactly.
+    """Return whether any link has to be off by more than usual.
 
-    Mass, centre and moments of every link are let go at once, held near what is stated, in the place of what the model
-    says of links: errors of a few percent everywhere add up to what a single link would have to be a quarter off for.
+    Its mass or its centre of mass must also be off by as much as is ever a finding. That threshold is lower in
+    proportion where links are nearer to what is stated, and it is dropped where links are held as stated or all else is
+    stated exactly.
+
+    All ten parameters of every link are refitted at once, with a prior around what is stated, in the place of what the
+    model says of links: errors of a few percent everywhere add up to what a single link would have to be a quarter off
+    for.
     """
     gap, rows = model.gap, model.system.rows
-    held = not model.nuisance.links  # beside what is named, they do as well as they are stated
+    held = not model.nuisance.links  # beside the named causes, links as stated do as well
     usually = EXACTLY if held or stated_exactly(model) else max(EXACTLY, USUALLY * min(1.0, nearness_of(model).spread))
     links = link_inertias(gap, usually)
     if links is None:
@@ -41,7 +46,7 @@ def links_far_off(model: Model) -> bool:
     turned = np.swapaxes(links.factor, 1, 2)
     stated, fitted = (links.factor @ own @ turned for own in (links.stated, links.stated + changes))
     mass, first = fitted[:, 3, 3], fitted[:, :3, 3]
-    # Let go at once, all bear a part of it, the more the nearer they are held.
+    # With all links refitted at once, each takes a part of the error, the more the tighter the prior.
     part = usually / USUALLY
     shift = np.linalg.norm(first / mass[:, None] - stated[:, :3, 3] / stated[:, 3, 3, None], axis=1)
     heavier, moved = np.abs(mass / stated[:, 3, 3] - 1.0) > part * LEAST_NOTED, shift > part * LEAST_MOVED

@@ -1,4 +1,4 @@
-"""A load at the flange is a part of the last link: of the two it is the load that somebody forgot to state."""
+"""A payload is a part of the last link: of the two, the payload is what somebody forgot to state."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from mjfriction.identify.gap import Gap
 
 
 def of_last_link(gap: Gap, joint: int) -> bool:
-    """Return whether it is the last link that a joint moves: what is held at the flange is a part of it."""
+    """Return whether the link that a joint moves is the last one, of which a payload at the flange is a part."""
     return gap.robot.joints[joint] == gap.body.link_holding(tip_link(gap.body))
 
 
 def as_load(model: Model, *, exact: bool) -> Model:
-    """Return the model with a load at the flange in the place of a last link that is off, where that leaves as little
-    at every joint and takes links and drives no farther from what is stated than its four numbers are worth.
+    """Return the model with a payload at the flange in the place of a last link that is off.
 
-    One link of six is off by chance; a load is what arms are made to hold.  Where the rest is not stated ``exact``ly,
-    it has to be more than other links and drives could make up for.
+    The payload must leave as little at every joint, and must not take links and drives farther from what is stated than
+    its four numbers are worth. That one link of six is off would be chance; holding a load is what arms are made for.
+    Where the rest is not stated ``exact``ly, the payload must be more than other links and drives could make up for.
     """
     gap = model.gap
     last = [one for one in model.chosen if one.cause.name == LinkScale.name and of_last_link(gap, one.site.joint)]

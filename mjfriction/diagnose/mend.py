@@ -1,4 +1,4 @@
-"""A log at fault, read as it should have been where that is sure."""
+"""Find the faults of a log and read it as it should have been, where that is certain."""
 
 from __future__ import annotations
 
@@ -19,16 +19,18 @@ from mjfriction.record.log import POSITION, Log
 from mjfriction.robot.bandwidth import HIGHEST
 from mjfriction.robot.robot import Robot
 
-MOST_ROUNDS = 3  # of mending faults that are found beside those that were mended
-# Times a unit, that positions are read with beside it, and by how much the logarithms of what that leaves have to be
-# more, taken together; by how much of itself the unit may be off where they are least.
+MOST_ROUNDS = 3  # rounds of mending: a mended log may show further faults
+# Positions in another unit are also read with that unit divided and multiplied by ANOTHER_SIZE.  The logarithms of what
+# these two readings leave must together exceed twice the unit's own by more than TOLD, and the minimum of their
+# parabola must lie within NEAR (relative) of the unit.
 ANOTHER_SIZE, TOLD, NEAR = 1.25, 0.05, 0.1
 
 
 @dataclass(frozen=True)
 class Audited:
-    """The ``gap`` of a log as it should have been read, ``stated`` that of the log as it is, and its ``faults``; where
-    one of them has no sure mend the log is ``refused``, and both gaps are one.
+    """A log checked for ``faults``: ``gap`` is of the log as it should have been read, ``stated`` of the log as it is.
+
+    If one of the faults cannot be mended with certainty, the log is ``refused`` and both gaps are the same.
     """
 
     stated: Gap
@@ -38,15 +40,15 @@ class Audited:
 
     @property
     def moved_otherwise(self) -> bool:
-        """Whether positions were misread: what a plan says of this robot's joints is not what its machine would do."""
+        """Whether positions were misread: the machine's joints would then not move as a motion plan says."""
         columns = [name for fault in self.faults if fault.mend for name in _columns(fault.mend)]
         return any(name.startswith(POSITION) for name in columns)
 
 
 def audited(log: Log, robot: Robot, *, highest: float = HIGHEST) -> Audited:
-    """Hold a log against a robot, look for faults, mend those that say how, and look again.
+    """Compare a log with a robot, look for faults, mend them where they say how, and look again.
 
-    ``highest`` is the most that the position filter's cutoff may be (Hz).  Raises what
+    ``highest`` is the upper limit of the position filter's cutoff (Hz).  Raises what
     :func:`~mjfriction.identify.gap.measure_gap` does.
     """
     stated = measure_gap(log, robot, highest=highest)
@@ -58,7 +60,7 @@ def audited(log: Log, robot: Robot, *, highest: float = HIGHEST) -> Audited:
             rounds[-1] = instead
             mended = _mended(gap, instead, robot, highest)
         if mended is None:
-            # What is found beside a mend that is none is no fault of the log.
+            # Later rounds found their faults on a log that was mended wrongly.  Only those of the first are the log's.
             return Audited(stated, stated, tuple(rounds[0]), refused=True)
         gap = mended
     told = [replace(fault, action=f"{fault.action} (read so here)") for faults in rounds for fault in faults]
@@ -66,7 +68,7 @@ def audited(log: Log, robot: Robot, *, highest: float = HIGHEST) -> Audited:
 
 
 def _mended(gap: Gap, faults: Sequence[Fault], robot: Robot, highest: float) -> Gap | None:
-    # The gap of the log without its faults, where it is sure that it was these.
+    # The gap of the log with its faults mended; None unless it is certain that these were the faults.
     mends = [fault.mend for fault in faults if fault.mend is not None]
     if len(mends) < len(faults):
         return None
@@ -75,12 +77,12 @@ def _mended(gap: Gap, faults: Sequence[Fault], robot: Robot, highest: float) -> 
         none_lost = set(gap.examined) <= set(mended.examined)
         sure = none_lost and _fits_no_worse(mended, gap, mends) and _of_their_size(gap, mends, mended)
     except LogError:
-        return None  # read so nothing moves, or so fast that no filter follows: no reading of this log
+        return None  # nothing moves, or too fast for any filter to follow: the log cannot be read this way
     return mended if sure else None
 
 
 def _fits_no_worse(mended: Gap, gap: Gap, mends: Sequence[Mend]) -> bool:
-    # Of efforts: one that is exchanged was explained as it was where it stood.
+    # An exchanged effort column is compared with how well it was explained at the joint where it stood before.
     after, before = (dict(zip(one.examined, look_at(one).left_as_logged, strict=True)) for one in (mended, gap))
     stood = {joint: joint for joint in before}
     columns = {effort_column(gap, joint): joint for joint in before}
@@ -91,8 +93,8 @@ def _fits_no_worse(mended: Gap, gap: Gap, mends: Sequence[Mend]) -> bool:
 
 
 def _of_their_size(gap: Gap, mends: Sequence[Mend], mended: Gap) -> bool:
-    # Limits only say that positions are in another unit.  That it is this one the efforts have to say: through what is
-    # left with it, and with a quarter more and less, goes a parabola, whose lowest point has to be near.
+    # Joint limits only show that positions are in another unit.  The efforts must show that it is this one: the minimum
+    # of a parabola through what is left with it, and with units a quarter larger and smaller, must be near.
     scaled = [
         mend for mend in mends if any(name.startswith(POSITION) and abs(own) != 1.0 for name, own in mend.factors)
     ]

@@ -1,4 +1,4 @@
-"""Columns of a log that have their sign turned, or stand at another joint's place."""
+"""Columns of a log whose sign is inverted, or that stand in another joint's place."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ from mjfriction.record.fault import Fault, Mend
 from mjfriction.record.log import POSITION, Floats
 from mjfriction.record.span import EVER, Span, within
 
-POOR = 0.25  # of an effort's variance left unexplained, past which columns may be misplaced
-MUCH = 0.1  # the same, that is much beside another joint past POOR
-MENDED = 0.3  # of that, which may be left at one joint at least once they are in their places
-NOTHING, MENDED_FROM_NOTHING = 0.9, 0.5  # the same where as good as nothing is explained as it is
-ALL_MENDED, SLIGHTLY = 0.6, 0.005  # of what is left at all joints together, and by how much more at any one
+POOR = 0.25  # share of an effort's variance left unexplained, beyond which columns may be misplaced
+MUCH = 0.1  # the same for a further joint, once another is beyond POOR
+MENDED = 0.3  # with the columns in their places, at least one joint must keep less than this fraction of that share
+NOTHING, MENDED_FROM_NOTHING = 0.9, 0.5  # a joint with more than NOTHING unexplained may keep this fraction instead
+ALL_MENDED, SLIGHTLY = 0.6, 0.005  # fraction all joints together may keep; extra share allowed at any one
 TURN, TURN_JOINT = "turn its sign", "turn their signs: this joint is counted the other way round"
 EXCHANGE, EXCHANGE_JOINTS = "exchange the two columns", "exchange the two joints"
-NOTICED = 0.05  # of an effort's variance left unexplained, that is worth a look where another joint leaves as much
-MENDED_BOTH = 0.2  # of that, which may be left at both once they are in their places
-EXPLAINED = 0.01  # of an effort's variance in clear motion, that the stated robot leaves where the columns are right
-CLEARLY = 0.7  # of what one explanation leaves, that a better one leaves
+NOTICED = 0.05  # share of an effort's variance left unexplained at two joints, beyond which an exchange is tried
+MENDED_BOTH = 0.2  # fraction of that share that both joints may keep once they are exchanged
+EXPLAINED = 0.01  # share of an effort's variance in clear motion that the stated robot leaves where columns are right
+CLEARLY = 0.7  # one explanation is clearly better where it leaves less than this fraction of what the other leaves
 
 _Reading = tuple[Sequence[Floats], Floats, Fault]
 
 
 def of_efforts_or_positions(gap: Gap, span: Span, i: int, j: int | None) -> Fault:
-    """Return the fault of an effort that has the wrong sign, or is exchanged with joint ``j``'s, or that of the
-    positions, where these explain all joints better.
+    """Return the fault of joint ``i``'s effort (wrong sign, or exchanged with joint ``j``'s), or the same fault of the
+    positions, if that explains all joints better.
 
-    A joint's effort turned looks like its position turned, until one looks at what the other joints carry, and at how
-    far off the robot is as it is stated.
+    At the joint itself, an inverted effort looks like an inverted position.  They are told apart by the loads on the
+    other joints, and by how far off the stated robot is with each.  If neither is clear, the fault has no mend.
     """
     look = look_at(gap, span)
     if j is None:
@@ -57,7 +57,7 @@ def of_efforts_or_positions(gap: Gap, span: Span, i: int, j: int | None) -> Faul
 
 
 def _as_stated(gap: Gap, span: Span, faults: Sequence[Fault]) -> Fault | None:
-    # Of several faults the one without which the stated robot is least off, if that is clear.
+    # The fault whose mend leaves the stated robot least off, if it does so clearly.
     mends = [replace(fault.mend, span=span) for fault in faults if fault.mend is not None]
     if len(mends) < len(faults):
         return None
@@ -69,18 +69,18 @@ def _as_stated(gap: Gap, span: Span, faults: Sequence[Fault]) -> Fault | None:
 
 
 def find_misplaced(gap: Gap, span: Span = EVER) -> list[Fault]:
-    """Return the column or joint whose sign is turned, or the two that are exchanged, if that makes the efforts fit
-    within a ``span`` of time.
+    """Return the column or joint whose sign is inverted, or the two that are exchanged, if correcting that makes the
+    efforts fit within a ``span`` of time.
 
-    Efforts that a model explains badly, but well once one column is turned or two are exchanged, are no physics.  Nor
-    are those of two joints that are both explained far better once exchanged, though as logged neither is bad.  Where
-    all columns of a joint are another's, or count it the other way round, its friction fits nevertheless, and what is
-    left is less: there all joints together have to tell.  A joint whose effort the stated robot explains while it moves
-    has its columns where they belong.
+    If a model explains efforts badly, but explains them well once one column is inverted or two are exchanged, the
+    cause is not physical.  The same holds for two joints that are both explained far better once exchanged, even if
+    neither is bad as logged.  Where all columns of a joint belong to another, or count it in the opposite direction,
+    its friction still fits and less is left unexplained; all joints together must then decide.  A joint whose effort
+    the stated robot explains while it moves has its columns in the right place.
     """
     clear = gap.clear[within(span, gap.chain.time)][:, list(gap.examined)]
     if span != EVER and np.any(np.count_nonzero(clear, axis=0) < FEWEST_ROWS):
-        return []  # what a joint shows that rests there is noise
+        return []  # a joint hardly moves within the span, and what it shows at rest is noise
     look = look_at(gap, span)
     as_logged, sound = look.left_as_logged, _sound(gap, span)
     columns: list[Fault] = []
@@ -97,8 +97,8 @@ def find_misplaced(gap: Gap, span: Span = EVER) -> list[Fault]:
 
 
 def _sound(gap: Gap, span: Span) -> set[int]:
-    # The joints whose effort the stated robot explains while they move.  Efforts that rests make the most of, which may
-    # hold any friction, look like nothing that a model knows.
+    # The joints whose effort the stated robot explains while they move.  Over the whole log, an effort that comes
+    # mostly from rests may match no model, because a resting joint may hold any friction.
     within_span, out = within(span, gap.chain.time), set[int]()
     for joint in gap.examined:
         rows = within_span & gap.clear[:, joint]
@@ -109,17 +109,18 @@ def _sound(gap: Gap, span: Span) -> set[int]:
 
 
 def _mended(as_logged: Floats, left: Floats) -> bool:
-    # Joints with little but friction to do leave much however they are read: what counts is that none gets worse.
+    # Joints that carry little but friction leave much unexplained in any reading.  So not every poor joint must
+    # improve; it is enough that none gets worse.
     poor = as_logged > POOR
     enough = np.where(as_logged > NOTHING, MENDED_FROM_NOTHING, MENDED) * as_logged
     own = np.any(left[poor] < enough[poor])
-    # One that has noise besides is mended by half, and another beside it as a joint is whose column was wrong.
+    # A poor joint that is also noisy improves only by half, but another joint improves as one with a wrong column does.
     together = np.any((as_logged > MUCH) & (left < enough)) and np.sum(left) < HALF * np.sum(as_logged)
     return bool((own or together) and np.all(left < as_logged + NO_WORSE))
 
 
 def _both_mended(as_logged: Floats, left: Floats) -> bool:
-    # Where neither is poor, since gravity looks alike at both, two joints that are exchanged are mended both.
+    # Gravity may look alike at two exchanged joints, so that neither is poor.  Then both must improve.
     both = np.count_nonzero((as_logged > NOTICED) & (left < MENDED_BOTH * as_logged)) > 1
     return bool(both and np.all(left < as_logged + NO_WORSE))
 
@@ -131,8 +132,8 @@ def _all_mended(as_logged: Floats, left: Floats) -> bool:
 
 
 def _least(look: Look, readings: Iterator[_Reading], accepted: Callable[[Floats], bool]) -> list[Fault]:
-    # The fault of the reading that leaves least, of those accepted.  Where another leaves hardly more, which of them it
-    # is, is not sure.
+    # The fault of the accepted reading that leaves least.  If another accepted reading leaves hardly more, it is not
+    # certain which of them is right, and the fault has no mend.
     judged = [(look.left(course, effort), fault) for course, effort, fault in readings]
     passing = [(float(np.sum(left)), fault) for left, fault in judged if accepted(left)]
     if not passing:
@@ -143,8 +144,7 @@ def _least(look: Look, readings: Iterator[_Reading], accepted: Callable[[Floats]
 
 
 def _columns_misplaced(look: Look, sound: Collection[int]) -> Iterator[_Reading]:
-    # Every column turned and every pair exchanged, but for joints that are sound: how the log would read without that,
-    # and the fault.
+    # Each column inverted and each pair exchanged, except at sound joints: how the log would then read, and the fault.
     gap = look.gap
     every = [i for i in range(len(gap.robot.joints)) if i not in sound]
     for i in every:
@@ -159,7 +159,7 @@ def _columns_misplaced(look: Look, sound: Collection[int]) -> Iterator[_Reading]
 
 
 def _joints_misplaced(look: Look, sound: Collection[int]) -> Iterator[_Reading]:
-    # The same with positions and efforts together.
+    # As _columns_misplaced, but with a joint's position and effort inverted or exchanged together.
     gap, names = look.gap, look.gap.robot.joints
     measured = [i for i in gap.examined if i not in sound]
     for i in measured:
@@ -191,7 +191,7 @@ def _turned(column: str) -> Fault:
 
 def _exchanged(gap: Gap, column: Callable[[Gap, int], str], i: int, j: int) -> Fault:
     one, other = column(gap, i), column(gap, j)
-    # Currents and efforts are no columns that can be taken for each other.
+    # A current and an effort cannot be read in each other's place, so such a pair has no mend.
     alike = one.partition(".")[0] == other.partition(".")[0]
     mend = Mend(exchanged=((one, other),)) if alike else None
     return Fault("data.swap", f"{one} and that of {gap.robot.joints[j]}", EXCHANGE, mend=mend)

@@ -1,4 +1,4 @@
-"""A model in the making: the nuisances and the causes chosen so far, held against the rows."""
+"""A model under construction: the nuisances and the causes chosen so far, fitted to the rows."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ from mjfriction.identify.row_noise import least_noise, row_noise
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_levels, stribeck_excess
 
-SAME = 1e-9  # of one, that the cosine between two columns may fall short by for them to be the same
-PRIOR_SHARE = 100.0  # a cause's strength may be worth this many times the joint's effort: next to no restraint
-BACKWARD_COULOMB = 0.1  # of a joint's friction that its Coulomb level may seem to be negative by
-MOST_TAKEN = 1.25  # of a joint's Coulomb level, that its causes may move into laws of their own
-NOISE_ROUNDS, SETTLED = 8, 0.02  # at most, and the relative change of a noise at which they end
+SAME = 1e-9  # two columns are the same if the cosine between them falls short of one by less than this
+PRIOR_SHARE = 100.0  # prior deviation of a cause's effort, in multiples of the joint's RMS: practically unconstrained
+BACKWARD_COULOMB = 0.1  # share of a joint's friction by which its fitted Coulomb level may be negative
+MOST_TAKEN = 1.25  # share of a joint's Coulomb level that its causes may move into laws of their own
+NOISE_ROUNDS, SETTLED = 8, 0.02  # most rounds of estimating the noise, and its relative change at which they end
 UNMOVED = 1e-3  # relative change of a joint's noise below which its rows keep their weight
-FRICTIONLESS = 1e-12  # N·m or N: a joint without friction
-BACKWARD_VISCOUS = 0.3  # and its damping, which errors of the links' inertias reach too
+FRICTIONLESS = 1e-12  # N·m or N: stands for the friction of a joint that has none
+BACKWARD_VISCOUS = 0.3  # the same as BACKWARD_COULOMB for its damping, which errors of the links' inertias affect too
 
-Key = tuple[str, int, int]  # a cause's name, its joint, and which of its kind it is there
+Key = tuple[str, int, int]  # a cause's name, its joint, and its number among those of its kind there
 
 
 @dataclass(frozen=True)
 class Tangent:
-    """A curved effect around a point: effort = ``columns`` · strengths + ``bend`` (rows, joints), with the slopes as
-    they were at strengths ``drawn_at``.
+    """A curved effect linearised around a point: effort = ``columns`` · strengths + ``bend`` (rows, joints), with the
+    slopes at the strengths ``drawn_at``.
     """
 
     columns: Columns
@@ -45,7 +45,7 @@ class Tangent:
 
 @dataclass(frozen=True)
 class Chosen:
-    """A cause at a place, as part of a model; ``tangent`` stands for a curved cause's columns once it is fitted."""
+    """A cause at a site, as part of a model; ``tangent`` replaces a curved cause's columns once it has been fitted."""
 
     cause: Cause
     site: Site
@@ -53,7 +53,7 @@ class Chosen:
 
     @property
     def key(self) -> Key:
-        """The cause's name, its joint, and which of its kind it is there."""
+        """The cause's name, its joint, and its number among those of its kind there."""
         return self.cause.name, self.site.joint, self.cause.first_order + self.site.order
 
 
@@ -68,28 +68,28 @@ class Model:
 
     @property
     def strengths(self) -> Floats:
-        """The strengths fitted on everything: the nuisances', then the causes'."""
+        """The strengths fitted on all rows: the nuisances', then the causes'."""
         return self.system.normal.fitted
 
     @property
     def known_of_nuisance(self) -> Floats:
-        """What is known beforehand of the nuisances' strengths, those drawn tighter that would go too far."""
+        """The prior precision of the nuisances' strengths, tightened for those that would otherwise go too far."""
         return self.system.normal.precision[: self.nuisance.count]
 
     @property
     def link_changes(self) -> Floats:
-        """How far each refitted link is from what is stated: its scale, relative, and its centre, m, (links, 4)."""
+        """The change of each refitted link from what is stated: of its scale, relative, and centre, m, (links, 4)."""
         return self.nuisance.link_changes(self.strengths)
 
     @functools.cached_property
     def built(self) -> Floats:
-        """The strengths as they can be built into the robot: where links were let go, the nearest of those that bodies
-        can have, and what is fitted beside these.
+        """The strengths as they can be built into the robot: where links were let go, the nearest ones that a real body
+        can have, and everything else refitted beside them.
         """
         return self.built_from()
 
     def built_from(self, training: NDArray[np.bool_] | None = None) -> Floats:
-        """Return the strengths fitted on the blocks marked in ``training`` (blocks,), as :attr:`built` are on all."""
+        """Return the strengths as :attr:`built`, but fitted on the blocks marked in ``training`` (blocks,) only."""
         inertias, place, normal = self.nuisance.inertias, self.nuisance.of_inertias, self.system.normal
         fitted = normal.fitted if training is None else normal.strengths(training)
         if inertias is None or inertias.physical(fitted[place]):
@@ -98,7 +98,7 @@ class Model:
 
     @property
     def places(self) -> list[slice]:
-        """Where the strengths of each chosen cause stand."""
+        """The slice of the strengths that belongs to each chosen cause."""
         ends = [self.nuisance.count]
         for choice in self.chosen:
             ends.append(ends[-1] + len(choice.cause.quantities(self.gap, choice.site)))
@@ -106,13 +106,13 @@ class Model:
 
     @property
     def noteworthy(self) -> tuple[Chosen, ...]:
-        """The chosen causes that would be findings; the others are values refitted along."""
+        """The chosen causes that would be findings; the others are only refitted along."""
         pairs = zip(self.chosen, self.places, strict=True)
         return tuple(one for one, at in pairs if one.cause.noteworthy(self.gap, one.site, self.strengths[at]))
 
     @functools.cached_property
     def friction(self) -> dict[int, float]:
-        """The RMS Coulomb and viscous friction of each examined joint that moves, as stated and refitted, N·m or N."""
+        """The RMS Coulomb and viscous friction of each examined joint, stated plus refitted change, N·m or N."""
         gap, nuisance, strengths = self.gap, self.nuisance, self.strengths
         refitted = {level.site.joint: strengths[nuisance.of_level(level.site.joint)] for level in nuisance.levels}
         out = {}
@@ -123,7 +123,7 @@ class Model:
         return out
 
     def beyond_levels(self, effort: Floats, joint: int) -> Floats:
-        """Return what freely refitted levels cannot make of an effort (rows,) at a joint, N·m or N."""
+        """Return the part of an effort (rows,) at a joint that freely refitted levels cannot reproduce, N·m or N."""
         for level in self.nuisance.levels:
             if level.site.joint == joint and not level.near:
                 columns = level.columns[joint]
@@ -136,17 +136,17 @@ class Model:
         return self.system.normal.heldout_errors(self.gap.blocks.folds)
 
     def residual(self, *, oscillations: bool = False, built: bool = False) -> Floats:
-        """Return what the model, fitted on everything, leaves: (rows, joints), N·m or N.
+        """Return the residual of the model fitted on all rows: (rows, joints), N·m or N.
 
-        With ``oscillations``, those that are refitted along are left too, since no robot file holds them; with
-        ``built``, it is left as it can be built into the robot.
+        With ``oscillations``, refitted oscillations stay in the residual, since no robot file holds them.  With
+        ``built``, the strengths are those that can be built into the robot.
         """
         return self._left(self.built if built else self.strengths, oscillations=oscillations)
 
     def heldout_residual(self, *, oscillations: bool = False) -> Floats:
-        """Return what the model leaves, every row predicted by a fit that has not seen it: (rows, joints).
+        """Return the held-out residual, every row predicted by a fit that has not seen it: (rows, joints).
 
-        ``oscillations`` as in :meth:`residual`.
+        ``oscillations`` is as in :meth:`residual`.
         """
         out = np.zeros_like(self.gap.residual)
         for fold in self.gap.blocks.folds:
@@ -161,11 +161,11 @@ class Model:
         return self.system.residual(strengths)
 
     def with_also(self, choice: Chosen) -> Model:
-        """Return the model with one cause more."""
+        """Return the model with one more cause."""
         return build_model(self.gap, self.nuisance, (*self.chosen, choice))
 
     def without(self, target: Chosen) -> Model:
-        """Return the model with one cause taken out."""
+        """Return the model without one of its causes."""
         rest = tuple(choice for choice in self.chosen if choice.key != target.key)
         return build_model(self.gap, self.nuisance, rest)
 
@@ -174,7 +174,7 @@ class Model:
         return build_model(self.gap, self.nuisance.without_links(), self.chosen)
 
     def without_zeros(self) -> Model:
-        """Return the model with no effort where there is none."""
+        """Return the model with no zero refitted: efforts read zero where there is none."""
         return build_model(self.gap, self.nuisance.without_zeros(), self.chosen)
 
     def without_drives(self) -> Model:
@@ -182,7 +182,7 @@ class Model:
         return build_model(self.gap, self.nuisance.without_drives(), self.chosen)
 
     def admissible(self) -> Model:
-        """Return the model without causes that came out as nature does not allow: they explain nothing."""
+        """Return the model without the causes whose fitted strengths are not physical: these explain nothing."""
         for choice, place in zip(self.chosen, self.places, strict=True):
             if not choice.cause.admissible(self.gap, choice.site, self.strengths[place]):
                 return self.without(choice).admissible()
@@ -197,7 +197,7 @@ class Model:
         return self._normal(rows, (*self.chosen, choice))
 
     def with_others(self, chosen: tuple[Chosen, ...]) -> Normal:
-        """Return the normal equations with other causes than the model's, rows weighed as they are."""
+        """Return the normal equations with other causes in place of the model's, and the same row weights."""
         return self._normal(self.system.rows, chosen)
 
     def _normal(self, rows: Rows, chosen: tuple[Chosen, ...]) -> Normal:
@@ -206,10 +206,11 @@ class Model:
         return System(rows, columns, [self.known_of_nuisance, *(own for _, own in blocks)]).normal
 
     def friction_is_physical(self, strengths: Floats, joints: list[int], candidate: Chosen) -> bool:
-        """Return whether friction levels fitted with one more cause, its strengths last, work against the motion.
+        """Return whether the friction levels of some joints, fitted with one more cause, work against the motion.
 
-        Where columns are alike, least squares likes to set a large level against its negative; a Coulomb level or a
-        damping below zero by more than errors elsewhere can make it is the mark of that.
+        ``strengths`` end with those of the ``candidate``.  Where columns are alike, least squares tends to balance a
+        large level against its negative.  The sign of that is a Coulomb level or damping further below zero than errors
+        elsewhere can make it, or causes that take more of the level than there is.
         """
         taken, brought = dict.fromkeys(joints, 0.0), dict.fromkeys(joints, 0.0)
         first = self.places[-1].stop if self.places else self.nuisance.count
@@ -236,20 +237,23 @@ class Model:
 
 
 def seat(choice: Chosen, columns: Columns) -> int:
-    """Return the joint at which a cause's effort is measured: its own, or, where that has no effort, the one that feels
-    it most.
+    """Return the joint at which a cause's effort is measured: its own, or, if that has no column, the one that feels it
+    most.
     """
     joint = choice.site.joint
     return joint if joint in columns else max(columns, key=lambda one: float(np.linalg.norm(columns[one])))
 
 
 def partners(choice: Chosen, others: Iterable[Chosen]) -> list[Chosen]:
-    """Return those of other causes whose other half a cause is: it was asked for by name."""
+    """Return those of the other causes that ask for this one by name, as their other half on the same joint."""
     return [one for one in others if choice.cause.name in one.cause.kin and one.site.joint == choice.site.joint]
 
 
 def without_contained(chosen: Iterable[Chosen], newcomer: Chosen) -> tuple[Chosen, ...]:
-    """Return those of a model's causes that a newcomer does not contain: a spring has the offset told before it."""
+    """Return those of a model's causes that a newcomer does not contain.
+
+    A spring, for instance, contains the offset that was found before it.
+    """
     return tuple(
         choice
         for choice in chosen
@@ -258,12 +262,12 @@ def without_contained(chosen: Iterable[Chosen], newcomer: Chosen) -> tuple[Chose
 
 
 def cause_block(gap: Gap, choice: Chosen) -> tuple[Columns, Floats]:
-    """Return a cause's columns and the precision that keeps them from blowing up where the data say nothing."""
+    """Return a cause's columns, and the prior precision that keeps strengths small where the data say nothing."""
     straight = _drawn(gap, choice)
     columns = choice.tangent.columns if choice.tangent else straight
     size = _size(columns)
-    # What the motion does not show at all, as a moment along an axis that never leaves the vertical, stays at zero:
-    # of a tangent there is the error of its difference quotient.
+    # What the motion does not show at all, such as a moment along an axis that never leaves the vertical, stays at
+    # zero.  A tangent's column holds nothing there but the error of its difference quotient.
     seen = _size(straight)
     shown = seen > UNSEEN * np.max(seen)
     if not np.all(shown):
@@ -282,7 +286,10 @@ def _drawn(gap: Gap, choice: Chosen) -> Columns:
 
 
 def same_columns(gap: Gap, one: Chosen, other: Chosen) -> bool:
-    """Return whether two causes, of one strength each that this motion shows, do the same on it at every joint."""
+    """Return whether two causes have the same effect on this motion at every joint, up to scale.
+
+    Only causes of which the motion shows exactly one strength each are compared; others are not the same.
+    """
     a, b = (_shown_columns(gap, choice) for choice in (one, other))
     if a.shape[1] != 1 or b.shape[1] != 1:
         return False
@@ -290,7 +297,7 @@ def same_columns(gap: Gap, one: Chosen, other: Chosen) -> bool:
 
 
 def _shown_columns(gap: Gap, choice: Chosen) -> Floats:
-    # Those columns of a cause that are not zero, all joints beneath one another.
+    # The nonzero columns of a cause, with the rows of all examined joints stacked.
     columns, precision = cause_block(gap, choice)
     none = np.zeros((gap.chain.time.size, precision.size))
     whole = np.concatenate([columns.get(joint, none) for joint in gap.examined])
@@ -300,9 +307,9 @@ def _shown_columns(gap: Gap, choice: Chosen) -> Floats:
 def build_model(gap: Gap, nuisance: Nuisance, chosen: tuple[Chosen, ...]) -> Model:
     """Set up the regression of a model.
 
-    The noise of each joint is measured on what the model itself leaves, where friction's direction is not in doubt, in
-    a few rounds; every row then counts by that noise and its doubt.  Links stay within what stated ones are ever off
-    by: what takes them farther is a cause of its own.
+    The noise of each joint is estimated in a few rounds from the model's own residual, on rows where the direction of
+    friction is not in doubt.  Each row is then weighted by that noise and its own doubt.  Zeros, drives and links stay
+    within the range that stated ones are ever off by: what moves them farther is a cause of its own.
     """
     blocks = [cause_block(gap, choice) for choice in chosen]
     columns = [nuisance.columns, *(block for block, _ in blocks)]

@@ -1,9 +1,9 @@
 """How near refitted drives and links are to what is stated, and what it is worth that a cause brings them nearer.
 
-Two dozen numbers of a robot that are each a few percent off, in just such a way as one cause would ask for, fit as well
-as that cause; but they are as unlikely as their distance from what is stated says.  How far a robot's numbers usually
-are off is seen from themselves: on one of which all links but one are right to a percent, that one stands out; on one
-that is off throughout, that a cause moves some of them nearer says little.
+Two dozen numbers of a robot that are each off by a few percent, in exactly the pattern that one cause produces, fit as
+well as that cause.  But their distance from what is stated makes them unlikely.  How far a robot's numbers usually are
+off is estimated from the numbers themselves.  On a robot where all links but one are right to a percent, that one
+stands out.  On a robot that is off throughout, it means little that a cause moves some of them nearer.
 """
 
 from __future__ import annotations
@@ -16,17 +16,17 @@ from mjfriction.diagnose.model import Model
 from mjfriction.diagnose.nuisance import Nuisance
 from mjfriction.identify.normal import Normal
 
-NEAREST, FARTHEST = 1.0 / 3.0, 3.0  # of how far stated drives and links usually are off, that a robot's are
-STRAINED = 25.0  # of distance from what is stated, in squares of what is the rule, that a cause must save the rest
+NEAREST, FARTHEST = 1.0 / 3.0, 3.0  # limits of a robot's spread, relative to how far drives and links usually are off
+STRAINED = 25.0  # strain (squared usual deviations) that a cause must save drives and links to count by that alone
 
 
 @dataclass(frozen=True)
 class Nearness:
     """How near drives and links are to what is stated.
 
-    ``spread`` λ is how far this robot's are off, relative to the σ that is usual, between NEAREST and FARTHEST;
-    ``shown`` γ how many of their numbers θ the motion shows; ``strain`` Σ(θ/σ)²/λ² + γ·ln λ², minus twice the logarithm
-    of how likely such θ are, but for a constant; ``distance`` Σ(θ/σ)² alone.
+    ``spread`` λ is how far this robot's numbers θ are off, relative to the usual σ, between NEAREST and FARTHEST.
+    ``shown`` γ is how many of these numbers the motion shows.  ``strain`` is Σ(θ/σ)²/λ² + γ·ln λ², minus twice the log
+    likelihood of such θ up to a constant; ``distance`` is Σ(θ/σ)² alone.
     """
 
     distance: float
@@ -36,10 +36,10 @@ class Nearness:
 
 
 def nearness(nuisance: Nuisance, normal: Normal) -> Nearness:
-    """Return how near the drives and links of a fit are to what is stated; ``nuisance`` says where they stand in it.
+    """Return how near the drives and links of a fit are to what is stated; ``nuisance`` says where they are in it.
 
-    λ² is Σ(θ/σ)²/γ, the most likely of all (MacKay, Bayesian interpolation, Neural Computation 4(3), 1992).  Of links
-    that were let go, no distance is usual.
+    λ² is Σ(θ/σ)²/γ, its most likely value (MacKay, Bayesian interpolation, Neural Computation 4(3), 1992).  Links that
+    were let go have no usual distance, so there λ is 1.
     """
     place = nuisance.of_stated
     squares = float(np.sum(normal.precision[place] * np.square(normal.fitted[place])))
@@ -56,5 +56,5 @@ def nearness_of(model: Model) -> Nearness:
 
 
 def relief(model: Model, without: Model) -> float:
-    """Return by how much more likely the drives and links of a model are than those of one ``without`` a cause."""
+    """Return how much likelier a model's drives and links are than those of one ``without`` a cause: strain saved."""
     return nearness_of(without).strain - nearness_of(model).strain

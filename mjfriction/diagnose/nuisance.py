@@ -1,12 +1,12 @@
-"""What is refitted with every candidate, because nothing stated is ever exact.
+"""The nuisances: stated values that are refitted with every candidate, because none of them is ever exact.
 
-Each joint's Coulomb and viscous level is free, and its effort may read a little where there is none: no sensor's zero
-is exact, and less than waves along the strokes of an uneven machine it is no finding. Each link's mass and inertia may
-scale by a few percent and its centre of mass lie some millimetres off, stated as a prior, so that a payload or a wrong
-torque constant is not swallowed by links of half the mass. Where friction is a few percent off throughout, so may be
-what data sheets say of the drives: each rotor's inertia and each torque constant. Where that is not enough, links are
-let go altogether, in all ten numbers of each. A steady tone at a joint, or a load that swings there, is free too: no
-robot file holds it.
+Each joint's Coulomb and viscous level is free. Its effort may read slightly off where there is none: no sensor's zero
+is exact, and an error smaller than the waves along the strokes of an uneven machine is no finding. Each link's mass and
+inertia may scale by a few percent, and its centre of mass may lie some millimetres off. This is a prior, so that links
+of half the mass do not absorb a payload or a wrong torque constant. Where friction is off by a few percent throughout,
+the data sheet values of the drives may be too: each rotor's inertia and each torque constant. Where that is not enough,
+links are let go altogether, in all ten numbers of each. A steady tone at a joint, or a load that swings there, is free
+too, since no robot file holds it.
 """
 
 from __future__ import annotations
@@ -37,20 +37,20 @@ from mjfriction.identify.link_inertias import LinkInertias, link_inertias
 from mjfriction.identify.regression import Columns
 from mjfriction.record.log import Floats
 
-FARTHEST = 3.0  # deviations, that a link or a drive goes at most
-LET_GO = 1.5  # by which a link that is let go may be off in each of its ten numbers, relative to what is stated
+FARTHEST = 3.0  # prior deviations that a link or a drive may move at most
+LET_GO = 1.5  # prior deviation of each of the ten numbers of a link that is let go, relative to what is stated
 PER_LINK = 4  # a scale and three shifts
-HELD = 1e12  # precision of what is not to move
+HELD = 1e12  # prior precision of a strength that must not move
 
 
 @dataclass(frozen=True)
 class Nuisance:
     """What is refitted: levels first, then zeros, drives, links, and oscillations, in the order of their columns.
 
-    Links are within what stated ones are ever off by (``links``), or let go (``inertias``), not both.
-    ``uneven`` is how uneven the machine is, 1 for one that is as uneven as real ones are: a cause has to be larger than
-    that.  ``wavy`` is how large waves along their strokes are at two joints at least, relative to the joints' friction,
-    beside all causes that are known: a wave has to be larger than that.
+    Links are either kept within the range that stated ones are off by (``links``) or let go (``inertias``), not both.
+    ``uneven`` is how uneven the machine is, 1 for one that is as uneven as real ones are: a cause has to stand out from
+    that.  ``wavy`` is how large the waves along the stroke are that at least two joints show beside all known causes,
+    relative to the joints' friction: a wave that is a cause has to stand out from these.
     """
 
     levels: tuple[Level, ...]
@@ -64,7 +64,7 @@ class Nuisance:
 
     @property
     def parts(self) -> list[Part]:
-        """All that is refitted, in order."""
+        """All refitted parts, in order."""
         links = self.links if self.inertias is None else (self.inertias,)
         return [*self.levels, *self.zeros, *self.drives, *links, *self.oscillations]
 
@@ -76,86 +76,86 @@ class Nuisance:
 
     @property
     def precision(self) -> Floats:
-        """What is known beforehand of all strengths, in order, (count,)."""
+        """The prior precision of all strengths, in order, (count,)."""
         known = np.concatenate([part.precision for part in self.parts]) if self.parts else np.empty(0)
         known[self.of_zeros] /= self.uneven**2
         return known
 
     @property
     def reach(self) -> Floats:
-        """How far the strengths of zeros, drives and links go at most, in order."""
+        """How far from zero the strengths of zeros, drives and links may go, in order."""
         farthest = np.full(self.count, FARTHEST)
         farthest[self.of_zeros] = OUT_OF_CHANCE
         return (farthest / np.sqrt(self.precision))[self.of_bounded]
 
     @property
     def count(self) -> int:
-        """How many columns."""
+        """The number of columns."""
         return sum(part.precision.size for part in self.parts)
 
     def of_level(self, joint: int) -> slice:
-        """Return where the two strengths of a joint's levels stand.
+        """Return the slice of the two strengths of a joint's levels.
 
-        Raises :class:`ValueError` where they are held.
+        Raises :class:`ValueError` if they are held as stated.
         """
         i = [level.site.joint for level in self.levels].index(joint)
         return slice(2 * i, 2 * i + 2)
 
     @property
     def of_zeros(self) -> slice:
-        """Where the zeros' strengths stand, one for each."""
+        """The slice of the zeros' strengths, one for each."""
         first = 2 * len(self.levels)
         return slice(first, first + len(self.zeros))
 
     @property
     def of_drives(self) -> slice:
-        """Where the drives' strengths stand, one for each."""
+        """The slice of the drives' strengths, one for each."""
         first = self.of_zeros.stop
         return slice(first, first + len(self.drives))
 
     @property
     def of_links(self) -> slice:
-        """Where the links' strengths stand, four for each."""
+        """The slice of the links' strengths, four for each."""
         first = self.of_drives.stop
         return slice(first, first + PER_LINK * len(self.links))
 
     def link_changes(self, strengths: Floats) -> Floats:
-        """Return how far each refitted link is from what is stated: its scale, relative, and centre, m, (links, 4)."""
+        """Return the change of each refitted link: of its scale, relative, and of its centre, m, (links, 4)."""
         return strengths[self.of_links].reshape(-1, PER_LINK)
 
     @property
     def of_inertias(self) -> slice:
-        """Where the strengths of links that were let go stand, ten for each."""
+        """The slice of the strengths of links that were let go, ten for each."""
         first = self.of_links.stop
         return slice(first, first + (self.inertias.precision.size if self.inertias else 0))
 
     @property
     def of_stated(self) -> slice:
-        """Where those strengths stand of which it is known how far they usually are off: drives' and links'."""
+        """The slice of the strengths whose usual error is known: the drives' and the links'."""
         return slice(self.of_drives.start, self.of_inertias.stop)
 
     @property
     def of_bounded(self) -> slice:
-        """Where those strengths stand that stated values are not ever far off by: zeros', drives' and links'."""
+        """The slice of the strengths that are kept within a reach: the zeros', the drives' and the links'."""
         return slice(self.of_zeros.start, self.of_links.stop)
 
     @property
     def of_oscillations(self) -> slice:
-        """Where the strengths of oscillations stand: last."""
+        """The slice of the oscillations' strengths, which are last."""
         return slice(self.of_inertias.stop, self.count)
 
     @property
     def sources(self) -> tuple[Source, ...]:
-        """What oscillates."""
+        """The source of each oscillation."""
         return tuple(one.source for one in self.oscillations)
 
     def without_level(self, joint: int) -> Nuisance:
-        """Return the nuisances with one joint's levels held at what is stated."""
+        """Return the nuisances with one joint's levels held as stated."""
         return replace(self, levels=tuple(level for level in self.levels if level.site.joint != joint))
 
     def with_level_near(self, joint: int, stated: tuple[float, float], spread: float) -> Nuisance:
-        """Return the nuisances with one joint's levels near what is ``stated``, off by a ``spread`` (relative) as a
-        rule; one that is stated as nothing is held.
+        """Return the nuisances with one joint's levels near what is ``stated``, with ``spread`` as their relative prior
+        deviation; a level that is stated as zero is held.
         """
         known = np.array([(spread * value) ** -2.0 if value > 0.0 else HELD for value in stated])
         near = (
@@ -177,11 +177,11 @@ class Nuisance:
         return replace(self, links=(), inertias=None)
 
     def with_links_let_go(self, gap: Gap) -> Nuisance:
-        """Return the nuisances of a gap with all links let go that are felt."""
+        """Return the nuisances with all links let go that the motion of a gap shows."""
         return replace(self, links=(), inertias=link_inertias(gap, LET_GO))
 
     def without_zeros(self) -> Nuisance:
-        """Return the nuisances with no effort where there is none."""
+        """Return the nuisances with no zero refitted: efforts read zero where there is none."""
         return replace(self, zeros=())
 
     def without_drives(self) -> Nuisance:
@@ -189,14 +189,14 @@ class Nuisance:
         return replace(self, drives=())
 
     def along(self, gap: Gap, sources: Sequence[Source]) -> Nuisance:
-        """Return the like nuisances of a gap in which each of ``sources`` oscillates."""
+        """Return the same kind of nuisances for a gap, with an oscillation from each of ``sources``."""
         like = replace(make_nuisance(gap, sources, drives=bool(self.drives)), uneven=self.uneven)
         return like if self.inertias is None else like.with_links_let_go(gap)
 
 
 def make_nuisance(gap: Gap, sources: Sequence[Source] = (), *, drives: bool = False) -> Nuisance:
-    """Build the nuisance columns of a gap in which each of ``sources`` oscillates; with ``drives``, these may be a
-    little off too.
+    """Build the nuisances of a gap, with an oscillation from each of ``sources``; with ``drives``, the stated values of
+    the drives are refitted too.
     """
     return Nuisance(
         levels_of(gap),

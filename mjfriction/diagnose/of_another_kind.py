@@ -1,4 +1,4 @@
-"""A sliding joint's columns in a turning joint's place: positions beyond limits that are in no other unit."""
+"""A sliding joint's columns in a turning joint's place: its positions exceed the limits but are in no other unit."""
 
 from __future__ import annotations
 
@@ -12,12 +12,15 @@ from mjfriction.errors import LogError
 from mjfriction.identify.gap import Gap
 from mjfriction.record.fault import Fault, Mend
 
-MENDED = 0.3  # of what is left at each of the two, on the average, once they are in their places
+MENDED = 0.3  # fraction of what is left that each of the two may keep, on (geometric) average, once exchanged
 
 
 def of_another_kind(gap: Gap, faults: Sequence[Fault]) -> list[Fault]:
-    """Return the exchange of a sliding joint with a turning one, all columns or positions alone, that ``faults`` of the
-    unit of the former's position are in truth; nothing where the stated robot does not clearly say so.
+    """Return the exchange of a sliding joint with a turning one that is behind a unit fault of the sliding one's
+    position among ``faults``: of all their columns, or of positions alone.
+
+    The list is empty unless the stated robot fits clearly better with one exchange than with any other, and than with
+    the log as it is.
     """
     slides = gap.body.sliding
     where = {fault.where for fault in faults if fault.kind == "data.unit"}
@@ -31,7 +34,7 @@ def of_another_kind(gap: Gap, faults: Sequence[Fault]) -> list[Fault]:
         try:
             readings.append(read_so(gap, [fault.mend] if fault.mend else [], gap.robot, highest=gap.motion.cutoff))
         except LogError:
-            readings.append(gap)  # read so nothing moves
+            readings.append(gap)  # nothing moves when read this way: it counts as no better than logged
     *off, as_logged = off_as_stated([*readings, gap])
     least, *others = np.argsort(off).tolist()
     clearly = all(off[least] < off[other] + np.log(CLEARLY) for other in others)

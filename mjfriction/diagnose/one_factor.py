@@ -1,8 +1,8 @@
-"""Both levels of a joint off by one factor: what its drive reports may be off by that instead, one number for two.
+"""Both levels of a joint off by one factor: a torque constant may be off by that instead, one number in place of two.
 
-Stated levels agree with each other no better than they do elsewhere on the robot, so that a torque constant is tried
-with levels as near what is stated as those of other joints are.  At a joint that carries next to nothing free levels
-leave nothing to tell it by.
+A joint's stated levels agree with each other no better than stated levels do elsewhere on the robot.  So the torque
+constant is tried with levels kept as near to what is stated as those of the other joints are.  At a joint that carries
+next to nothing, free levels would leave nothing to detect it by.
 """
 
 from __future__ import annotations
@@ -25,8 +25,10 @@ from mjfriction.robot.friction import stated_levels
 
 @dataclass(frozen=True)
 class Scaled:
-    """A model in which a torque constant does what both levels of a joint do, these as near what is stated as levels
-    are elsewhere, which is a ``spread``; ``one_factor`` says that they are no farther from it than that.
+    """A model in which a torque constant replaces the change of both levels of a joint.
+
+    The levels are kept near what is stated by ``spread``, the relative deviation of levels elsewhere.  ``one_factor``
+    says that they are no farther off than that, or that the torque constant replaces a change of the rotor as well.
     """
 
     model: Model
@@ -35,11 +37,12 @@ class Scaled:
 
 
 def scaled_levels(model: Model, held: Model, own: Trial, change: dict[int, float]) -> Scaled | None:
-    """Return what a torque constant comes to in the place of a joint's levels, which were tried as ``own`` beside a
-    model that has them as stated, ``held``; None where it does not leave as little, or needs levels that are farther
-    off than any.
+    """Return the model with a torque constant in place of a joint's levels; ``own`` is the trial of these levels in
+    ``held``, the model that holds them as stated.
 
-    ``change`` is by how much each joint's friction is off, by joint.
+    None if the torque constant is in ``model`` already, is not admissible, is off by no more than is usual, does not
+    leave as little, or needs levels that are farther off than any are.  ``change`` is how far each joint's friction is
+    off, relative to what is stated, by joint.
     """
     joint = own.chosen.site.joint
     factor, rotor = Chosen(TorqueConstant(), Site(joint)), (RotorInertia.name, joint, 0)
@@ -47,7 +50,7 @@ def scaled_levels(model: Model, held: Model, own: Trial, change: dict[int, float
         return None
     free = held.with_also(own.chosen)
     spread = _spread(change, joint)
-    # A rotor that is off by the same factor is one number more that it does away with.
+    # If the rotor inertia is off by the same factor, the torque constant replaces that number too.
     fewer = tuple(choice for choice in held.chosen if choice.key != rotor)
     for rest in (fewer, held.chosen) if len(fewer) < len(held.chosen) else (fewer,):
         near, moved = _near(build_model(model.gap, model.nuisance, (*rest, factor)), joint, spread)
@@ -59,8 +62,10 @@ def scaled_levels(model: Model, held: Model, own: Trial, change: dict[int, float
 
 
 def beside_factors(model: Model, change: dict[int, float]) -> tuple[Model, dict[int, float]]:
-    """Return a model with levels as near what is stated as others are, wherever a torque constant was chosen that free
-    levels would do as well without, and how near that is, by joint; ``change`` as in :func:`scaled_levels`.
+    """Return a model with levels kept near what is stated wherever a torque constant was chosen but free levels alone
+    do as well, and the spread that they are kept to, by joint.
+
+    They are kept as near as those of the other joints are; ``change`` is as in :func:`scaled_levels`.
     """
     alike: dict[int, float] = {}
     for level in model.nuisance.levels:
@@ -77,8 +82,8 @@ def beside_factors(model: Model, change: dict[int, float]) -> tuple[Model, dict[
 
 
 def with_factor(model: Model, joint: int, spread: float) -> Model:
-    """Return a model with a torque constant in the place of a joint's levels, which are within a ``spread`` of what is
-    stated.
+    """Return a model with a torque constant in place of a joint's levels, which are kept near what is stated by
+    ``spread``.
     """
     factor = Chosen(TorqueConstant(), Site(joint))
     return _near(model.with_also(factor), joint, spread)[0]
@@ -89,7 +94,7 @@ def _spread(change: dict[int, float], joint: int) -> float:
 
 
 def _near(model: Model, joint: int, spread: float) -> tuple[Model, Floats]:
-    # The model with a joint's levels as near what is stated as others are, and how far they are from it, (2,) squares.
+    # The model with a joint's levels kept near what is stated, and the squares (2,) of how many spreads they are off.
     stated = stated_levels(model.gap.robot.table.joint[joint])
     near = build_model(model.gap, model.nuisance.with_level_near(joint, stated, spread), model.chosen)
     place = near.nuisance.of_level(joint)
@@ -97,6 +102,6 @@ def _near(model: Model, joint: int, spread: float) -> tuple[Model, Floats]:
 
 
 def _common(model: Model, choice: Chosen) -> bool:
-    # Off by no more than such stated values are on any robot.
+    # Whether a cause's change is within what such stated values are off by on any robot.
     place = model.places[[one.key for one in model.chosen].index(choice.key)]
     return choice.cause.usual(model.gap, choice.site, model.strengths[place])

@@ -1,8 +1,8 @@
-"""Load friction and a torque constant that is off, at one joint: a gear that loses more driving than driven.
+"""Load friction and a wrong torque constant at one joint: a gear that loses more when driving than when driven.
 
-μ·|τ|·sgn v + ε·τ is friction of μ + ε where the drive works against the load and of μ − ε where the load drives.  A
-torque constant scales the joint's own friction besides, so that levels as stated tell which of the two it is; where
-they do not, one cause is believed before two.
+μ·|τ|·sgn v + ε·τ is friction with coefficient μ + ε where the drive works against the load and μ − ε where the load
+drives.  A torque constant also scales the joint's own friction, so levels held as stated show which of the two it is.
+Where they do not, one cause is preferred to two.
 """
 
 from __future__ import annotations
@@ -16,8 +16,10 @@ from mjfriction.diagnose.trial import try_out
 
 
 def geared(model: Model) -> Model:
-    """Return the model with friction of the load that differs with the direction of power in the place of load friction
-    and a torque constant at one joint, where that leaves as little with the joint's levels as stated.
+    """Return the model with geared load friction, which differs with the direction of power, in place of load friction
+    and a torque constant at one joint, where that leaves as little.
+
+    It must do so with the joint's levels held as stated, and with them free.
     """
     for load in model.chosen:
         at = (TorqueConstant.name, load.site.joint, 0)

@@ -1,9 +1,9 @@
-"""What one transmission brings in several ways is one finding: a drive that turns with two joints, leans on the other,
+"""Several effects of one transmission make one finding: a drive that turns with two joints, reacts on the neighbour,
 and has a rotor of its own.
 
-The joint that such a drive leans on carries what the drive gives, so that its own drive reports that much less.  And
-the rotor of a drive that was not stated at all is none of the stated rotors: each of the two joints turns that much
-more by itself too.
+The joint that such a drive reacts on carries part of the drive's effort, so that joint's own drive reports that much
+less.  And if the drive was not stated at all, its rotor is none of the stated ones: each of the two joints then turns
+that much more inertia by itself too.
 """
 
 from __future__ import annotations
@@ -19,14 +19,17 @@ from mjfriction.diagnose.model import Chosen, Key, Model
 from mjfriction.diagnose.trial import try_out
 from mjfriction.record.log import Floats
 
-# Of the ratio that a drive turns with a joint by, by which the share that the joint carries may differ, and of its
-# rotor, by which what either joint turns by itself may.
+# Relative tolerance for an effect to belong to a drive.  A joint's share of its effort must match the ratio by which
+# the drive turns with that joint; a change of a joint's rotor must match what the drive's own rotor makes there.
 AS_GEARED = 0.3
 
 
 def leaning(model: Model, chances: Chances) -> Model:
-    """Return the model with the share of an effort beside a joint's drive that turns with its neighbour too, where the
-    neighbour carries about as much of it as the drive turns with the neighbour: −ratio.
+    """Return the model with a share of the effort of each drive that turns with its neighbour too, added at that
+    neighbour.
+
+    It is added only where it passes its trial, and where the share that the neighbour carries is about as large as the
+    drive turns with the neighbour: −ratio.
     """
     for choice in model.chosen:
         share = Chosen(LeaningEffort(), Site(choice.site.joint, other=choice.site.other))
@@ -41,8 +44,8 @@ def leaning(model: Model, chances: Chances) -> Model:
 
 
 def parts_of_drives(model: Model, named: Iterable[Chosen]) -> dict[Key, tuple[Chosen, ...]]:
-    """Return those of a model's ``named`` causes that belong to a drive that turns with two joints, by the drive's key:
-    shares of its effort, and rotors that are off by about what its own rotor makes there.
+    """Return which of a model's ``named`` causes belong to a drive that turns with two joints, by the drive's key:
+    shares of its effort, and changes of a joint's rotor of about what the drive's own rotor makes there.
     """
     causes = list(named)
     drives = [one for one in causes if isinstance(one.cause, SharedDrive)]
@@ -60,7 +63,7 @@ def _belongs(model: Model, one: Chosen, drive: Chosen) -> bool:
 
 
 def _turned(model: Model, drive: Chosen, joint: int) -> float:
-    # The inertia that a joint turns of the drive's own rotor.
+    # The inertia of the drive's own rotor as a joint feels it.
     assert isinstance(drive.cause, SharedDrive), "no other turns with two joints"
     own = dict(zip((each.name for each in drive.cause.takes), _strengths(model, drive).tolist(), strict=True))
     ratio = drive.cause.ratio(drive.site) if joint == drive.site.joint else 1.0

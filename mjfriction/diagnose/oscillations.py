@@ -1,4 +1,4 @@
-"""Oscillations that no cause of a model makes: heard once causes were found, and refitted while all compete anew."""
+"""Oscillations that no cause of a model makes: detected once causes were found, and refitted while all compete anew."""
 
 from __future__ import annotations
 
@@ -17,29 +17,29 @@ from mjfriction.identify.swing import Swing, courses, shown_swings
 from mjfriction.identify.tone import Tone, steady_tone, waves
 from mjfriction.record.log import Floats
 
-QUIETER = 0.5  # of the mean square that is left, that is left beside an oscillation
-INSTEAD = 0.75  # of it, that is left beside one in the place of causes
-RESONANT = 0.75  # of what a spring and a rotor leave, that is left beside a load that swings
-PLAINER = 0.9  # of what a steady tone leaves, that is left beside a load that swings
-LOUD = 0.3  # of what is left with or without causes, that a tone must be to be tried
-FINER = 10  # frequencies that are tried for one that the length of the log can tell apart
+QUIETER = 0.5  # an oscillation must leave less than this fraction of the model's mean square residual
+INSTEAD = 0.75  # the same for an oscillation in place of causes
+RESONANT = 0.75  # a load that swings must leave less than this fraction of what a spring and a rotor leave
+PLAINER = 0.9  # a load that swings must leave less than this fraction of what a steady tone leaves
+LOUD = 0.3  # share of the residual, with or without causes, that a tone must make up to be tried
+FINER = 10  # frequencies tried per frequency step that the length of the log can resolve
 MOST_AT_A_JOINT = 3
-NEAR = 1.15  # times the frequencies that a link swings at, within which it is the link
-LEAST_TOLD = 0.003  # of a joint's RMS effort, that an oscillation must reach
-UNTUNED = 0.5  # of what a swing takes once it is tuned, that the nearest of those tried takes at least
-SCREENED_ROWS = 4000  # enough to tell swings apart by
-CLOSE = 0.01  # of a swing's damping ratio, to which its frequency is tuned
+NEAR = 1.15  # an oscillation within this factor of the frequencies that a link swings at comes from the link
+LEAST_TOLD = 0.003  # share of a joint's RMS effort that an oscillation must reach
+UNTUNED = 0.5  # the nearest swing on the search grid has at least this fraction of the gain of the tuned swing
+SCREENED_ROWS = 4000  # rows that are enough to tell swings apart
+CLOSE = 0.01  # precision of a swing's tuned frequency, as a fraction of its damping ratio
 MOST_TUNINGS = 100
 
 
 def new_oscillations(model: Model) -> list[Source]:
-    """Return what oscillates and is not refitted yet, at most one for each joint.
+    """Return the sources that oscillate and are not refitted yet, at most one for each joint.
 
-    That is where, of what a model leaves there on motion not fitted, a steady tone or a load that swings takes half,
-    or, in the place of causes of the joint, a quarter: beside it, they may be none.  A late effort, a link that gives,
-    a rotor or the levels of friction may be made to look like it; but another machine on the same floor, a loop that
-    sings, or a liquid that sloshes is none of the causes.  Far from resonance a load that swings pulls as a mass or a
-    spring does: it has to leave a quarter less than these.
+    A steady tone or a load that swings is one if it takes away half of the held-out mean square that the model leaves
+    at a joint.  A quarter is enough if it takes the place of the joint's causes, since these may not be real: a delay,
+    an elastic transmission, a rotor or friction levels may be fitted to imitate it.  But another machine on the same
+    floor, a control loop that oscillates, or a liquid that sloshes is none of the causes.  Far from resonance, a load
+    that swings acts as a mass or a spring does: it has to leave a quarter less than these.
     """
     gap, after, out = model.gap, model.heldout_residual(), []
     known = [source.joint for source in model.nuisance.sources]
@@ -69,8 +69,8 @@ def new_oscillations(model: Model) -> list[Source]:
 
 
 def _of_own_link(model: Model, frequency: float) -> bool:
-    # A link that swings on its transmission swings at other frequencies in other poses, and not quite as the cause has
-    # it.  What is left of that, at any joint, is none of another's making.
+    # A link that swings on its transmission has other frequencies in other poses, and does not swing quite as the cause
+    # models it.  What is left of that, at any joint, has no other source.
     for choice, place in zip(model.chosen, model.places, strict=True):
         if isinstance(choice.cause, SwingingElasticity):
             own = choice.cause.resonances(model.gap, choice.site, model.strengths[place])
@@ -80,7 +80,7 @@ def _of_own_link(model: Model, frequency: float) -> bool:
 
 
 def told_oscillations(model: Model) -> list[Structure]:
-    """Return what oscillates at each joint, and its share of what is left there: structure that no cause explains."""
+    """Return what oscillates at each joint and its share of the residual there: structure that no cause explains."""
     gap, out = model.gap, []
     courses_left = model.heldout_residual(), model.heldout_residual(oscillations=True)
     for joint in dict.fromkeys(source.joint for source in model.nuisance.sources):
@@ -93,7 +93,7 @@ def told_oscillations(model: Model) -> list[Structure]:
 
 
 def _power(course: Floats, weight: Floats) -> float:
-    # The mean square of a course (rows,), each row as sure as it is.
+    # The mean square of a course (rows,), each row weighted by its inverse variance.
     return float(np.average(np.square(course), weights=np.square(weight)))
 
 
@@ -102,14 +102,14 @@ def _effort(gap: Gap, joint: int) -> float:
 
 
 def _size(model: Model, joint: int) -> float:
-    # The RMS of all that oscillates at a joint, as held out.
+    # The held-out RMS of all that oscillates at a joint.
     course = model.heldout_residual(oscillations=True)[:, joint] - model.heldout_residual()[:, joint]
     return float(np.sqrt(_power(course, model.system.rows.weight[:, joint])))
 
 
 def _readings(model: Model, joint: int) -> list[Model]:
-    # The model; where a cause made the joint late, the one that takes the joint as it is stated; and the one without
-    # any cause of the joint's own.
+    # The model; if the joint has causes of its sensor, such as a delay, the model without these and with the joint no
+    # later than stated; and if it has others, the model without any cause of the joint's own.
     own = [one for one in model.chosen if one.site.joint == joint and not one.cause.whole_arm]
     of_sensor = [one for one in own if one.cause.of_sensor]
     out = [model]
@@ -126,7 +126,7 @@ def _left_of(model: Model, taken: list[Chosen]) -> tuple[Chosen, ...]:
 
 
 def _with_spring_and_rotor(model: Model, joint: int) -> Model:
-    # With what a load makes that is carried along or held back, but does not swing.
+    # The model with the effect of a load that is carried along (rotor) or held back (spring) but does not swing.
     more = [Chosen(cause, Site(joint)) for cause in (Spring(), RotorInertia())]
     known = {one.key for one in model.chosen}
     return build_model(model.gap, model.nuisance, (*model.chosen, *(one for one in more if one.key not in known)))
@@ -138,8 +138,8 @@ def _beside(model: Model, source: Source) -> Model:
 
 
 def _loudest_tone(model: Model, joint: int) -> Tone | None:
-    # The tone that takes most off what a model leaves at a joint, of those near the strongest in that and in what the
-    # robot as it is stated leaves.
+    # The tone with the largest gain over the model at a joint, among frequencies near the strongest tone in the model's
+    # residual and in that of the stated robot.
     gap = model.gap
     left = (model.residual()[:, joint], np.nan_to_num(gap.residual[:, joint]))
     strongest = [found for found in (steady_tone(gap, joint, course) for course in left) if found is not None]
@@ -154,7 +154,7 @@ def _loudest_tone(model: Model, joint: int) -> Tone | None:
 
 
 def _loudest_swing(model: Model, still: Model, joint: int) -> Swing | None:
-    # The swing that takes most off what is left at a joint that may be sprung and heavier too, tuned in their place.
+    # The swing with the largest gain at a joint beside a spring and a rotor (``still``), then tuned without these two.
     gap = model.gap
     every = max(1, gap.chain.time.size // SCREENED_ROWS)
     shown = shown_swings(gap)

@@ -1,4 +1,4 @@
-"""What a diagnosis comes to, as plain data."""
+"""The result of a diagnosis, as plain data."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from mjfriction.robot.robot import Robot
 
 
 class Verdict(enum.Enum):
-    """What a diagnosis comes to; the value is its name in a report."""
+    """The overall result of a diagnosis; the value is its name in a report."""
 
     EXPLAINED = "explained"
     CONSISTENT = "consistent"
@@ -32,8 +32,9 @@ class Verdict(enum.Enum):
 
 @dataclass(frozen=True)
 class Finding:
-    """A named cause: where (None for the whole arm), how sure, how much, what it gains on motion not fitted, and where
-    it shows: ``shown_at`` is the joint to look at, ``picture`` what to draw there.
+    """A named cause: its joint (None for the whole arm), how certain and how large it is, and its held-out gain.
+
+    ``shown_at`` is the joint where it shows best, ``picture`` what to draw there.
     """
 
     cause: str
@@ -50,13 +51,15 @@ class Finding:
 
 @dataclass(frozen=True, repr=False)
 class Diagnosis:
-    """Everything a diagnosis found.  ``residual_after`` and ``heldout`` (rows, joints) are what the extended model
-    leaves, fitted to everything and fitted elsewhere; ``remaining`` names structure no cause explains;
-    ``next_experiment`` would tell an ambiguous finding from its likeliest alternative.  ``faults`` are those of the log
-    itself, found before any physics is blamed; ``gap`` is of the log as it should have been read, or, where that is not
-    sure, the log is ``refused`` and nothing is fitted.  ``bandwidths`` (Hz, by joint) are those of drives that were
-    found to low-pass their efforts; ``robot`` states them too.  ``free_run`` is the proof in motion, None where there
-    is none: ``not_run`` says why.
+    """Everything a diagnosis found.
+
+    ``residual_after`` and ``heldout`` (rows, joints) are the residuals of the extended model, fitted to all rows and
+    held-out; ``remaining`` names structure that no cause explains.  ``next_experiment`` is a motion that would
+    distinguish an ambiguous finding from its likeliest alternative.  ``faults`` are those of the log itself, found
+    before any physics is blamed.  ``gap`` is of the log as it should have been read; if that is not certain, the log is
+    ``refused`` and nothing is fitted.  ``bandwidths`` (Hz, by joint) are those of drives that were found to low-pass
+    their efforts; ``robot``, the extended robot, states them too.  ``free_run`` is the proof in motion; if it is None,
+    ``not_run`` says why, unless the log was refused.
     """
 
     gap: Gap
@@ -80,5 +83,5 @@ class Diagnosis:
     not_run: str | None
 
     def __repr__(self) -> str:
-        """The verdict and the sentence."""
+        """Return the verdict and the summary."""
         return f"<Diagnosis {self.verdict.value}: {self.summary}>"

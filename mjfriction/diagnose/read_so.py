@@ -1,4 +1,4 @@
-"""The gap of a log whose columns are read another way."""
+"""The gap of a log whose columns are read in another way."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from mjfriction.record.span import EVER, Span, within
 from mjfriction.robot.bandwidth import HIGHEST
 from mjfriction.robot.robot import Robot
 
-AGREES = 2.0  # times, by which a measured velocity may be off from its position's and be one with it
+AGREES = 2.0  # factor within which a measured velocity agrees with that of its position
 
 
 def read_so(gap: Gap, mends: Iterable[Mend], robot: Robot, *, highest: float = HIGHEST) -> Gap:
     """Return the gap of a ``robot`` and a log that is read as mends say.
 
-    Velocities that are one with the positions as they were logged are read as these are.  ``highest`` is the most that
-    the position filter's cutoff may be (Hz).
+    A measured velocity that agrees with its position as logged is mended in the same way as the position.  ``highest``
+    is the upper limit of the position filter's cutoff (Hz).
     """
     log = gap.log
     for mend in mends:
@@ -32,10 +32,10 @@ def read_so(gap: Gap, mends: Iterable[Mend], robot: Robot, *, highest: float = H
 
 
 def off_as_stated(readings: Sequence[Gap], span: Span = EVER) -> Floats:
-    """Return by how much the stated robot is off with each of several readings of a log, within a ``span`` of time: the
-    logarithm of the product of what is left at the joints that all of them examine, relative to their efforts.
+    """Return how far off the stated robot is with each of several readings of a log, within a ``span`` of time.
 
-    As a product no joint with a cause of its own drowns the others.
+    It is the logarithm of a product over the joints that all readings examine: of the residual's norm relative to the
+    effort's.  With a product, a joint that has a cause of its own does not drown out the others.
     """
     joints = set.intersection(*(set(read.examined) for read in readings))
     off = np.zeros(len(readings))

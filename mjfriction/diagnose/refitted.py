@@ -1,4 +1,4 @@
-"""The parts that are refitted with every candidate: their columns, and what is known of them beforehand."""
+"""The parts that are refitted with every candidate: their columns and their prior precision."""
 
 from __future__ import annotations
 
@@ -20,20 +20,22 @@ from mjfriction.identify.tone import Tone
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_levels
 
-FEWEST_JOINTS = 3  # that can say how exactly a machine is stated, or how even it is
-OUT_OF_CHANCE = 5.0  # deviations, that are none whatever number of candidates they are picked from
-# Of a joint's Coulomb level, one deviation of what its effort reads of none: what is large enough for an offset is one.
+FEWEST_JOINTS = 3  # joints that it takes to know how exactly a machine is stated, or how even it is
+OUT_OF_CHANCE = 5.0  # deviations that chance does not reach, however many candidates a value is picked from
+# Prior deviation of a zero, as a share of the joint's Coulomb level.  OUT_OF_CHANCE of these are the least size of an
+# offset: what is larger is one.
 ZERO = Offset.least_of_friction / OUT_OF_CHANCE
-LINK_SCALE = 0.03  # one standard deviation of how far a stated link may be off
-LINK_SHIFT = 0.002  # m, and its centre of mass, along each axis
-ROTOR, CONSTANT = 0.04, 0.015  # relative, and a drive's rotor inertia and torque constant
-LEVEL_SCALE = 10.0  # of the joint's RMS effort: next to no restraint
+LINK_SCALE = 0.03  # prior deviation of the mass and inertia of a stated link, relative
+LINK_SHIFT = 0.002  # m, prior deviation of its centre of mass along each axis
+ROTOR, CONSTANT = 0.04, 0.015  # prior deviations of a drive's rotor inertia and torque constant, relative
+LEVEL_SCALE = 10.0  # prior deviation of a level, in multiples of the joint's RMS effort: practically unconstrained
 
 
 @dataclass(frozen=True)
 class Level:
-    """The Coulomb and viscous level of one joint: two columns; ``free`` is their precision were they free, where they
-    are kept near what is stated.
+    """The Coulomb and viscous level of one joint: two columns.
+
+    If the levels are kept near what is stated, ``free`` is the precision that they would have if they were free.
     """
 
     site: Site
@@ -43,18 +45,18 @@ class Level:
 
     @property
     def near(self) -> bool:
-        """Whether they are kept near what is stated."""
+        """Whether the levels are kept near what is stated."""
         return self.free is not None
 
     def freed(self) -> Level:
-        """Return the levels free."""
+        """Return the levels with the precision of free ones."""
         return self if self.free is None else replace(self, precision=self.free, free=None)
 
 
 @dataclass(frozen=True)
 class Zero:
-    """What one joint's effort reads where there is none: one column; ``precision`` is that on a machine as uneven as
-    real ones are.
+    """What one joint's effort reads where there is none: one column; ``precision`` is for a machine as uneven as real
+    ones are.
     """
 
     site: Site
@@ -64,8 +66,10 @@ class Zero:
 
 @dataclass(frozen=True)
 class Drive:
-    """What a data sheet says of a joint's drive, off as ``cause`` has it: one column, per relative change of what is
-    stated, ``stated`` being the cause's strength of a change by the whole of it.
+    """A data sheet value of a joint's drive, which may be off as ``cause`` describes: one column, per relative change
+    of the stated value.
+
+    ``stated`` is the strength of the cause that changes the value by the whole of itself.
     """
 
     cause: Cause
@@ -91,7 +95,7 @@ Source = Tone | Swing
 
 @dataclass(frozen=True)
 class Oscillation:
-    """What a steady tone or a load that swings does to its joint: some columns."""
+    """The effect of a steady tone or of a load that swings on its joint: some columns."""
 
     source: Source
     columns: Columns
@@ -102,7 +106,7 @@ Part = Level | Zero | Drive | Link | LinkInertias | Oscillation
 
 
 def levels_of(gap: Gap) -> tuple[Level, ...]:
-    """Return the levels of every joint along a gap, free."""
+    """Return the levels of every joint along a gap, practically unconstrained."""
     levels = []
     for site in STATED_LEVELS.sites(gap):
         speed = float(np.sqrt(np.mean(np.square(gap.motion.velocity[:, site.joint]))))
@@ -112,8 +116,9 @@ def levels_of(gap: Gap) -> tuple[Level, ...]:
 
 
 def zeros_of(gap: Gap) -> tuple[Zero, ...]:
-    """Return the zeros of the examined joints: none of few joints, of which what is left says how even they are, and so
-    what is an offset already.
+    """Return the zeros of the examined joints that have a Coulomb level; none with fewer than FEWEST_JOINTS joints.
+
+    With so few joints, the residual shows how even they are, and thereby already what counts as an offset.
     """
     coulomb = {joint: stated_levels(gap.robot.table.joint[joint])[0] for joint in gap.examined}
     return tuple(
@@ -124,7 +129,7 @@ def zeros_of(gap: Gap) -> tuple[Zero, ...]:
 
 
 def drives_of(gap: Gap) -> tuple[Drive, ...]:
-    """Return the rotor and the torque constant of every examined joint."""
+    """Return the rotor inertia, if one is stated, and the torque constant of every examined joint."""
     out = []
     for joint in gap.examined:
         rotor = gap.robot.table.joint[joint].actuator.reflected_inertia
@@ -136,7 +141,7 @@ def drives_of(gap: Gap) -> tuple[Drive, ...]:
 
 
 def links_of(gap: Gap) -> tuple[Link, ...]:
-    """Return the links that any joint feels."""
+    """Return the links that any examined joint feels."""
     links = []
     for k, name in enumerate(gap.body.links):
         block = {joint: rows[:, k] for joint, rows in gap.link_rows.items()}
@@ -146,7 +151,7 @@ def links_of(gap: Gap) -> tuple[Link, ...]:
 
 
 def oscillations_of(gap: Gap, sources: Sequence[Source]) -> tuple[Oscillation, ...]:
-    """Return what each of ``sources`` does along a gap, free."""
+    """Return the oscillation of each of ``sources`` along a gap, practically unconstrained."""
     oscillations = []
     for source in sources:
         columns = source.columns(gap)
@@ -156,6 +161,6 @@ def oscillations_of(gap: Gap, sources: Sequence[Source]) -> tuple[Oscillation, .
 
 
 def _next_to_free(gap: Gap, joint: int) -> float:
-    # The precision of an effort (N·m or N) at a joint that hardly anything is known of.
+    # The prior precision of an effort (N·m or N) at a joint of which hardly anything is known.
     effort = float(np.sqrt(np.mean(np.square(gap.measured[:, joint]))))
     return 1.0 / (LEVEL_SCALE * effort) ** 2

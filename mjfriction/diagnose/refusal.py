@@ -1,4 +1,4 @@
-"""Causes that fit and are none: what a model that was found is asked before it is believed."""
+"""Causes that fit but are not real: the checks that a found model must pass before it is believed."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from mjfriction.record.motion_frequency import quickest_motion
 from mjfriction.robot.bandwidth import HARMONICS
 
 BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "friction.presliding", "friction.asymmetry"})
-PROOF_SEED = 0  # of the resampling by which a gain is held against zero
-ON_THE_WAY = 0.5  # of what friction that builds up over travel gains, that it must gain while its joint moves
-APART, SURELY_APART = 0.5, 2.0  # of a delay, and deviations, by which friction's part of it differs from the rest's
-EARLY = 0.03  # s, by which one joint's effort comes early behind the slowest filter of its position
-BLURRED = 0.1  # of a period of the position filter's cutoff, within which it is not known when a joint turns
+PROOF_SEED = 0  # of the resampling that tests a gain against zero
+ON_THE_WAY = 0.5  # share of its gain that friction which builds up over travel must gain while its joint moves
+APART, SURELY_APART = 0.5, 2.0  # delays differ if they do so by this share of one, and this many standard deviations
+EARLY = 0.03  # s, the most that one joint's effort may seem early because of a slow filter of its position
+BLURRED = 0.1  # periods of the position filter's cutoff, to which the moment at which a joint turns is known
 
 
 def refused(model: Model) -> list[Chosen]:
     """Return the causes of a model that are no findings.
 
-    Those whose gain on motion not fitted may be none while joints move; those whose size is not told from none
-    beside another curve on their joint; efforts that seem early beside play; delays of which only a part of the effort
-    knows, its friction or what is quicker than the motion; courses of friction over time that raise it when slow and
-    lower it when fast, or the other way round; and a spot along a stroke beside waves of friction.
+    These are causes whose held-out gain may be zero while joints move; causes whose size cannot be told from zero
+    beside another curve on their joint; efforts that seem early beside play; delays that friction does not share with
+    the rest of the effort, or that only what is quicker than the motion shows; courses of friction over time that raise
+    it when slow and lower it when fast, or the other way round; and a spot along a stroke beside waves of friction.
     """
     unproved = [choice for choice in model.chosen if not proved(model, choice)]
     rules = (_dissolved, _of_landings, _torn, _too_quick, _both_ways, _among_waves)
@@ -39,17 +39,19 @@ def refused(model: Model) -> list[Chosen]:
 
 
 def proved(model: Model, choice: Chosen) -> bool:
-    """Return whether a cause of a model gains on motion not fitted while joints move, or brings drives and links that
-    did as well without it nearer to what is stated than so many numbers more are worth.
+    """Return whether a cause of a model has a held-out gain while joints move, or instead brings drives and links
+    nearer to what is stated by more than its own strengths are worth.
 
-    A joint at rest holds its friction at any level below Coulomb's, for as long as it rests: many rows that say one
-    thing.  What is seen there alone, and not while the joint moves, is no finding.  Rows count by how sure they
-    are.  Friction that builds up over travel does so on the way: most of its gain has to be there.
+    A joint at rest holds its friction at any level below Coulomb's for as long as it rests: many rows that carry one
+    piece of information.  What shows only there, and not while the joint moves, is no finding.  Rows are weighted by
+    how certain they are.  Friction that builds up over travel does so on the way, so at least half of its gain has to
+    come while its joint moves.
     """
     gap, weight = model.gap, model.system.rows.weight
     without = model.without(choice)
     price = len(choice.cause.quantities(gap, choice.site)) * float(np.log(gap.blocks.count))
-    # By what is usual of robots, too: links that are right to a hundredth are no nearer for being so to a thousandth.
+    # It must also count in units of what is usual for robots: links that are right to a percent are not meaningfully
+    # nearer if they are right to a tenth of a percent.
     if min(relief(model, without), nearness_of(without).distance - nearness_of(model).distance) > price:
         return True
     before, after = without.heldout_residual() * weight, model.heldout_residual() * weight
@@ -68,8 +70,8 @@ def proved(model: Model, choice: Chosen) -> bool:
 
 
 def _dissolved(model: Model) -> list[Chosen]:
-    # Two curves over speed on one joint may stand in for a third, each large only to cancel the other: with the shapes
-    # let go, the size of one of them is then not even told from none.
+    # Two curves over speed on one joint may stand in for a third, each large only to cancel the other.  With their
+    # shapes free as well, the size of one of them cannot then be told from zero.
     joints = [choice.site.joint for choice in model.chosen if choice.cause.name in BENDING]
     if len(set(joints)) == len(joints):
         return []
@@ -84,8 +86,8 @@ def _dissolved(model: Model) -> list[Chosen]:
 
 
 def _of_landings(model: Model) -> list[Chosen]:
-    # With what it lands, a link pushes its motor back before any row can say so: beside play, efforts that seem to come
-    # early on the same joint are that.
+    # A link that lands after crossing play pushes its motor back before any row can show it.  Beside play, efforts that
+    # seem early on the same joint come from that.
     loose = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, Play)}
     return [
         choice
@@ -95,7 +97,8 @@ def _of_landings(model: Model) -> list[Chosen]:
 
 
 def _among_waves(model: Model) -> list[Chosen]:
-    # A spot and waves spell nearly anything along a stroke: waves by themselves, which fewer do, come before that.
+    # A spot and waves together can imitate nearly anything along a stroke.  Waves alone can do so less, so they are
+    # preferred.
     waving = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, PositionFriction)}
     return [choice for choice in model.chosen if isinstance(choice.cause, FrictionSpot) and choice.site.joint in waving]
 
@@ -110,11 +113,11 @@ def _both_ways(model: Model) -> list[Chosen]:
 
 
 def _torn(model: Model) -> list[Chosen]:
-    # A drive that reports late reports all of its effort late.  Where friction tells of quite another delay than the
-    # rest of the effort does, something else is wrong with one of the two; but friction that comes later still than a
-    # rest that is late is that of a contact which yields, and earlier still than an early one, that of a joint which
-    # its drive winds up before it turns.  One that is earlier than a filter of positions makes it is a shift only where
-    # its friction is known to be as early.
+    # A drive that reports late reports all of its effort late.  If friction shows quite another delay than the rest of
+    # the effort, something else is wrong with one of the two.  But friction even later than a late rest is that of a
+    # contact that yields, and friction even earlier than an early rest is that of a joint that its drive winds up
+    # before it turns.  An effort that is earlier than a position filter can make it seem is a shift in time only if its
+    # friction is known to be as early.
     gap, friction = model.gap, model.gap.known.effort.friction
     out = []
     for choice, place in _delays(model):
@@ -134,9 +137,9 @@ def _torn(model: Model) -> list[Chosen]:
 
 
 def _too_quick(model: Model) -> list[Chosen]:
-    # A drive that reports late does so of the motion that its joint was sent on, too.  What is quicker, a controller's
-    # answer to its sensor's noise or an arm that shakes its base, may look late by any time: where means over a part of
-    # the motion's own period know nothing of it, it is that.
+    # A drive that reports late is also late with the motion that its joint was commanded to make.  What is quicker,
+    # such as a controller's response to sensor noise or an arm that shakes its base, may look late by any time.  It is
+    # that if means over a part of the motion's own period do not show the delay.
     gap, motion, delays = model.gap, model.gap.motion, _delays(model)
     if not delays:
         return []
@@ -156,7 +159,7 @@ def _too_quick(model: Model) -> list[Chosen]:
 
 
 def _delays(model: Model) -> list[tuple[Chosen, slice]]:
-    # A shift within a sample is refitted along.
+    # A shift of less than one sample is only refitted along, and not checked.
     return [
         (choice, place)
         for choice, place in zip(model.chosen, model.places, strict=True)

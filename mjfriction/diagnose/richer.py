@@ -1,4 +1,4 @@
-"""Causes in a richer form: with more strengths, where that pays."""
+"""Causes in a richer form, with more strengths, where the gain pays for these."""
 
 from __future__ import annotations
 
@@ -12,20 +12,21 @@ from mjfriction.diagnose.refusal import proved
 from mjfriction.diagnose.shapes import best_shape
 from mjfriction.diagnose.trial import try_out
 
-PAYS = 10.0  # of merit, from which on a richer form is worth its names
+PAYS = 10.0  # merit above which a richer form is worth the parameters that it adds to a report
 
 
 @dataclass(frozen=True)
 class Richer:
-    """A ``model`` with a cause in its richer form, and what that gains on motion not fitted, further freedoms paid."""
+    """A ``model`` with a cause in its richer form, and its held-out gain less what the additional freedoms cost."""
 
     model: Model
     gain: float
 
 
 def in_richer_form(model: Model, choice: Chosen, plain: Chosen) -> Richer | None:
-    """Return the model with the richer form of ``plain`` in the place of a straight cause of it, ``choice``; None where
-    nature does not allow it or motion does not show it.
+    """Return the model with the richer form of ``plain`` in place of ``choice``, a straight cause of the model.
+
+    None where that is not physical or the motion does not prove it.
     """
     assert plain.cause.richer is not None, "asked of causes that have one"
     without = model.without(choice)
@@ -37,8 +38,8 @@ def in_richer_form(model: Model, choice: Chosen, plain: Chosen) -> Richer | None
 
 
 def paid_gain(model: Model, chosen: tuple[Chosen, ...]) -> float:
-    """Return what other causes than a model's gain over it on motion not fitted, rows weighed as they are, less what
-    their further freedoms, searched shapes included, are worth on noise alone.
+    """Return the held-out gain over a model of other causes in place of its own, with the same row weights, less what
+    their additional freedoms, searched shapes included, gain on noise alone.
     """
     blocks, normal = model.gap.blocks, model.with_others(chosen)
     more = normal.precision.size - model.system.normal.precision.size
@@ -52,8 +53,9 @@ def _searched(model: Model, chosen: tuple[Chosen, ...]) -> int:
 
 
 def enriched(model: Model, field: Field) -> Model:
-    """Return the model with those of its causes in their richer form that gain by it, but for forms that compete
-    themselves.
+    """Return the model with those of its causes in their richer form that gain by it.
+
+    Forms that compete in the field on their own are left to do so.
     """
     competing = {type(entrant.cause) for entrant in field}
     for choice in model.chosen:

@@ -1,7 +1,7 @@
-"""Robots that turn out to be stated exactly once their causes are known: drives are then held, and causes compete anew.
+"""A second competition with drives held as stated, for robots that prove to be stated exactly once causes are known.
 
-Where causes sit at half of the joints, friction looks off throughout before any is found, so that drives are refitted
-along; a torque constant that is off by a few percent goes under in that.
+When half of the joints have a cause, friction looks off everywhere before any cause is found, so drives are refitted
+along.  The refitted drives then absorb a torque constant that is off by a few percent.
 """
 
 from __future__ import annotations
@@ -19,10 +19,11 @@ from mjfriction.progress import Tell, silently
 
 
 def compete_twice(gap: Gap, nuisance: Nuisance, field: Field, tell: Tell = silently) -> tuple[Model, Field]:
-    """Let causes compete as :func:`~mjfriction.diagnose.free_links.compete_for_links` does, and once more with drives
-    as stated where friction is, at the joints that no cause of the first look touches.
+    """Let causes compete as :func:`~mjfriction.diagnose.free_links.compete_for_links` does, and compete again with
+    drives as stated if friction is as stated at enough of the joints that no cause touches.
 
-    The second look counts where the joints that it leaves untouched are as stated, and it leaves as little at each.
+    The second result is used if friction is as stated at the joints it leaves without a cause, and if its held-out
+    residual is as small as the first one's at every joint.
     """
     first, asked = compete_for_links(gap, nuisance, field, tell)
     let_go = first.nuisance.inertias is not None

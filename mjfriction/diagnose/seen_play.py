@@ -1,7 +1,7 @@
-"""drive.backlash seen in the positions themselves: sensors that jump as the load changes sign.
+"""drive.backlash detected in the positions themselves: sensors that jump as the load changes sign.
 
-A jump is done before any effort can say so, and what it seems to accelerate is a blow to whoever looks at efforts only.
-So it is measured where it shows, and taken off the motion before any cause is asked for.
+A jump is over before any effort can show it, and its apparent acceleration looks like a blow if only efforts are
+examined.  So it is measured in the positions, and removed from the motion before any cause is tried.
 """
 
 from __future__ import annotations
@@ -21,14 +21,16 @@ from mjfriction.record.motion import estimate_motion
 from mjfriction.robot.measured_motion import seen_jumps
 from mjfriction.robot.robot import Robot
 
-OFF = 0.05  # of a play that is stated, by which the one that is seen must differ to be a finding
+OFF = 0.05  # fraction of the stated play by which the measured play must differ from it to be a finding
 
 
 @dataclass(frozen=True)
 class SeenPlay:
-    """The play that was seen, by joint, and what is left of the log with what was ``stated``, (rows, joints), along
-    the rows of ``gap``: that of the robot with the play, on motion that is free of its jumps; ``whole`` is the same on
-    every sample of the log.
+    """The play that was detected: its ``jumps``, by joint.
+
+    ``gap`` is the gap of the robot with this play, on motion that is free of its jumps; ``whole`` is the same on every
+    sample of the log.  ``stated`` (rows, joints) is the residual of the robot as stated, at the rows of ``gap``, on
+    motion that still has the jumps that were detected.
     """
 
     whole: Gap
@@ -38,15 +40,16 @@ class SeenPlay:
 
 
 def unseen(stated: Gap) -> SeenPlay:
-    """Return that nothing was seen: the gap is what it was."""
+    """Return the result for a log without detected play: the gap stays as it is."""
     gap = thinned(stated)
     return SeenPlay(stated, gap, gap.residual, {})
 
 
 def see_play(stated: Gap, highest: float) -> SeenPlay:
-    """Look for jumps that the stated robot does not have; without any, the gap stays what it is.
+    """Look for jumps that the stated robot does not explain; without any, the gap stays as it is.
 
-    ``highest`` is the most that the position filter's cutoff may be (Hz).  Play that is stated as coasting is no jump.
+    ``highest`` is the upper limit of the position filter's cutoff (Hz).  Joints whose stated play is not crossed at
+    once, such as coasting play, are skipped.
     """
     robot, found = stated.robot, {}
     motion = stated.motion
@@ -74,8 +77,10 @@ def _with_play(robot: Robot, seen: Mapping[int, Jumps]) -> Robot:
 
 
 def play_findings(seen: SeenPlay, heldout: Floats, seed: int) -> list[Finding]:
-    """Return what was seen as findings; ``heldout`` (rows, joints) is what the extended robot leaves of motion that it
-    was not fitted to, ``seed`` sets the resampling behind the intervals of the gains.
+    """Return the detected play as findings.
+
+    ``heldout`` (rows, joints) is the held-out residual of the extended robot; ``seed`` sets the resampling behind the
+    intervals of the gains.
     """
     return [_finding(seen, joint, jumps, heldout, seed) for joint, jumps in seen.jumps.items()]
 

@@ -1,4 +1,4 @@
-"""The motion that would tell two explanations apart: where the two fitted robots differ most, over the noise."""
+"""The motion that would tell two explanations apart: the fitted robots differ most on it, relative to the noise."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from mjfriction.plant.trajectory import Trajectory
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 
-TOLD = 3.0  # times the noise, from which on two explanations are told apart
-USELESS = 0.05  # times the noise: a thousand rows that differ so much may do so by chance
-QUIETEST = 1e-9  # N·m or N
-FASTER = 1.5  # times the speed that the log reached
+TOLD = 3.0  # multiple of the noise; two explanations that differ by more are told apart
+USELESS = 0.05  # multiple of the noise; a smaller difference over a thousand rows may be chance
+QUIETEST = 1e-9  # N·m or N, lower limit of the noise
+FASTER = 1.5  # top speed of the trial motions, as a multiple of the speed that the log reached
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """A motion, and how far the two explanations lie apart on it and on the log, in units of the noise."""
+    """A motion, and by how much the two explanations differ on it and on the log, as multiples of the noise."""
 
     trajectory: Trajectory
     joint: str
@@ -42,11 +42,11 @@ class Experiment:
 
 
 def with_rival(model: Model, target: Chosen, rival: Chosen) -> Model | None:
-    """Return a model with a rival in the place of a cause; None where, beside what else was found, it is not
-    possible.
+    """Return the model with a rival in place of a cause, or None if the rival is not admissible beside the other
+    causes.
 
-    In the place of a joint's levels, these are as stated; levels in the place of a cause are free, rather than as
-    stated or near it.
+    If the rival replaces a joint's levels, these are held as stated.  If levels replace a cause, they are free, rather
+    than held as stated or near it.
     """
     rest = tuple(choice for choice in model.chosen if choice.key != target.key)
     if rival.cause is STATED_LEVELS and model.nuisance.level_near(rival.site.joint):
@@ -58,12 +58,12 @@ def with_rival(model: Model, target: Chosen, rival: Chosen) -> Model | None:
 
 
 def design_experiment(model: Model, other: Model, joint: int, between: tuple[str, str]) -> Experiment | None:
-    """Return the motion, of many within the joints' limits, on which two explanations of a log, ``between`` whose
-    causes at a ``joint`` it is to choose, differ most.
+    """Return the motion, out of many within the joints' limits, on which two explanations of a log differ most.
 
-    Both are fitted to the log.  Where motions in the middle of the range tell nothing, that joint is moved alone to its
-    sides.  None where they differ nowhere by more than on the log itself, or by so little that some minutes of it would
-    say nothing; and none for a robot with a slide of which no range is stated.
+    Both models are fitted to the log; ``between`` names the two causes at ``joint`` that the motion is to tell apart.
+    If motions in the middle of the range do not tell them apart, this joint alone is moved towards the sides of its
+    range.  Return None if they differ on no motion by more than on the log itself, or by so little that a few minutes
+    of it would decide nothing, or if the robot has a sliding joint without a stated range.
     """
     gap = model.gap
     if unbounded(gap.body):
@@ -85,7 +85,8 @@ def design_experiment(model: Model, other: Model, joint: int, between: tuple[str
 
 
 def _noise(model: Model) -> Floats:
-    # Of each examined joint's samples: the sensor's, or what is left, where a drive has taken the noise away.
+    # The noise of each examined joint's samples: the sensor's, or the residual if that is larger, since a drive may
+    # have filtered the sensor's noise away.
     gap, left = model.gap, model.residual()
     rows = [max(float(gap.noise_floor[joint]), gap.rms(left[:, joint], joint)) for joint in gap.examined]
     return np.maximum(np.array(rows) / gap.chain.noise_gain, QUIETEST)

@@ -1,4 +1,4 @@
-"""The best shapes of causes: the speed over which a level fades, the period of a wave."""
+"""Search for the best shapes of causes, such as the speed over which a level fades or the period of a wave."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Bounds = Sequence[tuple[float, float]]
 
 
 def best_shape(model: Model, choice: Chosen, bounds: Bounds | None = None) -> Chosen:
-    """Return a cause that is not in a model with the shape in which it takes most off what the model leaves.
+    """Return a cause, not part of the model, with the shape that reduces the model's residual most.
 
     ``bounds`` are those of the cause if not given.
     """
@@ -41,7 +41,8 @@ def best_shape(model: Model, choice: Chosen, bounds: Bounds | None = None) -> Ch
     def loss(x: Floats) -> float:
         return lost(choice.site.shaped(shape_at(x)))
 
-    # A moment is counted from where its search begins: clocks may stand at any number of seconds.
+    # A shape that is not relative, such as a moment, is searched as an offset from its start value, because clocks may
+    # start at any number of seconds.
     first, limits = np.clip(choice.site.shape, *np.array(bounds).T), np.array(bounds)
     steps = np.asarray(choice.cause.shape_steps(model.gap, choice.site))
     if relative:
@@ -55,7 +56,7 @@ def best_shape(model: Model, choice: Chosen, bounds: Bounds | None = None) -> Ch
 
 
 def apart(model: Model, choice: Chosen) -> bool:
-    """Return whether a cause is told from those of its kind that a model has on its joint."""
+    """Return whether the motion tells a cause apart from the model's causes of the same kind on the same joint."""
     return all(
         choice.cause.apart(model.gap, choice.site, other.site)
         for other in model.chosen
@@ -64,10 +65,11 @@ def apart(model: Model, choice: Chosen) -> bool:
 
 
 def reshaped(model: Model, joints: Collection[int] | None = None) -> Model:
-    """Return the model with the shapes of its causes (of some joints', if given) searched anew, each in turn.
+    """Return the model with the shapes of its causes (only those on ``joints``, if given) searched again, one by one.
 
-    A new cause, or a level held, moves the best shapes of the others on the joints that feel it.  A shape with which
-    friction would be none, or that another cause or another of its kind has, keeps the one there is.
+    A new cause, or a level that is now held, moves the best shapes of other causes on the joints that feel it.  A cause
+    keeps its present shape if the new one is not physical, belongs to a different cause, or is not told apart from that
+    of another cause of its kind.
     """
     for i, choice in enumerate(model.chosen):
         mine = joints is None or choice.site.joint in joints

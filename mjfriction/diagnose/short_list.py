@@ -1,4 +1,4 @@
-"""Candidates screened on a part of the rows, and the trials of those that rank first."""
+"""Screening of candidates on a part of the rows, and trials of those that rank first."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import UNSEEN, Columns
 
 SHORT_LIST = 8
-NEAR_BEST = 0.9  # of the best candidate's merit, from which on two are compared on the real balance
-SCREENED_ROWS = 1000  # enough to rank shapes by
+NEAR_BEST = 0.9  # fraction of the best candidate's merit above which curved candidates are refitted before comparing
+SCREENED_ROWS = 1000  # rows that candidates are screened on, at least: enough to rank shapes
 
 
 def contenders(model: Model, field: Field) -> list[Trial]:
@@ -25,9 +25,9 @@ def contenders(model: Model, field: Field) -> list[Trial]:
 
 
 def fairly(model: Model, trials: list[Trial]) -> list[Trial]:
-    """Return trials of which those near the best are tried on the real balance, where any of these is curved.
+    """Return the trials, with curved candidates near the best refitted on the nonlinear balance if several are near.
 
-    A payload drawn in a straight line from none can lose against a shifted link that bends less.
+    A payload that is linearised at zero can lose against a shifted link, which is less nonlinear.
     """
     best = max((trial.merit for trial in trials), default=0.0)
     close = [trial for trial in trials if trial.merit > NEAR_BEST * best]
@@ -37,9 +37,9 @@ def fairly(model: Model, trials: list[Trial]) -> list[Trial]:
 
 
 def best_bent(model: Model, trials: list[Trial], chances: Chances) -> list[Trial]:
-    """Return trials of which the one that does most is tried on the real balance, where it is not beyond chance.
+    """Return the trials, with the best one refitted on the nonlinear balance if it is not beyond chance.
 
-    Of a play of half the stroke a straight line leaves so much that it might be chance.
+    The linearised fit of a play of half the stroke leaves so much that the effect might be chance.
     """
     best = max(trials, key=lambda trial: trial.merit, default=None)
     if best is None or best.merit <= 0.0 or best.beyond_chance(chances.among(best.chosen.cause)):
@@ -48,18 +48,20 @@ def best_bent(model: Model, trials: list[Trial], chances: Chances) -> list[Trial
 
 
 def all_tried(model: Model, choices: list[Chosen]) -> list[Trial]:
-    """Return the trials of candidates, each at its best shape; what nature does not allow has none."""
+    """Return the trials of candidates, each at its best shape; candidates that are not physical are left out."""
     trials = [_tried(model, choice) for choice in choices]
     return [trial for trial in trials if trial is not None]
 
 
 def passing(trials: list[Trial], chances: Chances) -> list[Trial]:
-    """Return those of the trials that are beyond chance, as often as it might strike, and large enough to matter."""
+    """Return the trials that are beyond chance, given how many candidates there are, and large enough to matter."""
     return [trial for trial in trials if trial.passes(chances.among(trial.chosen.cause))]
 
 
 def ranked(model: Model, field: Field) -> list[Chosen]:
-    """Return candidates by what they gain on a part of the rows; those that gain nothing are left out."""
+    """Return candidates at their best shape, ranked by their gain on a part of the rows less the price of their degrees
+    of freedom; those that gain nothing are left out.
+    """
     every = max(1, model.gap.blocks.row.size // SCREENED_ROWS)
     best = []
     for entrant in field:
@@ -80,7 +82,7 @@ def _tried(model: Model, choice: Chosen) -> Trial | None:
     best = best_shape(model, choice)
     if not choice.cause.own_shape(model.gap, best.site) or not apart(model, best):
         return None
-    # The shape that fits best may be one that nature does not allow; the grid's may be.
+    # The shape that fits best may not be physical, while that of the grid may be.
     trial = try_out(model, best) or try_out(model, choice)
     if trial is not None and choice.cause.of_sensor and model.chosen:
         return _bent(model, trial)
@@ -90,7 +92,7 @@ def _tried(model: Model, choice: Chosen) -> Trial | None:
 def _bent(model: Model, trial: Trial) -> Trial:
     if not trial.chosen.cause.curved:
         return trial
-    # What the curved causes chosen before have come to is left as it was: only the newcomer bends.
+    # Curved causes that were chosen before keep their tangents: only the newcomer is linearised again.
     fitted = straightened(model.with_also(trial.chosen), trial.chosen)
     return try_out(model, fitted.chosen[-1]) or trial
 
@@ -101,11 +103,11 @@ def _screening(gap: Gap, entrant: Entrant, every: int) -> Columns:
 
 
 def _shown(columns: Columns, site: int) -> int:
-    # How many of a candidate's strengths the motion shows at all.
+    # The number of a candidate's strengths that the motion excites at all.
     size = sum(np.mean(np.square(values[:, site]), axis=0) for values in columns.values())
     return int(np.count_nonzero(size > UNSEEN**2 * np.max(size)))
 
 
 def _price(gap: Gap, freedoms: int) -> float:
-    # Every freedom, the searched shape included, costs what it gains on noise alone.
+    # Every degree of freedom, searched shapes included, costs what it gains on noise alone.
     return freedoms * float(np.log(gap.blocks.row.size))

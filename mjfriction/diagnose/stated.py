@@ -40,27 +40,29 @@ from mjfriction.diagnose.short_list import contenders, passing
 from mjfriction.diagnose.trial import FALSE_ALARM, Trial, try_out
 from mjfriction.robot.friction import stated_levels
 
-# Causes beside which level and damping are a matter of how the curve is written. That directions differ is none: it is
-# even in velocity, and levels are odd.
+# Causes beside which level and damping depend on how the friction curve is parametrised.  An asymmetry between the
+# directions is not one of them: it is even in velocity, and levels are odd.
 CURVES = BENDING - {Asymmetry.name}
 WITH_LEVELS = CURVES | {PositionFriction.name}
-MOST_LINK_CHANGE = 0.8  # past which a scaled link is no link any more, and the fit a sign of something else
-LEAST_CHANGE = 0.04  # that counts on a robot stated exactly
-LEAST_CHANGE_ROUGH = 0.10  # that counts on a robot whose joints are all a little off, or that has too few to compare
-AS_MUCH = 1.0  # of the stated friction: no way of writing a curve down makes up for that
-# Of what levels are off by, that a bend still is where it has faded: at more than usual speed, or where a spot is less
-# than this of its height.
+MOST_LINK_CHANGE = 0.8  # relative change of a link's scale above which the fit is no link but a sign of something else
+LEAST_CHANGE = 0.04  # relative change of friction above which it is a finding on a robot stated exactly
+LEAST_CHANGE_ROUGH = 0.10  # the same where all joints are slightly off, or where there are too few to compare
+AS_MUCH = 1.0  # relative change of friction from which a curve's parametrisation can no longer explain it
+# A bend counts as faded where it contributes less than this fraction of the level change.  That is examined above the
+# RMS speed or, for a spot, where it is below this fraction of its height.
 FADED = 0.1
-LEFT = 0.1  # of a joint's clear rows, that must be left beyond what bends its friction
-ALWAYS = 0.25  # of the stated friction: a quarter off is a finding whatever the others are
-BAR = 2.0  # standard errors by which drives, or links, that are let go must help on motion not fitted
+LEFT = 0.1  # least share of a joint's clear rows that must lie there for this to be examined
+ALWAYS = 0.25  # relative change of friction above which it is a finding, however far off the other joints are
+BAR = 2.0  # standard errors by which refitted zeros, drives or links must improve the held-out error to be kept
 
 
 @dataclass(frozen=True)
 class Settled:
-    """The final model, and those of its friction levels that are findings; ``scaled`` tells at which joints both levels
-    are off by about one factor, which the drive's torque constant may be off by instead, and how near what is stated
-    levels then are; ``exact`` whether all but what was found is taken to be as stated.
+    """The final model, and those of its friction ``levels`` that are findings.
+
+    ``scaled`` has the joints whose levels are both off by about one factor, so that the drive's torque constant may be
+    off instead; its values are the relative spread around the stated values that levels then have.  ``exact`` says
+    whether everything except the causes found is taken to be as stated.
     """
 
     model: Model
@@ -70,16 +72,18 @@ class Settled:
 
 
 def settle(model: Model, asked: Field) -> Settled:
-    """Keep of the refitted values those that help on motion not fitted; name the friction levels that are findings.
+    """Keep the refitted stated values that improve held-out error, and name the friction levels that are findings.
 
-    A level is a finding when it helps beyond chance and by enough to matter, and when its change stands out: more than
-    4 % of the stated friction on a robot stated exactly, more than 10 % and than three times what is typical where the
-    other joints are a little off too, or a quarter in any case; where friction follows temperature, pressures or the
-    load, or settles, none of this at any moment of that course.  Where another cause does as much with fewer freedoms,
-    that takes its place and the level stays as stated; and where both levels are off by one factor, the torque constant
-    that is so too does.
-    Refitted links are held where one cause does as well and all else is nearly stated exactly, and a load at the flange
-    takes the place of a last link that is off.  Last, courses along strokes take the place of what only spells them.
+    A level is a finding if it helps beyond chance and by enough to matter, and if its change is large enough: more than
+    4 % of the stated friction on a robot stated exactly; where the other joints are slightly off too, more than 10 %
+    and three times the typical change, or more than 25 % in any case.  Where friction follows temperature, pressure or
+    load, or settles, the change must be that large at every moment of this course.  If another cause does as well with
+    fewer degrees of freedom, it takes the level's place and the level is held as stated.  If both levels are off by one
+    factor, a torque constant that is off by this factor takes their place.
+
+    Refitted links are held as stated if one cause does as well and everything else is stated almost exactly.  A load at
+    the flange takes the place of a last link that is off.  Finally, curves along strokes take the place of causes that
+    only approximate them.
     """
     field_size = len(model.nuisance.levels)
     model = with_levels_as_stated(model)
@@ -123,15 +127,15 @@ def settle(model: Model, asked: Field) -> Settled:
     model = held_links(with_links, asked, off, most)
     one_for_all = model is not with_links
     model = as_load(model, exact=one_for_all or stated_exactly(model))
-    # Holding levels moves what is left, and so what only spells a course along a stroke.
+    # Holding levels changes the residual, and with it which causes only approximate a curve along a stroke.
     model = as_courses(as_allowed(model, asked))
     findings = [level for level in findings if not _rising(model, level.site.joint)]
     return Settled(model, tuple(findings), alike, exact=one_for_all or stated_exactly(model))
 
 
 def _bent(model: Model, joint: int) -> bool:
-    # Where a cause bends the curve over speed, or lets the level vary along a stroke of which the motion sees a part,
-    # what is left to level and damping is a matter of its basis.
+    # Whether a cause bends the friction curve over speed, or lets the level vary along a stroke of which the motion
+    # covers only a part.  What remains for level and damping then depends on the basis functions of that cause.
     return any(
         choice.site.joint == joint
         and choice.cause.name in WITH_LEVELS
@@ -141,8 +145,8 @@ def _bent(model: Model, joint: int) -> bool:
 
 
 def _unbent(model: Model, joint: int, asked: Field) -> Model | None:
-    # Levels and damping that are off, and a bend besides, may together be one curve that motion does not see the end
-    # of.  Where that leaves as little, it is the simpler.
+    # Level and damping that are off, together with a bend, may be a single curve whose end the motion does not reach.
+    # If that curve leaves as little, it is the simpler explanation.
     bends = [choice for choice in model.chosen if choice.site.joint == joint and choice.cause.name in CURVES]
     rest = tuple(choice for choice in model.chosen if choice not in bends)
     held = build_model(model.gap, model.nuisance.without_level(joint), rest)
@@ -154,15 +158,15 @@ def _unbent(model: Model, joint: int, asked: Field) -> Model | None:
 
 
 def _own(model: Model, level: Level, change: float, bar: float) -> bool:
-    # Whether levels that are off are so by themselves: not as a bend's basis, nor as what rises or falls from one end
-    # of the stroke to the other goes on from, nor in one direction only.
+    # Whether levels are off in their own right: not as part of the basis of a bend, not as the base of friction that
+    # rises or falls from one end of the stroke to the other, and not in one direction only.
     joint = level.site.joint
     bent = _bent(model, joint) and change < AS_MUCH and not _off_beyond_a_bend(model, level, bar)
     return not bent and not _rising(model, joint) and not _of_one_direction(model, level, bar)
 
 
 def _of_one_direction(model: Model, level: Level, bar: float) -> bool:
-    # Where directions differ, and friction is as stated in one of them, it is the other's that is off.
+    # Where friction differs between the directions and is as stated in one of them, only the other direction is off.
     gap, joint = model.gap, level.site.joint
     change = model.strengths[model.nuisance.of_level(joint)]
     differing = [
@@ -185,8 +189,8 @@ def _rising(model: Model, joint: int) -> bool:
 
 
 def _off_beyond_a_bend(model: Model, level: Level, bar: float) -> bool:
-    # Whether friction is off, by the size that counts, where its joint is so fast that what bends its curve near rest
-    # has faded away, or so far from a spot that this has.
+    # Whether friction is off by more than the bar at rows where bends have faded: where the joint is too fast for a
+    # bend near rest, or too far away from a spot.
     gap, joint = model.gap, level.site.joint
     bends = [
         (choice, place)
@@ -213,8 +217,8 @@ def _off_beyond_a_bend(model: Model, level: Level, bar: float) -> bool:
 
 
 def _of_another_moment(model: Model, level: Level, bar: float) -> bool:
-    # Where friction follows temperature or settles, steps, or grows with pressures or the load, it is as stated at some
-    # moment: of which of them the stated values are, warm or cold, is no error.
+    # Whether friction that follows temperature, settles, steps, or grows with pressure or load is as stated at some
+    # moment or load.  To which of them the stated values belong, warm or cold, is not an error.
     gap, joint = model.gap, level.site.joint
     change = model.strengths[model.nuisance.of_level(joint)]
     return any(
@@ -226,8 +230,8 @@ def _of_another_moment(model: Model, level: Level, bar: float) -> bool:
 
 
 def _unmoved(model: Model, held: Model, own: Trial) -> tuple[Model, Trial]:
-    # With levels held, others' shapes move to make up for them, as a step to the begin of the log.  Where levels do
-    # less beside these than where the shapes were, they are to be compared there.
+    # With levels held, shapes of other causes move to compensate, e.g. a step moves to the beginning of the log.  If
+    # free levels do worse beside the moved shapes than beside the previous ones, compare them beside the previous ones.
     joint = own.chosen.site.joint
     if leaves_as_little(held.with_also(own.chosen), model, [joint]):
         return held, own
@@ -238,7 +242,7 @@ def _unmoved(model: Model, held: Model, own: Trial) -> tuple[Model, Trial]:
 
 def _simpler(held: Model, own: Trial, asked: Field) -> Chosen | None:
     joint = own.chosen.site.joint
-    # Beside a coupling that the joint has, another is none that is simpler.
+    # Where the joint has a coupling already, a further one is not a simpler explanation.
     coupled = [one for one in held.chosen if one.site.other is not None]
     there = {one.cause.name for one in coupled if joint in (one.site.joint, one.site.other)}
     here = tuple(entrant for entrant in asked if entrant.joint == joint and entrant.cause.name not in there)
@@ -247,7 +251,7 @@ def _simpler(held: Model, own: Trial, asked: Field) -> Chosen | None:
     best = max(rivals, key=lambda trial: trial.merit, default=None)
     if best is None:
         return None
-    # At the joint whose levels are asked for: what takes more off others' errors is no reason to leave its own.
+    # Compared at the joint whose levels are in question: to reduce other joints' errors is no reason to leave its own.
     as_good = leaves_as_little(held.with_also(best.chosen), held.with_also(own.chosen), [joint])
     return best.chosen if as_good else None
 
@@ -261,8 +265,8 @@ def _links_help(model: Model) -> bool:
 
 
 def _helps(model: Model, place: slice) -> bool:
-    # Whether letting go of stated values lowers the error on motion not fitted, beyond chance.  What else is refitted
-    # may take their place, but goes no farther for that than it ever does.
+    # Whether refitting the stated values at ``place`` lowers the held-out error beyond chance.  Without them the other
+    # refitted values may compensate, but only within their usual reach.
     nuisance, normal, bounded = model.nuisance, model.system.normal, model.nuisance.of_bounded
     known = np.concatenate([nuisance.precision, normal.precision[nuisance.count :]])
     without = replace(normal, precision=known).without(list(range(place.start, place.stop)))
@@ -273,7 +277,8 @@ def _helps(model: Model, place: slice) -> bool:
 
 
 def _bar(change: Mapping[int, float], joint: int, off: Mapping[int, float]) -> float:
-    # ``off`` is by how much friction is off short of noise.
+    # The relative change of friction above which a level is a finding; ``off`` is by how much each joint's friction is
+    # off, noise subtracted.
     if len(change) - 1 < FEWEST_OTHERS:
         return LEAST_CHANGE_ROUGH
     if usually_off(off, joint) < EXACT:

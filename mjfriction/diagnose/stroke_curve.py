@@ -1,4 +1,4 @@
-"""Waves and a spring that only spell out a curve along the stroke: of a hose that pulls from one place on, say."""
+"""Waves and springs that only approximate one curve along the stroke, e.g. that of a hose pulling from one place on."""
 
 from __future__ import annotations
 
@@ -14,26 +14,29 @@ from mjfriction.diagnose.model import Chosen, Key, Model
 from mjfriction.identify.structure import Structure, covariate_rows, curve_share
 from mjfriction.record.log import Floats
 
-FEWEST = 2  # causes along the position, waves among them, that may be one curve
+FEWEST = 2  # fewest causes along the position, at least one of them a wave, that may be one curve
 ALONG_STROKE = "one smooth curve along its stroke"
-KNOWN_TO = 0.2  # of its wavenumber, that a wave's own is known to
-FEWEST_HARMONIC = 3  # waves, the longest counted, that are told as harmonics whatever curve does as well
-HARMONIC = 0.01  # of its wavenumber, within which a wave's is a whole multiple of the longest one's
-HIGHEST = 8  # multiple of it; finer waves are near some multiple of anything
-AS_GOOD = 0.97  # of what the one takes off the mean square, that the other takes too
+KNOWN_TO = 0.2  # relative half-width of a wavenumber's 95 % interval beyond which the wave's period counts as unknown
+FEWEST_HARMONIC = 3  # fewest waves, the longest included, that are harmonics even if a smooth curve does as well
+HARMONIC = 0.01  # relative tolerance within which a wavenumber is a whole multiple of the longest wave's
+HIGHEST = 8  # highest such multiple; finer waves are close to some multiple of anything
+AS_GOOD = 0.97  # fraction of one fit's reduction of the mean square above which another fit is as good
 
 
 @dataclass(frozen=True)
 class StrokeCurve:
-    """A curve along one joint's stroke: the causes that spell it (``keys``), and its share of the error without."""
+    """A curve along one joint's stroke: the causes that approximate it (``keys``), and its share of the residual
+    without them.
+    """
 
     keys: frozenset[Key]
     structure: Structure
 
 
 def vague_waves(model: Model) -> frozenset[Key]:
-    """Return which waves of friction that are two on their joint have no period that is known to a fifth: a course of
-    the level along the stroke that they spell together, or something that snags.
+    """Return the friction waves whose period is not known to within 20 %, of those that are several on their joint.
+
+    Together they approximate a course of the level along the stroke, or something that snags.
     """
     waves = [choice for choice in model.chosen if isinstance(choice.cause, PositionFriction)]
     joints = [choice.site.joint for choice in waves]
@@ -51,7 +54,7 @@ def _vague(choice: Chosen, widths: Mapping[Key, Floats]) -> bool:
 
 
 def _harmonics(own: list[Chosen]) -> bool:
-    # Whether all are waves, three at least, and the shorter ones harmonics of the longest: two may happen to be.
+    # Whether all are waves, at least three, and the shorter ones are harmonics of the longest: two may be by chance.
     if not all(isinstance(choice.cause, Cogging) for choice in own) or len(own) < FEWEST_HARMONIC:
         return False
     numbers = np.array([choice.site.shape[0] for choice in own])
@@ -61,13 +64,13 @@ def _harmonics(own: list[Chosen]) -> bool:
 
 
 def stroke_curves(model: Model, heldout: Floats) -> list[StrokeCurve]:
-    """Return the curves among a model's causes; ``heldout`` (rows, joints) is what it leaves on motion not fitted.
+    """Return the curves among a model's causes; ``heldout`` (rows, joints) is the model's held-out residual.
 
-    One wave is a wave, and so are those of gears and poles, too short for a smooth curve to follow.  But several waves
-    of a few periods over the stroke, or some with a spring, that one smooth curve over position does as well as, say
-    nothing of gears or poles; nor do those of which the period is not known to a fifth.  Harmonics of one wave do: of
-    a curve hardly three waves happen to be such.  And a spring that bends, but
-    does not do as well as a smooth curve, is none.
+    A single wave is a wave, and so are waves of gears and poles, which are too short for a smooth curve to follow.
+    Several waves of a few periods over the stroke, or waves with a spring, are no evidence of gears or poles if one
+    smooth curve over position does as well, or if a period is not known to within 20 %.  Harmonics of one wave are
+    evidence although a curve does as well: three waves that approximate a curve are hardly ever harmonics by chance.  A
+    bent spring that does not do as well as a smooth curve is not a spring.
     """
     gap, out = model.gap, []
     widths = _widths(model)

@@ -1,7 +1,7 @@
-"""Curved causes on the real balance: a delay, a tilt, a payload, a zero that is off bend with their size.
+"""Curved causes on the nonlinear balance: the effort of a delay, tilt, payload or zero offset is nonlinear in its size.
 
-Each is replaced by its tangent where it was fitted, taken from what the extended robot predicts, and fitted anew
-(Gauss-Newton).  Else a second, false cause would soak up what first order leaves of a tilt of some degrees.
+Each is replaced by its tangent at the fitted strengths, taken from what the extended robot predicts, and fitted again
+(Gauss-Newton).  Otherwise a second, false cause would absorb what a first-order fit leaves of a tilt of a few degrees.
 """
 
 from __future__ import annotations
@@ -19,13 +19,14 @@ from mjfriction.robot.robot import Robot
 
 ROUNDS = 4
 SETTLED = 1e-3  # relative change of the strengths at which the rounds end
-NEAR = 0.1  # relative change of the strengths below which slopes are kept: where the curve itself runs is found anew
+NEAR = 0.1  # relative change of the strengths below which slopes are kept; the effort itself is always predicted again
 
 
 def straightened(model: Model, newcomer: Chosen | None = None) -> Model:
     """Return the model with every curved cause refitted on what the extended robot predicts.
 
-    With a ``newcomer`` of the model's, it alone is drawn anew, beside the others where they were drawn.
+    With a ``newcomer``, one of the model's causes, only this one is linearised again; the others stay at the points
+    where they were linearised.
     """
     for _ in range(ROUNDS):
         strengths = [
@@ -47,19 +48,21 @@ def straightened(model: Model, newcomer: Chosen | None = None) -> Model:
 
 
 def _drawn_at(choice: Chosen, strengths: Floats, anew: bool) -> Floats:
-    # Columns that were drawn around a strength that was searched are good there, and may not be where they point to.
+    # The strengths to linearise at.  Columns that were drawn around a searched strength are valid there, but may not be
+    # valid at the strength that their fit leads to.
     if choice.tangent:
         return strengths if anew else choice.tangent.drawn_at
     return strengths if not choice.site.around else np.array([choice.site.around])
 
 
 def _bends(model: Model, choice: Chosen, strengths: Floats) -> bool:
-    # What is too small for a finding is too small to bend.
+    # An effect that is too small for a finding is too small for its curvature to matter.
     return choice.cause.curved and choice.cause.noteworthy(model.gap, choice.site, strengths)
 
 
 def _admissible(model: Model, choice: Chosen, strengths: Floats) -> bool:
-    # Where it was drawn before is left for where it is now, however far others have let it go.
+    # Judged around its present strength, not the one it was drawn around before, however far other causes have since
+    # let it move.
     return not choice.cause.curved or choice.cause.admissible(model.gap, _moved(choice.site, strengths), strengths)
 
 
@@ -71,7 +74,7 @@ def _tangents(model: Model, strengths: list[Floats], drawn: list[Chosen]) -> tup
     gap, keys = model.gap, [choice.key for choice in drawn]
     pairs = list(zip(model.chosen, strengths, strict=True))
     curved = [pair for pair in pairs if pair[0].cause.curved]
-    # A late sensor is late with what other causes bring, straight as they are.
+    # A late sensor also reports late what other causes add, including the straight (linear) ones.
     sensed = any(choice.cause.of_sensor for choice, _ in curved)
     straight = [(c, own) for c, own in pairs if sensed and not c.cause.curved and _possible(gap, c, own)]
     punctual = _predicted(gap, straight) if straight else gap.predicted_as_stated
@@ -86,7 +89,8 @@ def _tangents(model: Model, strengths: list[Floats], drawn: list[Chosen]) -> tup
         before = punctual if len(others) == len(straight) else _predicted(gap, others)
         effects[choice.key] = whole - before + (held_late if choice.cause.of_sensor else 0.0)
         slopes[choice.key] = _near(choice, own) or _slopes(gap, others, choice, own, whole)
-    # What they do together, beyond what each does among the others, is shared out; one alone leaves it to the others.
+    # The combined effect of all curved causes, beyond the sum of what each adds beside the others, is shared equally
+    # among them.  If only a newcomer is linearised, it is left to the others.
     together = (whole - stated - sum(effects.values())) / len(curved) if len(drawn) == len(curved) else 0.0
     out = []
     for choice, own in zip(model.chosen, strengths, strict=True):
@@ -106,7 +110,8 @@ def _possible(gap: Gap, choice: Chosen, strengths: Floats) -> bool:
 
 
 def _held_late(gap: Gap, straight: list[tuple[Chosen, Floats]]) -> Floats:
-    # What straight causes' columns lack of being punctual: that they are late is no effect of the delay's any more.
+    # The effort by which punctual columns of straight causes differ from their columns, which are late already: this
+    # lateness is no longer an effect of the delay.
     out = np.zeros_like(gap.residual)
     for choice, own in straight if np.any(gap.late) else ():
         now, then = (choice.cause.columns(one, choice.site) for one in (gap, gap.prompt))
@@ -116,7 +121,7 @@ def _held_late(gap: Gap, straight: list[tuple[Chosen, Floats]]) -> Floats:
 
 
 def _near(choice: Chosen, own: Floats) -> tuple[Columns, Floats] | None:
-    # The slopes there are, where they were drawn near enough.
+    # The existing slopes, if they were drawn at strengths that are near enough.
     old = choice.tangent
     if old is None or np.linalg.norm(own - old.drawn_at) > NEAR * np.linalg.norm(old.drawn_at):
         return None

@@ -1,4 +1,4 @@
-"""What there is to tell of a settled model: each of its causes and levels, with its sizes and the model without it."""
+"""What a settled model reports: each of its causes and levels, with its fitted values and the model without it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from mjfriction.record.log import Floats
 
 @dataclass(frozen=True)
 class ToTell:
-    """One of them: what was chosen, its ``strengths`` and ``parameters``, and the model ``without`` it."""
+    """A cause or level to report: the ``choice``, its ``strengths`` and ``parameters``, and a model ``without`` it."""
 
     choice: Chosen
     without: Model
@@ -29,9 +29,9 @@ class ToTell:
 
 
 def to_tell(settled: Settled, untold: Untold, widths: HalfWidths) -> Iterator[ToTell]:
-    """Go through what a settled model has that is worth telling: what a transmission brings in several ways is one.
+    """Yield the causes and levels of a settled model that are findings; all parts of one transmission are one of them.
 
-    ``untold`` tells which of its causes are no findings.
+    ``untold`` says which of the model's causes are no findings.
     """
     model, strengths = settled.model, settled.model.built
     named = [choice for choice in model.chosen if choice.key not in untold.keys]
@@ -48,7 +48,7 @@ def to_tell(settled: Settled, untold: Untold, widths: HalfWidths) -> Iterator[To
         without, parameters = without_cause(model, choice), fitted[choice.key]
         for part in parts.get(choice.key, ()):
             without = without.without(part)
-            # Of which joint a rotor is, its name does not say; that of the drive is told already.
+            # A rotor's parameter does not name its joint, and that of the drive is reported already.
             parameters += () if isinstance(part.cause, RotorInertia) else fitted[part.key]
         yield ToTell(choice, without, strengths[places[choice.key]], parameters)
     for choice in settled.levels:
@@ -82,5 +82,5 @@ def _fitted(gap: Gap, choice: Chosen, strengths: Floats, half: Floats) -> list[F
             high=float(min(declared.upper, value + width)),
         )
         for declared, value, width in entries
-        if width > 0.0  # what the motion does not show at all has no interval
+        if width > 0.0  # a value that the motion does not excite at all has no interval
     ]

@@ -14,28 +14,35 @@ from mjfriction.identify.normal import Normal
 from mjfriction.identify.regression import Columns
 from mjfriction.record.log import Floats, Integers
 
-FALSE_ALARM = 0.01  # stated chance that a log without any cause yields one, from noise alone
-LEAST_SHARE = 0.01  # of a joint's remaining error that a cause must take away on motion not fitted
-LEAST_EFFECT = 0.005  # of the joint's RMS effort that a cause's own effort must reach
-UNEVEN = 0.015  # of a joint's friction, that waves along its stroke are at on a machine as uneven as real ones
-EVENEST = 0.25  # of what is asked on such a machine, that is asked on the most even one
-# Times as large as waves are at two joints at least, that one has to be; past how much of friction they are not such.
+FALSE_ALARM = 0.01  # target chance that noise alone yields a cause on a log without any
+LEAST_SHARE = 0.01  # share of the remaining held-out error that a cause must remove at the joints it touches
+LEAST_EFFECT = 0.005  # fraction of the joint's RMS effort that a cause's own effort must reach
+UNEVEN = 0.015  # size of waves along the stroke, relative to friction, on a machine as uneven as real ones
+EVENEST = 0.25  # size required of a cause on the most even machine, relative to one that is as uneven as real ones
+# A wave must be STANDS_OUT times as large as the waves that two joints or more show.  Of those, no more than WAVIEST
+# (relative to friction) is counted: larger ones are not the machine's unevenness.
 STANDS_OUT, WAVIEST = 1.5, 0.06
-MOST = 0.95  # of rows, on which an effort is less than it is at its most
-MOST_OF_SEVERAL = 0.995  # the same where several joints feel it
+MOST = 0.95  # quantile over the rows that is taken for the maximum of an effort
+MOST_OF_SEVERAL = 0.995  # the same for an effort that several joints feel
 
 
 @dataclass(frozen=True)
 class Trial:
     """What a candidate does for a model.
 
-    ``improvement`` (blocks,) is the weighted squared error it takes off each block when fitted to the others, ``error``
-    (blocks,) what was there before, both at the joints it touches; ``elsewhere`` is the improvement at the others,
-    whose links stood in for it, and ``relief`` by how much likelier it makes the refitted drives and links, in the same
-    unit.  At the joint that loses the largest share of its error, ``effect`` is its RMS effort relative to the joint's,
-    which has to be ``least_effect``, ``of_friction`` its most beside levels, relative to the joint's friction, of which
-    it has to be ``least_of_friction``, and ``least_told`` to be told.  ``walds`` test its strengths by what the blocks
-    of motion say of them, and, where refitted drives and links had stood in for it, by what these say.
+    ``improvement`` (blocks,) is the weighted squared error it removes from each block when fitted to the others, and
+    ``error`` (blocks,) the error before, both at the joints it touches.  ``elsewhere`` is the improvement at the other
+    joints, whose links stood in for it.  ``relief`` is how much likelier it makes the refitted drives and links, in the
+    same unit.
+
+    The sizes are taken at the joint that loses the largest share of its error or, where drives and links had taken that
+    error away, at the joint with the largest ``of_friction``.  ``effect`` is the candidate's RMS effort relative to the
+    joint's effort; it must exceed ``least_effect``.  ``of_friction`` is the largest effort that it makes beyond the
+    joint's levels, relative to the joint's friction; it must exceed ``least_of_friction``, and reach ``least_told`` to
+    be reported.
+
+    ``walds`` test its strengths on the blocks of motion and, where refitted drives and links had stood in for it, on
+    these drives and links.
     """
 
     chosen: Chosen
@@ -57,18 +64,18 @@ class Trial:
 
     @property
     def stood_in_for(self) -> bool:
-        """Whether drives and links are much nearer to what is stated with it, and all of them near."""
+        """Whether drives and links stood in for it: with it they are much nearer to what is stated, and all near."""
         return len(self.walds) > 1
 
     @property
     def merit(self) -> float:
-        """The gain less what every freedom, the searched shape included, is worth on noise alone."""
+        """The gain less what every degree of freedom, searched shapes included, gains on noise alone."""
         fitted = self.walds[0].count + len(self.chosen.site.shape)
         return self.gain - fitted * float(np.log(self.improvement.size))
 
     @property
     def share(self) -> float:
-        """The share of the error taken away on motion not fitted."""
+        """The share of the held-out error that it removes."""
         return self.gain / max(float(np.sum(self.error)), 1e-300)
 
     @property
@@ -77,12 +84,12 @@ class Trial:
         return min(own.chance for own in self.walds)
 
     def least_seen(self, chance: float) -> float:
-        """Return how much of the joint's friction such an effect would be if it were just beyond a ``chance``."""
+        """Return the size, relative to the joint's friction, at which such an effect is just beyond a ``chance``."""
         return self.of_friction * min(own.reached(chance) for own in self.walds)
 
     def beyond_chance(self, candidates: float) -> bool:
-        """Return whether the effect is beyond chance among so many candidates, however little it makes."""
-        # Of an error that drives and links have taken away nothing is left to take.
+        """Return whether the effect is beyond chance among so many candidates, however small it is."""
+        # Where drives and links have absorbed the error, none is left for the candidate to remove.
         counts = self.share > LEAST_SHARE or self.stood_in_for
         return counts and self.chance < FALSE_ALARM / max(candidates, 1.0)
 
@@ -93,10 +100,10 @@ class Trial:
 
 
 def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial | None:
-    """Measure a candidate's held-out improvement over a model; None when what is fitted with it is not physical.
+    """Measure a candidate's held-out improvement over a model; None if what is fitted with it is not physical.
 
-    With ``repeating``, chance is judged over the repetitions of the motion where it repeats, else over the blocks: what
-    a repeated motion leaves alike each time is then no noise, and there are few repetitions to judge by.
+    With ``repeating``, chance is judged over the repetitions of a motion that repeats, otherwise over the blocks.  Over
+    repetitions, a residual that is alike in all of them does not count as noise, and there are few to judge by.
     """
     gap = model.gap
     columns, precision = cause_block(gap, choice)
@@ -111,7 +118,7 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
     errors_before, errors_after = model.heldout_errors, normal.heldout_errors(gap.blocks.folds)
     before, after = errors_before[touched], errors_after[touched]
     elsewhere = float(np.sum(errors_before - errors_after)) - float(np.sum(before - after))
-    # What no motion shows, three of a payload's four numbers on a sliding axis, is no freedom.
+    # Strengths that no motion excites, such as three of a payload's four on a sliding axis, are no degrees of freedom.
     shown = np.any([np.any(values != 0.0, axis=0) for values in columns.values()], axis=0)
     count = max(1, int(np.count_nonzero(shown)))
     groups = gap.blocks.group if repeating else np.arange(gap.blocks.count)
@@ -122,7 +129,7 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
         tighter = normal.tighter(model.nuisance.of_stated, near.spread**-2)
         walds.append(_wald(model, tighter, groups, precision.size, count, min(int(groups[-1]), round(far.shown))))
     if len(walds) > 1 and np.sum(before - after) < LEAST_SHARE * np.sum(before):
-        # What stood in for it left no error that could show where it is.
+        # The drives and links that stood in for it left no error that could show where it is.
         most = max(_feeling(columns), key=lambda joint: effects(model, choice, strengths, joint)[1])
     else:
         most = _where_it_shows(columns, before.sum(axis=1), after.sum(axis=1))
@@ -134,20 +141,20 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
 
 
 def _wald(model: Model, normal: Normal, groups: Integers, size: int, count: int, spare: int) -> Wald:
-    # Of the last strengths of a fit, as many as ``size``.
+    # The test of the last ``size`` strengths of a fit.
     own, blocks = slice(-size, None), model.gap.blocks
     covariances = [normal.covariance(groups)]
     if int(groups[-1]) + 1 == blocks.count:
-        # Where few blocks carry most of the information the clustered covariance is too small; where noise is coloured
-        # the one for white noise is.  The effect must stand out against both.  (Over repetitions there is no second:
-        # white noise would count in what they leave alike.)
+        # The clustered covariance is too small where few blocks carry most of the information, and the white-noise one
+        # is too small where noise is coloured.  The effect must stand out against both.  (Over repetitions only the
+        # first is used: the white-noise one would count residuals that are alike in all repetitions.)
         covariances.append(normal.white_covariance(_left_of_noise(model, normal)))
     return wald(normal.fitted[own], [one[own, own] for one in covariances], count, spare)
 
 
 def effects(model: Model, choice: Chosen, strengths: Floats, joint: int) -> tuple[float, float]:
-    """Return the RMS effort that strengths of a cause make at a joint, relative to the joint's, and the most that it
-    makes beside the joint's levels, relative to its friction.
+    """Return the RMS effort that a cause makes at a joint, relative to the joint's effort, and the largest effort that
+    it makes beyond the joint's levels, relative to the joint's friction.
     """
     columns, _ = cause_block(model.gap, choice)
     made = columns[joint] @ strengths
@@ -156,18 +163,20 @@ def effects(model: Model, choice: Chosen, strengths: Floats, joint: int) -> tupl
 
 
 def at_its_most(model: Model, columns: Columns, made: Floats, joint: int) -> float:
-    """Return how large what a cause with such ``columns`` has ``made`` at a joint (rows,) gets, less what the joint's
-    refitted levels could make of it: friction that grows with the load is a higher level, and little besides.
+    """Return the largest value of the effort that a cause with these ``columns`` has ``made`` at a joint (rows,), less
+    what the joint's refitted levels could make of it.
 
-    What several joints feel is no unevenness of one joint's friction, and may show in few rows, as play does.
+    Friction that grows with load, for example, is mostly a higher level and little besides.  The largest value is a
+    high quantile.  It is higher for a cause that several joints feel: this is not unevenness of one joint's friction,
+    and may show in few rows, as play does.
     """
     share = MOST if len(columns) == 1 else MOST_OF_SEVERAL
     return float(np.quantile(np.abs(model.beyond_levels(made, joint)), share))
 
 
 def negligible(model: Model, choice: Chosen, strengths: Floats, before: Floats, after: Floats) -> bool:
-    """Return whether strengths of a cause make too little of the effort, or of the friction, to be told, at the joint
-    where it shows most: ``before`` and ``after`` (rows, joints) are left without it and with it.
+    """Return whether a cause makes too little of the effort, or of the friction, to be reported at the joint where it
+    shows most; ``before`` and ``after`` (rows, joints) are the residuals without and with it.
     """
     joint = shown_at(model, choice, before, after)
     of_effort, of_friction = effects(model, choice, strengths, joint)
@@ -176,34 +185,36 @@ def negligible(model: Model, choice: Chosen, strengths: Floats, before: Floats, 
 
 
 def least_effect(model: Model, choice: Chosen, left: float = np.inf) -> float:
-    """Return how much of a joint's RMS effort a cause has to make, ``left`` being as for :func:`least_of_friction`.
+    """Return the share of a joint's RMS effort that a cause must make; ``left`` is as for :func:`least_of_friction`.
 
-    What one joint shows of so little may be anything; what all show alike, on a machine that is even, may not.
+    So small an effect at a single joint may be anything.  One that all joints show may not, if the machine is even: a
+    cause of the whole arm may be smaller there.
     """
     return LEAST_EFFECT * (_unevenness(model, choice, left) if choice.cause.whole_arm else 1.0)
 
 
 def least_of_friction(model: Model, choice: Chosen, left: float = np.inf) -> float:
-    """Return how much of a joint's friction a cause has to be on this machine.
+    """Return the size, relative to a joint's friction, that a cause must have on this machine.
 
-    Of few joints it is not known how uneven they are; but where what is ``left`` beside the cause and the sensor's
-    noise (RMS, relative to friction) is less than an uneven machine's waves would leave, this one is more even.  Waves
-    themselves are those, and where all joints show some, the ripple of their gears, one has to stand out.
+    It is not known how uneven a machine with few joints is.  But if what is ``left`` beside the cause and the sensor's
+    noise (RMS, relative to friction) is less than an uneven machine's waves would leave, this one is more even.  This
+    does not hold for waves, which are the unevenness itself.  Where all joints show waves, as the ripple of their
+    gears, a wave must stand out from them.
     """
     least = _unevenness(model, choice, left) * choice.cause.least_of_friction
     return max(least, STANDS_OUT * min(model.nuisance.wavy, WAVIEST)) if choice.cause.of_unevenness else least
 
 
 def least_told(model: Model, choice: Chosen, left: float = np.inf) -> float:
-    """Return how much of a joint's friction a cause has to be on this machine to be told, ``left`` being as for
-    :func:`least_of_friction`; one that is less is refitted along.
+    """Return the size, relative to a joint's friction, that a cause must have on this machine to be reported; a smaller
+    one is refitted along.  ``left`` is as for :func:`least_of_friction`.
     """
     told = _unevenness(model, choice, left) * choice.cause.least_told
     return max(least_of_friction(model, choice, left), told)
 
 
 def _unevenness(model: Model, choice: Chosen, left: float) -> float:
-    # Relative to real machines.
+    # How uneven the machine is, relative to real ones.
     uneven, few = model.nuisance.uneven, len(model.gap.examined) < FEWEST_JOINTS
     if few and not choice.cause.of_unevenness:
         uneven = min(uneven, max(EVENEST, left / (UNEVEN / np.sqrt(2.0))))
@@ -211,38 +222,40 @@ def _unevenness(model: Model, choice: Chosen, left: float) -> float:
 
 
 def shown_at(model: Model, choice: Chosen, before: Floats, after: Floats) -> int:
-    """Return at which of the joints that feel it a cause takes the largest share of the error away."""
+    """Return the joint, of those that feel a cause, at which it removes the largest share of the error."""
     gap, (columns, _) = model.gap, cause_block(model.gap, choice)
     return max(_feeling(columns), key=lambda j: gap.rms(before[:, j], j) / max(gap.rms(after[:, j], j), 1e-300))
 
 
 def left_of_friction(model: Model, rms: float, joint: int) -> float:
-    """Return what is left at a joint (RMS) beyond its sensor's noise, relative to its friction."""
+    """Return the part of a joint's residual ``rms`` that is beyond its sensor's noise, relative to its friction."""
     beyond = max(0.0, rms**2 - float(model.gap.noise_floor[joint]) ** 2)
     return float(np.sqrt(beyond)) / model.friction[joint]
 
 
 def _rms_of(model: Model, errors: Floats, joint: int) -> float:
-    # What weighted errors (blocks,) at a joint come to, RMS.
+    # The RMS residual of a joint with these weighted squared errors (blocks,).
     power = float(np.sum(np.square(model.system.rows.weight[:, joint])))
     return float(np.sqrt(np.sum(errors) / max(power, 1e-300)))
 
 
 def _where_it_shows(columns: Columns, before: Floats, after: Floats) -> int:
-    # At which of the joints that feel a cause the largest share of the error goes; the errors (joints,) are those of
-    # all that have a column.
+    # The joint, of those that feel a cause, that loses the largest share of its error; the errors (joints,) are those
+    # of all joints that have a column.
     left = np.divide(after, before, out=np.ones_like(after), where=before > 0.0)
     of_joint = dict(zip(columns, left.tolist(), strict=True))
     return min(_feeling(columns), key=lambda joint: of_joint[joint])
 
 
 def _feeling(columns: Columns) -> list[int]:
-    # The joints that feel a cause itself.  Others may gain too: links that stood in for it are as stated again.
+    # The joints that feel a cause itself.  Others may improve too, when links that stood in for it return to what is
+    # stated.
     felt = [joint for joint, values in columns.items() if np.any(values)]
     return felt or list(columns)
 
 
 def _left_of_noise(model: Model, normal: Normal) -> Floats:
-    # Rows are weighed by what the model leaves without the candidate: what it explains is no noise, (joints,).
+    # The variance of the noise of weighted rows (joints,).  Rows are weighted by the model's residual without the
+    # candidate, and what the candidate explains is not noise.
     without, beside = model.system.normal.error(model.strengths), normal.error(normal.fitted)
     return np.asarray(np.divide(beside, without, out=np.ones_like(beside), where=without > 0.0))

@@ -1,4 +1,4 @@
-"""How uneven friction is at a robot's joints: what is less than that is no cause."""
+"""How uneven friction is at a robot's joints: a smaller effect is not a cause."""
 
 from __future__ import annotations
 
@@ -16,15 +16,16 @@ from mjfriction.diagnose.trial import EVENEST, FALSE_ALARM, UNEVEN, try_out
 from mjfriction.identify.gap import Gap
 
 WAVES = (PositionFriction(), Cogging())
-TOLD_BY = 2  # joints, that must be able to show so much for the machine to be known
-USUAL = 0.25  # of the wavenumbers that a motion shows: finer waves pass by within the band for a part of it only
+TOLD_BY = 2  # fewest joints that must show waves, or be able to, for the machine's unevenness to be known
+USUAL = 0.25  # place in the grid of wavenumbers of the wave tried by default: finer ones are in the band only at times
 
 
 def with_unevenness(gap: Gap, nuisance: Nuisance) -> Nuisance:
-    """Return the nuisances with how much of a joint's friction a cause has to be, relative to what is asked on a
-    machine that is as uneven as real ones are.
+    """Return the nuisances with the size required of a cause (``uneven``), relative to a machine that is as uneven as
+    real ones.
 
-    On fewer than three joints one that is uneven cannot be told from one that has waves, and as much is asked as there.
+    With fewer than three joints, an uneven joint cannot be told from one that has waves as a cause, and the full size
+    is required.
     """
     if len(gap.examined) < FEWEST_JOINTS:
         return nuisance
@@ -33,8 +34,10 @@ def with_unevenness(gap: Gap, nuisance: Nuisance) -> Nuisance:
 
 
 def as_uneven(model: Model) -> Model:
-    """Return a model with how much a cause has to be on a machine as uneven as it is seen to be beside all that was
-    found: what links that are wrong leave hides waves, and makes some.
+    """Return the model with the machine's unevenness measured again, beside all causes found except waves.
+
+    The residual of links that are wrong hides waves, and makes false ones.  The size required of a cause is only ever
+    raised.
     """
     if not model.chosen or len(model.gap.examined) < FEWEST_JOINTS:
         return model
@@ -48,11 +51,11 @@ def as_uneven(model: Model) -> Model:
 
 
 def unevenness(model: Model) -> float:
-    """Return how large waves along their strokes are, of the friction level or of a torque, at two joints at least,
-    relative to the joints' friction; one alone may be a cause.
+    """Return the size that waves along the stroke (of the friction level or of a torque) reach at two joints or more,
+    relative to the joints' friction; waves at a single joint may be a cause.
 
-    Joints count that show waves, or would show those of an uneven machine.  Where fewer than two do, nothing is known,
-    and the machine is as uneven as real ones are.
+    A joint counts if it shows waves, or would show those of an uneven machine.  If fewer than two joints count, nothing
+    is known and the machine is taken to be as uneven as real ones.
     """
     field = make_field(model.gap, WAVES)
     if not field:

@@ -1,4 +1,4 @@
-"""Positions and clocks in a unit they should not be in."""
+"""Positions and clocks that are in the wrong unit."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from mjfriction.record.span import EVER, Span
 
 DEGREE = np.pi / 180.0
 MILLIMETRE = 1e-3
-UNDECIDED = 0.05  # by which the logarithms of what two readings leave differ, and tell nothing
-AS_ONE = 0.03  # by which joints' ratios may differ from each other, or from that of a unit, and be one
-OFF, MOST_OFF = 0.06, 2.0  # by which a clock is off that is worth a word, and the factor it is off by at most
+UNDECIDED = 0.05  # difference of the logarithms of two readings' residuals below which they do not decide
+AS_ONE = 0.03  # relative difference below which two joints' ratios, or a joint's and a unit's, count as equal
+OFF, MOST_OFF = 0.06, 2.0  # relative error above which a clock is reported, and the largest factor it may be off by
 
 
 def find_units(gap: Gap) -> list[Fault]:
-    """Return the positions that are in another unit than radians or metres: in all of a log, or in one of several logs
-    that were joined.
+    """Return the positions that are in another unit than radians or metres, in a whole log or in one of several joined
+    logs.
     """
     logs = gap.log.logs
     found = [_within(gap, span) for _, span in logs]
@@ -37,7 +37,7 @@ def find_units(gap: Gap) -> list[Fault]:
 
 
 def alone(fault: Fault, name: str, span: Span) -> Fault:
-    """Return a fault as that of one log of several alone."""
+    """Return a fault restricted to one of several joined logs."""
     mend = None if fault.mend is None else replace(fault.mend, span=span)
     return replace(fault, where=f"{fault.where}, in {name} alone", mend=mend)
 
@@ -49,8 +49,8 @@ def _within(gap: Gap, span: Span) -> list[Fault]:
 
 
 def _with_silent(gap: Gap, faults: list[Fault], span: Span) -> list[Fault]:
-    # A joint that is held, or hardly moves, does not tell its unit.  Where others are in degrees it may be too: the
-    # loads that it lets them carry tell, and where they do not it is as most are.
+    # A joint that is held, or hardly moves, does not reveal its unit.  Where others are in degrees, it may be too.  Its
+    # position changes the loads on the others, which decide; if they do not, it is read as most joints are.
     body = gap.body
     columns = [f"{POSITION}.{joint}" for joint, slides in zip(body.joints, body.sliding, strict=True) if not slides]
     told = {column for fault in faults if fault.mend for column, factor in fault.mend.factors if factor == DEGREE}
@@ -66,9 +66,9 @@ def _with_silent(gap: Gap, faults: list[Fault], span: Span) -> list[Fault]:
 
 
 def find_unit_faults(log: Log, body: Body) -> list[Fault]:
-    """Return the positions that lie so far outside a joint's limits that their unit must be another.
+    """Return the positions that lie so far outside a joint's limits that they must be in another unit.
 
-    Degrees for radians, or millimetres for metres, leave the limits by more than the whole range between them.
+    Degrees read as radians, or millimetres as metres, exceed the limits by more than the whole range between them.
     """
     out = []
     for i, joint in enumerate(body.joints):
@@ -88,8 +88,8 @@ def find_unit_faults(log: Log, body: Body) -> list[Fault]:
 
 
 def find_degrees_by_velocity(log: Log, body: Body, cutoff: float) -> list[Fault]:
-    """Return the positions of turning joints that change 57.3 times as fast as measured velocities say, both below the
-    position filter's ``cutoff`` (Hz).
+    """Return the positions of turning joints that change 57.3 times as fast as measured velocities say, both compared
+    well below the position filter's ``cutoff`` (Hz).
     """
     turning = [joint for joint, sliding in zip(body.joints, body.sliding, strict=True) if not sliding]
     ratios = _velocity_ratios(log, cutoff, turning)
@@ -98,16 +98,16 @@ def find_degrees_by_velocity(log: Log, body: Body, cutoff: float) -> list[Fault]
 
 
 def in_another_unit(joint: str, factor: float, action: str) -> Fault:
-    """Return the fault of a joint's position that has to be taken times a factor."""
+    """Return the fault of a joint's position that has to be multiplied by a factor."""
     column = f"{POSITION}.{joint}"
     return Fault("data.unit", column, action, mend=Mend(factors=((column, factor),)))
 
 
 def stretched_clock(log: Log, motion: Motion) -> float | None:
-    """Return by what measured velocities are off from those of positions on the log's clock, where that is one factor
-    at two joints or more, and one that a clock may be off by; None where it is not.
+    """Return the factor between measured velocities and those of the positions on the log's clock, if it is the same at
+    two joints or more and may be the error of a clock; None otherwise.
 
-    A velocity that is itself in another unit, or on the motor's side, is off by more.
+    A velocity that is itself in another unit, or measured on the motor's side, is off by more than a clock may be.
     """
     ratios = list(_velocity_ratios(log, motion.cutoff, motion.joints).values())
     middle = float(np.median(ratios)) if len(ratios) > 1 else 1.0
@@ -125,8 +125,8 @@ def _near(ratio: float, other: float) -> bool:
 
 
 def find_degrees(gap: Gap, span: Span = EVER) -> list[Fault]:
-    """Return the positions of turning joints that go farther than a turn, if the efforts fit once they are degrees,
-    within a ``span`` of time.
+    """Return the positions of all turning joints, if any of them exceeds a turn within a ``span`` of time and the
+    efforts fit once these positions are read as degrees.
     """
     turning = ~np.array(gap.body.sliding)
     look = look_at(gap, span)

@@ -1,4 +1,4 @@
-"""Causes of a model that are no findings: they are refitted along, and listed as that."""
+"""Causes of a model that are no findings: they are refitted along, and listed as refitted values."""
 
 from __future__ import annotations
 
@@ -23,21 +23,21 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
 from mjfriction.record.log import Floats
 
-LEAST_SEEN = 0.1  # of the mean square that is left at a joint, that a cause must take away there
-MISFIT = 0.05  # of what other causes take off it, that may be left for it since their form is not quite theirs
-SURELY_SEEN = 0.2  # of what is left, that is enough whatever others take: half as large as the noise
-BRISTLE_MISFIT = 0.005  # of what a bristle takes off its joint, that no machine's builds up quite like
-# Times the mean square that is left unexplained at a joint that it must take away: half of the RMS.  Beside a load that
-# swings or a tone, which are known and refitted along, once.
+LEAST_SEEN = 0.1  # a cause must reduce the mean square at a joint by this fraction of what is left there
+MISFIT = 0.05  # and by this fraction of the other causes' reduction, since their form may not fit exactly
+SURELY_SEEN = 0.2  # fraction of what is left that suffices whatever others reduce: an effect half as large as the noise
+BRISTLE_MISFIT = 0.005  # the same as MISFIT beside a bristle, for no machine's friction builds up exactly like it
+# A cause must remove this many times the mean square that is left unexplained at its joint, which halves the RMS; only
+# once beside a load that swings or a tone, which are known and refitted along.
 DROWNED = 3.0
-COURSES = frozenset({WarmUpDrift.name, Step.name})  # of friction over time
-LEAST_OF_COURSES = 0.2  # of the largest on a joint, that another must reach: no warm-up is quite the one fitted
+COURSES = frozenset({WarmUpDrift.name, Step.name})  # causes that are a course of friction over time
+LEAST_OF_COURSES = 0.2  # size, relative to the largest on a joint, that a course must reach: no warm-up fits exactly
 
 
 @dataclass(frozen=True)
 class Untold:
-    """The causes of a model that are no findings (``keys``), the share of what is left unexplained, by joint, and what
-    is left without any cause, on motion not fitted (``bare``, rows by joints).
+    """The causes of a model that are no findings (``keys``), the unexplained share of the residual by joint (``left``),
+    and the held-out residual without any cause (``bare``, (rows, joints)).
     """
 
     keys: frozenset[Key]
@@ -50,16 +50,20 @@ def find_untold(
 ) -> Untold:
     """Return which causes of a settled model are no findings.
 
-    What is next to nothing of the effort, or hardly shows beside what is left on motion not fitted (``heldout``, rows
-    by joints, without oscillations), nor keeps drives and links near what is stated, may be what larger causes leave
-    that are told a little off.  And a course that no cause is, ``remaining``, can be told in part by many, a brake that
-    drags as a warm-up; and what only spells out one of ``curves`` tells of nothing else, nor do two waves of friction
-    of which the period is hardly known.  A course over time that is small beside another on its joint is what that
-    other's form leaves.  A link is none where all links a few percent off, in all of their ten parameters, do as well,
-    nor is a torque constant or a rotor a few percent off on a robot that is so throughout, or at a joint that has play
-    or gives: what its accelerations are in between is a matter of how that is drawn.  The other half of a cause that is
-    told was asked for by name, and is told too.  Friction that builds up within what any contact yields is one at one
-    joint or two, as :func:`~mjfriction.diagnose.contacts.more_than_contacts` says.
+    A cause may only fit what larger causes leave, if these are fitted slightly wrong.  That is so if its effort is next
+    to nothing, or if it hardly shows beside the held-out residual (``heldout``, (rows, joints), without oscillations)
+    and does not keep drives and links near what is stated.  Structure that is no cause (``remaining``) may be fitted in
+    part by many causes, such as a dragging brake by a warm-up.  Causes that only approximate one of ``curves`` are
+    evidence of nothing else; nor are two friction waves whose period is hardly known.  A course over time that is small
+    beside another on its joint is a misfit of that other's form.
+
+    A link is no finding if all links, a few percent off in all of their ten parameters, do as well.  Nor is a torque
+    constant or a rotor that is a few percent off, if the whole robot is, or if the joint's link is not where its sensor
+    says, because of play or compliance: its accelerations then depend on how that is modelled.
+
+    The other half of a cause that is reported was asked for by name, and is reported too.  Friction that builds up
+    within the travel that any contact yields can be a finding at one or two joints, as
+    :func:`~mjfriction.diagnose.contacts.more_than_contacts` says.
     """
     model, strengths = settled.model, settled.model.strengths
     gap = model.gap
@@ -90,7 +94,8 @@ def find_untold(
     small |= _beside_larger_courses(model)
     bare = build_model(gap, model.nuisance, ()).heldout_residual()
     for choice in causes:
-        # Without it others bend to stand in for it, and what that costs may show at joints that it does not touch.
+        # Without this cause, others adapt to stand in for it, and what that costs may show at joints that it does not
+        # touch: all joints are examined.
         built_up = {
             other.site.joint: before[other.key]
             for other in model.chosen
@@ -98,8 +103,8 @@ def find_untold(
         }
         if choice.key in common | small or shows(gap, before[choice.key], heldout, drowning, bare, built_up):
             continue
-        # Refitted drives and links may stand in for it only by being off as they hardly ever are: or by what bends them
-        # where something is left unexplained.
+        # A cause also counts if drives and links can stand in for it only by being off as far as they hardly ever are.
+        # At a joint where something is left unexplained they may be off because of that, and it does not count.
         if choice.site.joint in left or relief(model, without[choice.key]) < STRAINED:
             small.add(choice.key)
     of_links = [choice for choice in model.chosen if isinstance(choice.cause, LinkScale | LinkCentre)]
@@ -112,7 +117,7 @@ def find_untold(
 
 
 def _beside_larger_courses(model: Model) -> set[Key]:
-    # The courses of friction over time that are small beside another on their joint.
+    # The courses of friction over time that are small compared with another on their joint.
     sizes: dict[int, dict[Key, float]] = {}
     for choice, place in zip(model.chosen, model.places, strict=True):
         if choice.cause.name in COURSES:
@@ -137,11 +142,12 @@ def without_cause(model: Model, choice: Chosen) -> Model:
 def shows(
     gap: Gap, before: Floats, after: Floats, drowning: Mapping[int, float], bare: Floats, built_up: Mapping[int, Floats]
 ) -> bool:
-    """Return whether a change takes enough off the mean square on motion not fitted, at one joint at least.
+    """Return whether a change reduces the held-out mean square by enough at one joint or more.
 
-    ``before`` and ``after`` (rows, joints) are left without it and with it, ``bare`` without any cause; ``drowning`` is
-    how many times ``after`` a change must take where something is left unexplained, by joint; ``built_up`` what is left
-    without another cause by which friction builds up over travel, by the joint that has one.
+    ``before`` and ``after`` (rows, joints) are the residuals without and with it, ``bare`` the residual without any
+    cause.  ``drowning`` has, for joints where something is left unexplained, how many times the mean square of
+    ``after`` the change must remove.  ``built_up`` has, for joints with another cause by which friction builds up over
+    travel, the residual without that cause.
     """
     for joint in gap.examined:
         own, without, none = (gap.rms(course[:, joint], joint) ** 2 for course in (after, before, bare))

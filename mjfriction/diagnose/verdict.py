@@ -1,4 +1,4 @@
-"""The verdict of a diagnosis, and the sentence that says it."""
+"""The verdict of a diagnosis, and the sentence that states it."""
 
 from __future__ import annotations
 
@@ -20,27 +20,27 @@ from mjfriction.identify.joint_error import JointError
 from mjfriction.identify.structure import Structure, find_structure
 from mjfriction.record.log import Floats
 
-STRUCTURED = 0.1  # share of what is left that a smooth curve may predict before it counts as unexplained
-OUTWEIGHED = 0.5  # of what was explained that it must reach besides
-OUTWEIGHED_COURSE = 0.25  # of what was explained that it must reach besides
-LEAST_EFFORT = 0.01  # of a joint's RMS effort that either must reach
-LEAST_FRICTION = 0.05  # and of its friction, on a machine as uneven as real ones are
-MUCH_LEFT = 0.1  # of a joint's effort; more than that left, and far above the noise, is never agreement
-MUCH_COLOURED = 0.3  # share of that, which is no noise
-FAR_ABOVE_NOISE = 5.0  # times the sensor's noise
-# Blocks in which a joint moves clearly, and their share: of one that moves but once or twice nothing is known on other
-# motion.
+STRUCTURED = 0.1  # share of the residual that a smooth curve may predict before it counts as unexplained
+OUTWEIGHED = 0.5  # the curve's RMS must also exceed this fraction of the RMS that was explained
+OUTWEIGHED_COURSE = 0.25  # the same for a course that follows nothing that is known
+LEAST_EFFORT = 0.01  # fraction of a joint's RMS effort that either must exceed
+LEAST_FRICTION = 0.05  # and of its friction, on a machine as uneven as real ones
+MUCH_LEFT = 0.1  # fraction of a joint's effort; a larger residual, far above the noise, need not meet these limits
+MUCH_COLOURED = 0.3  # share of such a residual that must stand above the noise in its spectrum
+FAR_ABOVE_NOISE = 5.0  # multiple of the sensor's noise
+# Fewest blocks in which a joint must move clearly, and their least share of all blocks: if a joint moves only once or
+# twice, nothing is known about it on held-out motion.
 FEWEST_SHOWN, LEAST_SHOWN = 3, 0.1
-REFITTED = 0.8  # of an error that is left when refitted values are worth a word
+REFITTED = 0.8  # fraction of an error; refitted values are mentioned if they reduce it to less than that
 
 
 def unexplained(
     model: Model, after: tuple[Structure, ...], heldout: Floats, curves: Sequence[StrokeCurve]
 ) -> list[Structure]:
-    """Return, for each joint where too much is left on motion not fitted, what it follows most.
+    """Return, for each joint whose held-out residual is too large, what this residual follows most.
 
-    ``after`` are the structured shares of ``heldout`` (rows, joints); ``curves`` along strokes are no cause's, nor are
-    oscillations.
+    ``after`` are the structured shares of ``heldout`` (rows, joints).  ``curves`` along strokes and oscillations are
+    unexplained too, since they are not of any cause.
     """
     oscillating = [one for one in told_oscillations(model) if one.share > STRUCTURED]
     out = [*(one.structure for one in curves), *oscillating]
@@ -52,8 +52,8 @@ def unexplained(
 
 
 def judged(model: Model) -> Gap:
-    """Return the gap in which rows tell of a joint only where that is clear whose friction enters its effort too: what
-    a joint that rests holds of its friction its motion does not tell.
+    """Return the gap in which rows of a joint are clear only if the other joint whose friction enters its effort is
+    clear too: while a joint rests, its motion does not reveal how much of its friction it holds.
     """
     gap = model.gap
     clear = gap.clear.copy()
@@ -67,14 +67,14 @@ def judged(model: Model) -> Gap:
 
 
 def beside_oscillations(model: Model, clean: Floats) -> dict[int, float]:
-    """Return the share that is unexplained of what is left beside oscillations, ``clean`` (rows, joints), by joint."""
+    """Return, by joint with oscillations, the unexplained share of what they leave, ``clean`` (rows, joints)."""
     joints = {source.joint for source in model.nuisance.sources}
     after = find_structure(judged(model), clean) if joints else []
     return {joint: entry.share for joint in joints for entry in _followed(model, joint, after, clean)}
 
 
 def _followed(model: Model, joint: int, after: Sequence[Structure], heldout: Floats) -> list[Structure]:
-    # What is left at a joint follows most, where too much is left.
+    # What a joint's residual follows most, if the residual is too large.
     gap = judged(model)
     if np.unique(gap.blocks.row[gap.clear[:, joint]]).size < max(FEWEST_SHOWN, LEAST_SHOWN * gap.blocks.count):
         return []
@@ -84,7 +84,8 @@ def _followed(model: Model, joint: int, after: Sequence[Structure], heldout: Flo
     left = gap.rms(heldout[:, joint], joint)
     effort = gap.rms(gap.measured[:, joint], joint)
     explained = np.sqrt(max(0.0, gap.rms(gap.residual[:, joint], joint) ** 2 - left**2))
-    # A level that was told in the place of something else is no measure of what friction makes.
+    # The stated friction limits the fitted one: a level that was fitted in place of something else is no measure of
+    # friction.
     stated = float(np.sqrt(np.mean(np.square(gap.effort.friction[:, joint]))))
     friction = min(model.friction[joint], stated) if stated > 0.0 else model.friction[joint]
     told = [
@@ -99,13 +100,14 @@ def _followed(model: Model, joint: int, after: Sequence[Structure], heldout: Flo
         )
     ]
     if not told and left > max(MUCH_LEFT * effort, FAR_ABOVE_NOISE * float(gap.noise_floor[joint])):
-        # What a drive's low-pass made of its noise is no course, however little noise is left beyond the pass band.
+        # A share is still required: noise that a drive has low-passed is not structure, however little noise is left
+        # beyond the pass band.
         told = [entry for entry, least in ((curve, STRUCTURED), (course, MUCH_COLOURED)) if entry.share >= least]
     return [max(told, key=lambda entry: entry.share)] if told else []
 
 
 def reach_verdict(findings: Sequence[Finding], remaining: tuple[Structure, ...]) -> Verdict:
-    """Return the verdict on findings and on what remains."""
+    """Return the verdict that follows from the findings and from what remains unexplained."""
     if remaining:
         return Verdict.UNEXPLAINED
     if any(finding.alternatives for finding in findings):
@@ -120,7 +122,7 @@ def summarize(
     joints: tuple[JointError, ...],
     remaining: tuple[Structure, ...],
 ) -> str:
-    """Say in a sentence a person can act on what was found."""
+    """Return a sentence on what was found that a person can act on."""
     robot = gap.robot.name
     named = ", ".join(_named(finding) for finding in findings)
     if verdict is Verdict.CONSISTENT:
@@ -150,7 +152,7 @@ def summarize(
 
 
 def with_faults(summary: str, audit: Audited) -> str:
-    """Return the sentence on what was found, after what is wrong with the log; where it was refused, that alone."""
+    """Return what is wrong with the log, followed by the summary of what was found unless the log was refused."""
     if not audit.faults:
         return summary
     first, more = audit.faults[0], len(audit.faults) - 1

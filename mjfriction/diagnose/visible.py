@@ -29,7 +29,7 @@ from mjfriction.record.log import Floats
 @dataclass(frozen=True)
 class Visible:
     """A cause at a joint (None for one of the whole arm), and the least RMS effort (``size``, N·m or N) that it has to
-    make there to be found; ``share`` is that over the joint's RMS effort.
+    make there to be found; ``share`` is this size over the joint's RMS effort.
     """
 
     cause: str
@@ -39,17 +39,17 @@ class Visible:
 
 
 def visible_causes(gap: Gap, tell: Tell = silently) -> tuple[Visible, ...]:
-    """Return the least effect of every cause that the motion of a log excites, of each joint the least first.
+    """Return the least detectable effect of every cause that the motion of a log excites, smallest first at each joint.
 
-    A cause's strengths θ are found beyond chance when θᵀC⁻¹θ exceeds the χ² quantile of the competition's level, C
-    being what the regression leaves of them once everything that is always refitted is; of their effects the mean over
-    directions is taken, and of a cause's shapes the middle one.  The noise is what the robot as it is stated leaves.
-    ``tell`` hears each cause.
+    A cause's strengths θ are beyond chance when θᵀC⁻¹θ exceeds the χ² quantile at the competition's level.  C is their
+    covariance in a regression with all nuisances.  The effect is the mean over the directions of θ, at the middle shape
+    of the cause's grid.  The noise is the residual of the stated robot with its nuisances refitted.  ``tell`` is called
+    for each cause.
     """
     field = make_field(gap, STRUCTURAL)
     model = build_model(gap, with_unevenness(gap, make_nuisance(gap)), ())
     chance = FALSE_ALARM / max(size(field), 1)
-    # Coloured noise says less: as many rows as say the same thing count as one.
+    # Coloured noise carries less information: ``alike`` is the number of rows that count as one.
     left = model.residual()
     alike = {joint: redundancy(left[:, joint] * model.system.rows.weight[:, joint]) for joint in gap.examined}
     least: dict[tuple[str, str | None], Visible] = {}
@@ -78,7 +78,8 @@ def _least(model: Model, choice: Chosen, chance: float, alike: float) -> float:
 
 
 def _least_told(model: Model, choice: Chosen, left: Floats) -> float:
-    # However sure, less than a share of the effort, of the error and, at its most, of the joint's friction is not told.
+    # However certain, an effect is not reported if it is less than a share of the effort, of the residual or, at its
+    # largest, of the joint's friction.
     joint, (columns, _) = choice.site.joint, cause_block(model.gap, choice)
     beside = left_of_friction(model, model.gap.rms(left, joint), joint)
     most = max(at_its_most(model, columns, own, joint) / max(_rms(own), 1e-300) for own in columns[joint].T)

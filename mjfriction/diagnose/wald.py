@@ -1,4 +1,4 @@
-"""Wald's test of strengths against none."""
+"""Wald's test of strengths against zero."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mjfriction.record.log import Floats
 
 @dataclass(frozen=True)
 class Wald:
-    """``statistic`` is θᵀC⁻¹θ/k of k = ``count`` strengths θ, C being their covariance, known from ``spare`` others."""
+    """``statistic`` is θᵀC⁻¹θ/k of k = ``count`` strengths θ, whose covariance C has ``spare`` degrees of freedom."""
 
     statistic: float
     count: int
@@ -25,7 +25,7 @@ class Wald:
         return float(fisher.sf(self.statistic, *self._freedoms))
 
     def reached(self, chance: float) -> float:
-        """Return what share of these strengths would be just beyond a ``chance``."""
+        """Return the factor on these strengths at which they are just beyond a ``chance``."""
         return float(np.sqrt(fisher.isf(chance, *self._freedoms) / max(self.statistic, 1e-300)))
 
     @property
@@ -34,6 +34,8 @@ class Wald:
 
 
 def wald(strengths: Floats, covariances: Sequence[Floats], count: int, spare: int) -> Wald:
-    """Test strengths (k,) of which ``count`` are shown, against the larger of several covariances (k, k)."""
+    """Test strengths (k,), ``count`` of which the motion excites, against the least favourable of several covariances
+    (k, k), each with ``spare`` degrees of freedom.
+    """
     statistics = [strengths @ np.linalg.pinv(own) @ strengths for own in covariances]
     return Wald(float(min(statistics)) / count, count, spare)

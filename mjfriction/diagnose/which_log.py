@@ -1,4 +1,4 @@
-"""Of several logs, those in which alone there is what remains: what was different then is not in the robot file."""
+"""Find the joined logs that alone show what remains unexplained: what differed then is not in the robot file."""
 
 from __future__ import annotations
 
@@ -9,12 +9,14 @@ import numpy as np
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure
 
-LOUDER = 4.0  # times the mean square that is left of the quietest log, that one of these leaves
+LOUDER = 4.0  # multiple of the quietest log's mean square residual above which a log is one of these
 
 
 def logs_with(gap: Gap, remaining: Sequence[Structure]) -> tuple[str, ...]:
-    """Return the names of the logs in which the stated robot is far more off than in the others, at every joint where
-    something remains; none where it is as far off in all of them, or but one log tells.
+    """Return the names of the logs in which the stated robot is far more off than in the quietest one, at every joint
+    where something remains unexplained.
+
+    There are none if it is about as far off in all logs, or if such a joint moves in only one of them.
     """
     joined = gap.log.joined
     if len(joined) < 2 or not remaining:

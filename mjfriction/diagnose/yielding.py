@@ -1,4 +1,4 @@
-"""Contacts that yield before they slide, at every joint of a machine: known from the start, no finding."""
+"""Contacts that yield before they slide, at every joint of a machine: in the model from the start, and no finding."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from mjfriction.identify.gap import Gap
 
 
 def yielding(gap: Gap, nuisance: Nuisance, field: Field) -> tuple[Chosen, ...]:
-    """Return friction that builds up within the travel that every contact yields, at the joints that show it, where
-    at least three do; else none.
+    """Return friction that builds up within the travel that every contact yields, at the joints that show it, if at
+    least three do; otherwise nothing.
 
-    What shows at one or two joints is looked for as any other cause is.  At all joints it shows at every reversal of a
-    log that is good enough, stands out before all else, and would be taken for whatever else happens at reversals
-    until it is found joint by joint.
+    If only one or two joints show it, it is looked for like any other cause.  If all joints have it, it shows at every
+    reversal of a log that is good enough, and stands out more than anything else.  If it were found joint by joint,
+    it would until then be mistaken for other causes that act at reversals.
     """
     model = build_model(gap, nuisance, ())
     own = tuple(entrant for entrant in field if isinstance(entrant.cause, Presliding))
@@ -44,7 +44,7 @@ def yielding(gap: Gap, nuisance: Nuisance, field: Field) -> tuple[Chosen, ...]:
 
 
 def _as_others_do(model: Model, entrant: Entrant, shapes: list[Shape], count: int) -> list[Chosen]:
-    # Where the travel that fits best is none, since more than that is wrong with the joint, one that others have.
+    # Something else that is wrong with a joint may spoil its best-fitting travel; those of other joints are then tried.
     choices = [Chosen(entrant.cause, entrant.sites[0].shaped(shape)) for shape in shapes]
     trials = [try_out(model, choice) for choice in choices if not _noteworthy(model.gap, choice)]
     passing = [trial for trial in trials if trial is not None and trial.passes(count)]

@@ -1,7 +1,8 @@
-"""What stands beside friction in the balance and is refitted with it: the links' inertias and the efforts' offsets.
+"""What acts beside friction in the balance and is refitted with it: the links' inertias and the efforts' offsets.
 
-Each is held near what is stated by how far stated values usually are off.  Of the ten parameters of a link only
-combinations show in the efforts (:mod:`mjfriction.identify.base_parameters`); what the data do not fix stays as stated.
+Each has a prior about its stated value, as wide as stated values usually are off.  Of the ten parameters of a link only
+combinations show in the efforts (:mod:`mjfriction.identify.base_parameters`); what the data do not determine stays as
+stated.
 """
 
 from __future__ import annotations
@@ -25,12 +26,12 @@ class Background(Protocol):
 
     @property
     def columns(self) -> Columns:
-        """Efforts per unit strength at the joints that feel it."""
+        """Efforts per unit strength at the joints that it affects."""
         ...
 
     @property
     def precision(self) -> Floats:
-        """One over the variance known beforehand of each strength."""
+        """One over the prior variance of each strength."""
         ...
 
     def applied(self, robot: Robot, strengths: Floats) -> Robot:
@@ -38,7 +39,7 @@ class Background(Protocol):
         ...
 
     def fitted(self, robot: Robot, gram: Floats, covariance: Floats, quantile: float, /) -> list[Fitted]:
-        """Return its values as they stand in a robot, each with an interval of so many deviations either way.
+        """Return its values as a robot states them, each with an interval of ``quantile`` deviations to either side.
 
         ``gram`` and ``covariance`` (k, k) are those of its strengths.
         """
@@ -56,17 +57,17 @@ class OffsetChange:
 
     @property
     def precision(self) -> Floats:
-        """By how far a zero usually is off."""
+        """The prior precision, from how far off a zero usually is."""
         return np.array([1.0 / (USUAL_OFFSET * self.size) ** 2])
 
     def applied(self, robot: Robot, strengths: Floats) -> Robot:
-        """Move the effort sensor's zero."""
+        """Return the robot with its effort sensor's offset changed."""
         joint = robot.table.joint[self.index]
         sensor = joint.effort_sensor.model_copy(update={"offset": joint.effort_sensor.offset + float(strengths[0])})
         return robot.with_joint(joint.model_copy(update={"effort_sensor": sensor}))
 
     def fitted(self, robot: Robot, _gram: Floats, covariance: Floats, quantile: float) -> list[Fitted]:
-        """The offset."""
+        """Return the offset, as a robot states it."""
         joint = robot.table.joint[self.index]
         value, half = joint.effort_sensor.offset, quantile * float(np.sqrt(max(covariance[0, 0], 0.0)))
         meaning = "constant in what the drive reports"
@@ -74,7 +75,7 @@ class OffsetChange:
 
 
 def offset_changes(gap: Gap, joints: list[int]) -> list[Background]:
-    """Return the zeros of some joints' efforts."""
+    """Return the offsets of some joints' efforts as parts of the background."""
     out: list[Background] = []
     for joint in joints:
         size = float(np.sqrt(np.mean(np.square(gap.measured[:, joint]))))

@@ -1,4 +1,4 @@
-"""What stands beside friction, fitted over all joints at once, with every joint's friction free as well as it may."""
+"""What acts beside friction, fitted over all joints at once, with every joint's friction as free as it can be."""
 
 from __future__ import annotations
 
@@ -16,14 +16,16 @@ from mjfriction.identify.regression import Columns, Rows, System
 from mjfriction.record.log import Floats
 from mjfriction.robot.rubbing import forward_share
 
-SPREADS = (0.05, 0.2, 1.0)  # of how far links usually are off, that are tried: shares of a mass, for one
-RESTING = 1e-3  # of its own weight, that a row in doubt about its friction has where links and zeros are fitted
+SPREADS = (0.05, 0.2, 1.0)  # values tried for how far off links usually are: as shares of a mass, for example
+RESTING = 1e-3  # factor on the weight of rows that are in doubt about friction, where links and offsets are fitted
 
 
 @dataclass(frozen=True)
 class Friction:
-    """A joint's friction as the rest is fitted with it: ``rows`` (rows,) as it stands, and the ``columns`` (rows, k) by
-    which it may still change, each with a ``precision`` (k,); with none it stays.
+    """A joint's friction while the rest is fitted.
+
+    ``rows`` (rows,) is its current value, and ``columns`` (rows, k) is how it may still change, each with a
+    ``precision`` (k,).  Without columns it stays as it is.
     """
 
     rows: Floats
@@ -33,7 +35,7 @@ class Friction:
 
 @dataclass(frozen=True)
 class Balance:
-    """A fit: the ``strengths`` (p,) of a ``system``, of which the first ``shared`` are those of the background's
+    """A fit: the ``strengths`` (p,) of a ``system``, the first ``shared`` of which belong to the background's
     ``parts``.
     """
 
@@ -49,7 +51,7 @@ class Balance:
         return np.split(self.strengths, ends)[: len(self.parts)]
 
     def left(self) -> Floats:
-        """Return what is left of every row, (rows, joints)."""
+        """Return the residual of every row, (rows, joints)."""
         return self.system.residual(self.strengths)
 
     def effort(self, joint: int) -> Floats:
@@ -59,7 +61,7 @@ class Balance:
         return np.asarray(sum(parts, start=np.zeros(self.system.rows.block.size)))
 
     def beside(self, joint: int) -> Beside:
-        """Return what is unknown at a joint beside its friction, counted from this fit."""
+        """Return what is unknown at a joint beside its friction, relative to this fit."""
         return beside_of(self.system, joint, self.shared, self.strengths)
 
 
@@ -71,7 +73,7 @@ def first_friction(gap: Gap, joint: int) -> Friction:
 
 
 def fitted_friction(fit: LawFit, *, free: bool) -> Friction:
-    """Return a fitted law's friction, whose coordinates may still change where it is ``free``."""
+    """Return a fitted law's friction; its coordinates may still change where it is ``free``."""
     rows = fit.problem.rows(fit.term)
     if not free:
         return Friction(rows, np.empty((rows.size, 0)), np.empty(0))
@@ -81,9 +83,9 @@ def fitted_friction(fit: LawFit, *, free: bool) -> Friction:
 def balance(
     gap: Gap, parts: Sequence[Background], friction: Mapping[int, Friction], deviation: Mapping[int, Floats]
 ) -> Balance:
-    """Fit the background beside every joint's friction, each row believed to its joint's ``deviation`` (rows,).
+    """Fit the background beside every joint's friction, each row with its joint's standard ``deviation`` (rows,).
 
-    Links stay such as bodies can be.
+    Links stay physical.
     """
     system = _system(gap, parts, friction, deviation)
     normal = system.normal
@@ -103,7 +105,7 @@ def as_far_off(
     friction: Mapping[int, Friction],
     deviation: Mapping[int, Floats],
 ) -> LinkInertias:
-    """Return links held as near to what is stated as predicts motion best that was not fitted."""
+    """Return the links with the prior spread about the stated values that has the lowest held-out error."""
     normal = _system(gap, [links, *parts], friction, deviation).normal
     errors = []
     for spread in SPREADS:
@@ -123,8 +125,8 @@ def _system(
     precisions = [part.precision for part in parts]
     for joint, own in friction.items():
         target[:, joint] -= own.rows
-        # A joint at rest may hold anything within its friction, and as long as it likes: in passes of one joint after
-        # another most rows do, all on one side.
+        # A joint at rest may hold any friction within its level, for as long as it likes.  In passes of one joint after
+        # another that is true of most rows, and all err to one side.
         weight[:, joint] = np.where(gap.clear[:, joint], 1.0, RESTING) / deviation[joint]
         blocks.append({joint: own.columns})
         precisions.append(own.precision)

@@ -1,8 +1,8 @@
-"""The combinations of inertial parameters that a motion shows, each by itself.
+"""The combinations of inertial parameters that a motion identifies, each by itself.
 
-Efforts are linear in the links' inertial parameters, but their columns depend on one another: pivoted QR takes as many
-as stand by themselves, and adds to each what those left out are worth in it (Gautier, IEEE ICRA 1990; Khalil, Dombre,
-Modeling, Identification and Control of Robots, 2002, chapter 9).
+Efforts are linear in the links' inertial parameters, but the columns depend on one another.  Pivoted QR takes as many
+columns as are independent, and adds to each parameter the share that those left out have in it (Gautier, IEEE ICRA
+1990; Khalil, Dombre, Modeling, Identification and Control of Robots, 2002, chapter 9).
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from mjfriction.body.inertia import NAMES
 from mjfriction.identify.fitted import Fitted
 from mjfriction.record.log import Floats
 
-SHOWN = 10.0  # deviations, by which a parameter as far off as it is large must show for it to count
-TERMS, LEAST = 3, 0.01  # how many of those left out are named with a parameter, and from what share of it on
+SHOWN = 10.0  # deviations by which the rows must show a parameter that is off by its own size, for it to count
+TERMS, LEAST = 3, 0.01  # how many of the left-out parameters are named at most, and from which share on
 UNITS = ("kg", *["kg·m"] * 3, *["kg·m²"] * 6)
 
 
@@ -30,11 +30,11 @@ def base_parameters(
     covariance: Floats,
     quantile: float,
 ) -> list[Fitted]:
-    """Return the base parameters of links, those that show most first, with the intervals of their values.
+    """Return the base parameters of links with their intervals, those that show most first.
 
-    ``values`` and ``stated`` (10·links,) are inertial parameters; ``weight`` (links, 10, 10) turns strengths into
-    them; ``gram`` and ``covariance`` (10·links, 10·links) are those of the strengths, the rows weighted by their
-    deviations; ``quantile`` is how many deviations an interval reaches either way.
+    ``values`` and ``stated`` (10·links,) are inertial parameters; ``weight`` (links, 10, 10) turns strengths into them.
+    ``gram`` and ``covariance`` (10·links, 10·links) are those of the strengths, with rows weighted by their deviations.
+    ``quantile`` is how many deviations an interval reaches to either side.
     """
     turned = block_diag(*weight)
     size = np.sqrt(np.sum(np.square(turned), axis=1))

@@ -1,4 +1,4 @@
-"""What is unknown at a joint beside its friction, and what the other joints say of it."""
+"""What is unknown at a joint beside its friction, and what the other joints say about it."""
 
 from __future__ import annotations
 
@@ -10,14 +10,16 @@ from scipy.linalg import cho_factor, cho_solve
 from mjfriction.identify.regression import System
 from mjfriction.record.log import Floats
 
-LEAST = 1e-10  # of the largest: what is known less than this of a combination is nothing
+# Floor of the eigenvalues, as a share of the largest: a combination known less than this counts as unknown.
+LEAST = 1e-10
 
 
 @dataclass(frozen=True)
 class Beside:
-    """Regressors ``columns`` (rows, k) that a joint's friction is fitted with.
+    """Regressors ``columns`` (rows, k) that a joint's friction is fitted together with.
 
-    They are turned so that what is known beforehand of their strengths is ``expected`` (k,) with a ``precision`` each.
+    They are rotated so that the prior of their strengths is independent: mean ``expected`` (k,), with a ``precision``
+    each.
     """
 
     columns: Floats
@@ -27,20 +29,20 @@ class Beside:
 
 @dataclass(frozen=True)
 class FreeOf:
-    """Takes out of weighted rows what regressors explain as well (Frisch and Waugh, Econometrica 1, 1933).
+    """Projects out of weighted rows what regressors explain equally well (Frisch and Waugh, Econometrica 1, 1933).
 
-    What is known of these beforehand stands below the rows as ``known`` (k,); ``basis`` (rows + k, k) spans both.
+    Their prior is appended below the rows as ``known`` (k,); ``basis`` (rows + k, k) spans both.
     """
 
     known: Floats
     basis: Floats
 
     def target(self, rows: Floats) -> Floats:
-        """Return what is left of a weighted target (rows,): (rows + k,)."""
+        """Return a weighted target (rows,) with the regressors projected out, (rows + k,)."""
         return self._without(np.concatenate([rows, self.known]))
 
     def columns(self, rows: Floats) -> Floats:
-        """Return what is left of weighted columns (rows, m): (rows + k, m)."""
+        """Return weighted columns (rows, m) with the regressors projected out, (rows + k, m)."""
         return self._without(np.vstack([rows, np.zeros((self.known.size, rows.shape[1]))]))
 
     def _without(self, whole: Floats) -> Floats:
@@ -48,16 +50,16 @@ class FreeOf:
 
 
 def free_of(beside: Beside, deviation: Floats) -> FreeOf:
-    """Return what frees rows that are believed to ``deviation`` (rows,)."""
+    """Return the projection for rows with a standard ``deviation`` (rows,)."""
     root = np.sqrt(beside.precision)
     whole = np.vstack([beside.columns / deviation[:, None], np.diag(root)])
     return FreeOf(root * beside.expected, np.linalg.qr(whole)[0])
 
 
 def beside_of(system: System, joint: int, shared: int, strengths: Floats) -> Beside:
-    """Return what is unknown at a joint beside its friction, counted from given ``strengths`` (p,) of the system.
+    """Return what is unknown at a joint beside its friction, relative to given ``strengths`` (p,) of the system.
 
-    The first ``shared`` regressors of ``system`` are felt by many joints; the rest are friction, of one joint each.
+    The first ``shared`` regressors of ``system`` act on many joints; the rest are friction, each of one joint.
     """
     normal = system.normal
     gram, moment = normal.products.of_joints([other for other in range(normal.joints) if other != joint])
@@ -66,7 +68,7 @@ def beside_of(system: System, joint: int, shared: int, strengths: Floats) -> Bes
     friction = np.flatnonzero(np.diag(gram)[shared:] > 0.0) + shared
     known, told = gram[:shared, :shared], moment[:shared]
     if friction.size:
-        # The other joints' friction is as free as this one's.
+        # Eliminate the other joints' friction, which is as free as this joint's.
         factor = cho_factor(gram[np.ix_(friction, friction)])
         across = gram[:shared, friction]
         known = known - across @ cho_solve(factor, across.T)
@@ -75,7 +77,7 @@ def beside_of(system: System, joint: int, shared: int, strengths: Floats) -> Bes
     power, turned = np.linalg.eigh(known * scale[:, None] * scale)
     turned = turned * scale[:, None]
     covariance = (turned / np.maximum(power, LEAST * power.max(initial=0.0))) @ turned.T
-    # What this joint does not feel is as the others say.
+    # Regressors that do not act on this joint remain as the other joints determine them.
     of_many = system.felt[joint] < shared
     felt, base, weight = (
         system.felt[joint][of_many],

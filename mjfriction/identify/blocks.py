@@ -1,4 +1,4 @@
-"""Stretches of motion that stand for one another: the units of cross-validation and of intervals."""
+"""Stretches of motion that can stand for one another: the units of cross-validation and of intervals."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from mjfriction.errors import LogError
 from mjfriction.identify.rows import Chain
 from mjfriction.record.log import Floats, Integers
 
-BLOCK_SECONDS = 1.0  # longer than the memory of any noise the filters make
-SHORTEST_BLOCK = 0.5  # s; in logs too short for eight blocks of a second
+BLOCK_SECONDS = 1.0  # s, longer than the memory of any noise that the filters cause
+SHORTEST_BLOCK = 0.5  # s, in logs too short for eight blocks of a second
 MOST_BLOCKS = 60
 FEWEST_BLOCKS = 8
 FEWEST_REPEATS = 4
@@ -22,9 +22,11 @@ SAME = 0.01  # two courses of the motion are the same when they differ by less t
 
 @dataclass(frozen=True)
 class Blocks:
-    """``row`` (rows,) numbers the block each row is in; ``group`` (blocks,) numbers what each block may be exchanged
-    with: itself, or, where the motion repeats at least four times, everything in the same repetition; ``fold``
-    (blocks,) numbers the part in which a block is left out; ``period`` is that of such a motion, s.
+    """The blocks, groups and folds of a gap's rows.
+
+    ``row`` (rows,) numbers the block of each row.  ``group`` (blocks,) numbers the independent unit of each block: the
+    block itself, or, where the motion repeats at least four times, its repetition.  ``fold`` (blocks,) numbers the part
+    with which each block is left out.  ``period`` is that of a motion that repeats, s.
     """
 
     row: Integers
@@ -44,14 +46,16 @@ class Blocks:
 
     @property
     def folds(self) -> list[NDArray[np.bool_]]:
-        """Masks (blocks,) of the parts that are left out in turn: interleaved, so that each sees all of the log's
-        course; where the motion repeats, the same stretch of every repetition, so that it has not been seen.
+        """Masks (blocks,) of the parts that are left out in turn.
+
+        They are interleaved, so that each covers the whole course of the log.  Where the motion repeats, each holds the
+        same stretch of every repetition, so that no fit has seen it.
         """
         return [self.fold == number for number in range(int(self.fold.max()) + 1)]
 
 
 def cut_blocks(chain: Chain, position: Floats, source: str) -> Blocks:
-    """Cut the rows into blocks of a second or more, at most sixty; in short logs eight of half a second or more.
+    """Cut the rows into blocks of a second or more, at most sixty; in short logs into eight of half a second or more.
 
     ``position`` (rows, joints) shows repetitions.
 
@@ -77,7 +81,7 @@ def cut_blocks(chain: Chain, position: Floats, source: str) -> Blocks:
 
 
 def _period(chain: Chain, position: Floats) -> float | None:
-    # The mean squared difference between the course and itself a lag later, from the autocorrelation.
+    # The mean squared difference between the course and itself one lag later, from the autocorrelation.
     spread = np.std(position, axis=0)
     moving = spread > 1e-9
     course = (position[:, moving] - np.mean(position[:, moving], axis=0)) / spread[moving]
@@ -88,7 +92,7 @@ def _period(chain: Chain, position: Floats) -> float | None:
     lag = np.arange(1, rows - 1)
     head, tail = power[rows - 1 - lag], power[-1] - power[lag - 1]
     difference = (head + tail - 2.0 * correlation[lag]) / (head + tail)
-    first = np.argmax(difference > 10.0 * SAME)  # leave the trivial likeness of neighbouring rows
+    first = np.argmax(difference > 10.0 * SAME)  # skip the trivial likeness of neighbouring rows
     alike = np.flatnonzero(difference[first:] < SAME)
     alike = alike[lag[first + alike] < rows / 2]
     if (first == 0 and difference[0] <= 10.0 * SAME) or alike.size == 0:

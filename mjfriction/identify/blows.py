@@ -1,7 +1,7 @@
-"""Blows: a link that lands at the end of its play, say.
+"""Blows: impacts such as that of a link that lands at the end of its play.
 
-For some milliseconds rotor and link exchange what neither the drive feels nor the position's filter can time, and
-whatever shifts effort against motion seems to mend that.
+For some milliseconds, rotor and link exchange forces that the drive does not feel and the position filter cannot time.
+Anything that shifts effort against motion then seems to improve the fit.
 """
 
 from __future__ import annotations
@@ -18,18 +18,19 @@ from mjfriction.record.log import Floats
 from mjfriction.record.low_pass import butterworth
 from mjfriction.record.motion import Motion
 
-BLOW_BAND = 0.2  # of the position filter's cutoff: what is slower is motion
-BLOW = 15.0  # times the usual, a quick acceleration that is a blow
-REVERSAL = 4.0  # periods of the position filter's cutoff that a reversal of friction shakes a joint
-TOUCHED = 0.02  # of a row's window that a blow may take
+BLOW_BAND = 0.2  # of the position filter's cutoff; slower acceleration is part of the motion
+BLOW = 15.0  # times the median of the quick accelerations, above which one is a blow
+REVERSAL = 4.0  # periods of the position filter's cutoff for which a reversal of friction shakes a joint
+TOUCHED = 0.02  # share of a row's window that a blow may take before the row counts as holding it
 
 
 def blows(body: Body, motion: Motion, chain: Chain, doubt_speed: Floats) -> tuple[Floats, NDArray[np.bool_]]:
     """Return what blows may add to the rows, N·m or N, and which rows of a joint hold one of its own, (rows, joints).
 
-    A blow is an acceleration of a joint that is :data:`BLOW` times as quick as usual and larger than the motion around
-    it, while the joint moves: at a reversal friction itself is as quick.  All joints feel it, |M(q)|·|q̈|, as the
-    inertia couples them.  ``doubt_speed`` (joints,) is the speed below which a joint rests.
+    A blow is an acceleration of a joint that is :data:`BLOW` times as large as its usual quick accelerations and larger
+    than the motion around it, while the joint moves.  Reversals are left out, because there friction itself is as
+    quick.  All joints feel a blow through the coupling of the inertia, as |M(q)|·|q̈|.  ``doubt_speed`` (joints,) is
+    the speed below which a joint rests.
     """
     quick = quick_accelerations(motion, doubt_speed)
     at = np.flatnonzero(np.any(quick != 0.0, axis=1))
@@ -42,7 +43,7 @@ def blows(body: Body, motion: Motion, chain: Chain, doubt_speed: Floats) -> tupl
 
 
 def quick_accelerations(motion: Motion, doubt_speed: Floats) -> Floats:
-    """Return the acceleration of each joint's own blows, (n, joints), 0 elsewhere.
+    """Return the acceleration during each joint's own blows, (n, joints), 0 elsewhere.
 
     ``doubt_speed`` (joints,) is the speed below which a joint rests.
     """
@@ -50,7 +51,7 @@ def quick_accelerations(motion: Motion, doubt_speed: Floats) -> Floats:
 
 
 def _blows_of(motion: Motion, joint: int, still: float) -> Floats:
-    # The acceleration of a joint's blows, (n,), 0 elsewhere.
+    # The acceleration during a joint's blows, (n,), 0 elsewhere.
     slow = butterworth(2, BLOW_BAND * motion.cutoff, motion.rate)
     course, velocity = motion.acceleration[:, joint], motion.velocity[:, joint]
     wanted = np.concatenate([sosfiltfilt(slow.sections, course[own]) for own in motion.pieces])
@@ -58,7 +59,7 @@ def _blows_of(motion: Motion, joint: int, still: float) -> Floats:
     moving = np.abs(velocity) > still
     if not np.any(moving):
         return np.zeros_like(quick)
-    # Where a motion begins to speed up, half of what it comes to is quick: a blow is more than the motion around it.
+    # Where a motion starts to speed up, half of its acceleration is quick, so a blow must exceed the motion around it.
     around = maximum_filter1d(np.abs(wanted), 2 * int(motion.rate / (BLOW_BAND * motion.cutoff)) + 1)
     blow = moving & (np.abs(quick) > np.maximum(around, BLOW * np.median(np.abs(quick[moving]))))
     turns = np.flatnonzero(np.diff(np.sign(velocity)) != 0)

@@ -1,7 +1,7 @@
-"""What a bristle adds to a law's statics, by the error of the friction simulated along a motion.
+"""What a bristle adds to a law's static parameters, from the error of the friction simulated along a motion.
 
-The manipulator paper's order (Indri and others, section IV): statics from passes are held while the bristle is fitted;
-then all is fitted together, to the motion and to the passes.
+The order is that of the manipulator paper (Indri and others, section IV): the static parameters from passes are held
+while the bristle is fitted.  Then everything is fitted together, to the motion and to the passes.
 """
 
 from __future__ import annotations
@@ -20,21 +20,23 @@ from mjfriction.identify.problem import Side
 from mjfriction.laws.ambient import ambient
 from mjfriction.laws.law import Floats, Law
 
-TRAVELS = np.geomspace(1e-7, 1e-1, 13)  # of the level over the stiffness, to begin from, rad or m
-RELAXED = (1e-3, 5e-3, 2.5e-2)  # s, σ₁ over σ₀ to begin from
-STARTS = 4  # the best of these, that fits begin from
+TRAVELS = np.geomspace(1e-7, 1e-1, 13)  # rad or m: level over stiffness, to start from
+RELAXED = (1e-3, 5e-3, 2.5e-2)  # s: σ₁ over σ₀, to start from
+STARTS = 4  # the best of these, from which fits start
 MOST_ROUNDS = 60
-DIFFERENCE = 1e-4  # of a coordinate, for slopes
-UNTOLD = 1e-10  # of the most that a combination of parameters can show, below which its interval grows no further
+DIFFERENCE = 1e-4  # step for slopes, as a share of a coordinate
+# Share of the most that a combination of parameters can show, below which its interval grows no further.
+UNTOLD = 1e-10
 BRISTLE = ("bristle_stiffness", "bristle_damping")
 
 
 @dataclass(frozen=True)
 class BristleFit:
-    """A law with a bristle, on its side: its ``values`` with the statics held and with all fitted ``together``, and the
-    95 % half-widths of the ``together`` by name.
+    """A law with a bristle, on its side of the gear.
 
-    ``rms`` is what is left of the motion's friction by the statics alone, with the bristle, and by all together.
+    ``values`` has the static parameters held, and ``together`` has everything fitted together; ``half`` are the 95 %
+    half-widths of the latter by name.  ``rms`` is what is left of the motion's friction: with the static parameters
+    alone, with the bristle, and with everything fitted together.
     """
 
     law: Law
@@ -54,11 +56,11 @@ def fit_bristle(
     friction: Floats,
     step: float,
 ) -> BristleFit:
-    """Fit a law's bristle, its stiffness and damping, to the ``friction`` (n,) along a motion of ``speed`` (n,), both
-    on the law's side, whose samples lie ``step`` seconds apart.
+    """Fit a law's bristle, its stiffness and damping, to the ``friction`` (n,) along a motion of ``speed`` (n,).
 
-    ``statics`` are those of the law's sibling, fitted to the passes ``points``.  Half-widths count as many independent
-    errors as the motion turns and the passes have speeds, for what a law leaves of a motion is coloured.
+    Both are on the law's side; samples lie ``step`` seconds apart.  ``statics`` are the static parameters of the law's
+    sibling, fitted to the passes ``points``.  Half-widths count as many independent errors as the motion has turns and
+    the passes have speeds, because what a law leaves of a motion is coloured.
     """
     names = [parameter.name for parameter in law.parameters]
     around = ambient(speed.size)
@@ -78,7 +80,7 @@ def fit_bristle(
     left = _rms(missed({**held, **found}))
     stiff = dict(zip(BRISTLE, (float(travels[0]), 0.0), strict=True))
     turns = max(2, int(np.count_nonzero(np.diff(np.sign(speed)))))
-    # A motion's thousands of samples say no more than its turns do: passes and motion by what each is worth.
+    # A motion's thousands of samples say no more than its turns do, so weight passes and motion by what each is worth.
     weigh = np.sqrt(turns / speed.size) / left
 
     def both(values: dict[str, float]) -> Floats:

@@ -1,4 +1,4 @@
-"""What a fit does not say by its numbers: parameters at a bound, not fixed by the log, or not told apart."""
+"""What a fit does not say by its numbers: parameters at a bound, not determined by the log, or not distinguishable."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from mjfriction.identify.fit import LawFit
 from mjfriction.laws.rules import scalar
 from mjfriction.record.log import Floats
 
-ALIKE = 0.98  # correlation of two parameters past which only a combination of them is known
-LOOSE = 1.0  # of a value, that its interval may be wide to either side before it is not fixed
-UNSEEN = 1e-9  # of the friction's RMS, that a change of a parameter by itself must make
-AT_BOUND = 1e-6  # of the coordinates' size
-BACKWARD = 0.02  # of the rows in motion, fewer than which go the other way
-FALLEN = 0.8  # of a level that falls away, that must be gone at the fastest speed for what lies beyond to show
+ALIKE = 0.98  # correlation of two parameters above which only a combination of them is known
+LOOSE = 1.0  # a shape whose half-width exceeds this share of its value is not determined
+UNSEEN = 1e-9  # share of the friction's RMS below which a parameter's own effect is invisible
+AT_BOUND = 1e-6  # distance from a bound, relative to its size, within which a coordinate is at the bound
+BACKWARD = 0.02  # motion is one way only where less than this share of the samples in motion goes the other way
+FALLEN = 0.8  # share of a fading level that must be gone at the fastest speed for what lies beyond to show
 BEYOND = frozenset({"coulomb", "viscous"})
 SHAPES = frozenset(
     {"bristle_stiffness", "bristle_damping", "stribeck_velocity", "stribeck_steepness", "stribeck_exponent"}
@@ -27,9 +27,9 @@ SHAPES = frozenset(
 def notes(fit: LawFit, half: Floats, covariance: Floats, *, falls: bool) -> dict[str, str]:
     """Return a remark for every parameter that needs one, by name.
 
-    ``half`` (told,) are the 95 % half-widths, ``covariance`` (told, told) that of the values; ``falls`` tells whether
-    friction still falls at the fastest speed.  Elements get none: of one by itself a log says little, of all together
-    much.
+    ``half`` (told,) are the 95 % half-widths, ``covariance`` (told, told) is that of the values; ``falls`` says whether
+    friction still falls at the fastest speed.  Elements get no remark: a log says little about one of them by itself,
+    but much about all together.
     """
     low, high = fit.coordinates.bounds()
     names, values = fit.coordinates.single, fit.told
@@ -55,7 +55,7 @@ def notes(fit: LawFit, half: Floats, covariance: Floats, *, falls: bool) -> dict
 
 
 def _of_motion(fit: LawFit) -> dict[str, str]:
-    # What the motion by itself cannot tell.
+    # What the motion itself cannot determine.
     out: dict[str, str] = {}
     problem, values, names = fit.problem, fit.values, fit.coordinates.single
     gap, joint = problem.gap, problem.joint
@@ -66,7 +66,7 @@ def _of_motion(fit: LawFit) -> dict[str, str]:
         levels = [name for name in names if fit.law.parameter(name).unit == "{force}"]
         out |= dict.fromkeys(levels, "not told from the effort's zero by motion one way only: record both directions")
     if "stribeck_velocity" in values:
-        # exp(−(v/v_s)^δ) is what is left of the level that falls away.
+        # exp(−(v/v_s)^δ) is the share of the fading level that is left.
         exponent = scalar(values, "stribeck_exponent") if "stribeck_exponent" in values else 1.0
         fallen = scalar(values, "stribeck_velocity") * (-math.log(1.0 - FALLEN)) ** (1.0 / exponent)
         if abs(ratio) * gap.motion.top_speed[joint] < fallen:

@@ -1,4 +1,4 @@
-"""Which law a joint needs: the one with the fewest parameters among those that predict motion not fitted as well."""
+"""Which law a joint needs: the one with the fewest parameters among those that predict held-out motion as well."""
 
 from __future__ import annotations
 
@@ -24,27 +24,27 @@ CANDIDATES = (
     "dahl",
     "lugre",
 )
-LEAST_GAIN = 0.02  # of the squared error, that a law with more parameters must take away besides
-LEAST_EFFECT = 1e-2  # of the joint's friction, that it must explain: finer than that no law holds
-SURE_STIFFNESS = 0.3  # deviation of a bristle's stiffness, relative, up to which the log shows it
-STANDARD_ERRORS = 3.0  # by which it must be better on motion not fitted
+LEAST_GAIN = 0.02  # share of the squared error that a law with more parameters must also remove
+LEAST_EFFECT = 1e-2  # share of the joint's friction that it must explain: no law is more accurate than that
+SURE_STIFFNESS = 0.3  # relative deviation of a bristle's stiffness, up to which the log shows it
+STANDARD_ERRORS = 3.0  # by which its held-out error must be smaller
 
 
 @dataclass(frozen=True)
 class Choice:
-    """A candidate: its fit, and what that leaves of every row it has not seen, (rows,)."""
+    """A candidate: its fit, and the held-out residual of every row, (rows,)."""
 
     fit: LawFit
     heldout: Floats
 
     @property
     def parameters(self) -> int:
-        """How many numbers were fitted."""
+        """Number of fitted parameters."""
         return int(self.fit.x.size)
 
     @functools.cached_property
     def errors(self) -> Floats:
-        """The squared error of every block in deviations, on motion not fitted, (blocks,)."""
+        """The held-out squared error of every block, in deviations, (blocks,)."""
         problem = self.fit.problem
         weighted = np.square(self.heldout / problem.deviation)
         return np.asarray(np.bincount(problem.gap.blocks.row, weighted), dtype=np.float64)
@@ -53,11 +53,11 @@ class Choice:
 def choose_law(
     problem: Problem, names: Sequence[str] = CANDIDATES, first: str | None = None
 ) -> tuple[Choice, list[Choice]]:
-    """Fit every law of a list and return the one to take, and all, in the order of the list.
+    """Fit every law of a list; return the one to take, and all of them in the order of the list.
 
-    A law with more parameters takes the place of a simpler one when its error on motion not fitted is smaller by three
-    standard errors over the blocks and by a fiftieth, when what it explains is no mere trace of the friction, and when
-    the log shows its bristle at all.  The ``first`` to be taken is the simplest, unless another is named.
+    A law with more parameters replaces a simpler one when three conditions hold.  Its held-out error is smaller by
+    three standard errors over the blocks and by a fiftieth; what it explains is more than a trace of the friction; and
+    the log shows its bristle, if it has one.  The ``first`` law to be beaten is the simplest, unless another is named.
     """
     choices = []
     for name in names:
@@ -76,7 +76,7 @@ def choose_law(
 
 
 def _shows(fit: LawFit) -> bool:
-    # A bristle far stiffer than what the motion shows is no bristle but a way to bend the blur of reversals.
+    # A bristle far stiffer than what the motion shows is not a bristle but a way to change the blur of reversals.
     deviation = np.sqrt(np.diag(fit.normal().known_to(1.0)))
     where = [k for k, name in enumerate(fit.coordinates.names) if name == "bristle_stiffness"]
     return all(deviation[k] < SURE_STIFFNESS for k in where)

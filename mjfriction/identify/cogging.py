@@ -12,8 +12,8 @@ from mjfriction.identify.phases import Phase
 from mjfriction.laws.law import Floats
 from mjfriction.robot.table import Wave
 
-SURE = 4.0  # deviations of a wave, below which it is left out
-COLOUR = 4.0  # by how many times coloured noise widens them, passes being repeated at few speeds
+SURE = 4.0  # deviations; smaller waves are left out
+COLOUR = 4.0  # factor by which coloured noise widens the deviations, as passes are repeated at few speeds
 
 
 def cogging_waves(
@@ -21,9 +21,9 @@ def cogging_waves(
 ) -> tuple[Wave, ...]:
     """Return the waves of a joint's effort at given wavenumbers (1/m or 1/rad), by least squares over its passes.
 
-    Every pass has a level of its own, so that friction of any law and in either direction stays out of the waves.
-    Waves of less than ``least`` (N·m or N), or less than four deviations, are left out.  Raises :class:`LogError`
-    where the joint has not passed in both directions.
+    Every pass has a level of its own, so that friction of any law, in either direction, stays out of the waves.  Waves
+    smaller than ``least`` (N·m or N) or than four deviations are left out.  Raises :class:`LogError` where the joint
+    has not passed in both directions.
     """
     own = [phase for phase in phases if phase.joint == course.joint]
     if len({phase.velocity > 0.0 for phase in own}) < 2:
@@ -32,7 +32,7 @@ def cogging_waves(
     place = np.concatenate([course.position[row] for row in rows])
     force = np.concatenate([course.friction[row] - np.mean(course.friction[row]) for row in rows])
     waves_at = np.column_stack([wave(k * place) for k in wavenumbers for wave in (np.cos, np.sin)])
-    # Friction may vary along the stroke too; its waves turn with the direction, and take their own share.
+    # Friction may vary along the stroke too; its waves turn with the direction and have columns of their own.
     which = np.repeat(np.arange(len(rows)), [row.stop - row.start for row in rows])
     turning = np.sign([phase.velocity for phase in own])[which]
     columns = np.hstack([waves_at, waves_at * turning[:, None]])
@@ -52,5 +52,5 @@ def cogging_waves(
 
 
 def harmonics(period: float, count: int) -> Floats:
-    """Return the first wavenumbers, 1/m or 1/rad, of what repeats with a period along the stroke."""
+    """Return the first ``count`` wavenumbers, 1/m or 1/rad, of what repeats with a ``period`` along the stroke."""
     return np.asarray(2.0 * np.pi / period * np.arange(1, count + 1), dtype=np.float64)

@@ -1,4 +1,4 @@
-"""How much of a residual is no noise, whatever it follows: what stands above the noise in its spectrum."""
+"""How much of a residual is not noise, whatever it follows: what stands above the noise in its spectrum."""
 
 from __future__ import annotations
 
@@ -7,25 +7,25 @@ import numpy as np
 from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats
 
-NOTHING = "nothing that is known"  # what a course follows that is no noise, nor any covariate's
-COLOURED = 0.5  # share of what is left that may stand above the noise in its spectrum before it counts
+NOTHING = "nothing that is known"  # named where a residual is not noise but follows no covariate
+COLOURED = 0.5  # share of the residual that may stand above the noise in its spectrum before it counts
 BINS = 60  # of the spectrum, even in frequency
 EVEN_BELOW = 6.0  # Hz, below which no drive's filter shapes its noise
-AROUND = 2.0  # times a frequency and as many parts of it, over which noise is taken to be even
-FASTEST = 1.0 / 3.0  # of the spectrum, whose level no slow course raises
-STANDS_OUT = 4.0  # deviations of a bin above the noise's level
-SLOWEST = 2  # lines of the spectrum that hold the mean, and the window's own leakage of it
-WINDOW_LOSS = 1.5  # how many lines of a Hann window's spectrum count for one
+AROUND = 2.0  # factor above and below a frequency within which noise is taken to be even
+FASTEST = 1.0 / 3.0  # fastest share of the spectrum, whose level no slow course raises
+STANDS_OUT = 4.0  # deviations by which a bin must exceed the noise's level
+SLOWEST = 2  # lowest lines of the spectrum, left out: they hold the mean and the window's leakage of it
+WINDOW_LOSS = 1.5  # lines of a Hann window's spectrum that count as one independent line
 
 
 def coloured_share(gap: Gap, joint: int, residual: Floats) -> float:
     """Return the share of a joint's residual (rows,) that stands above the noise in its spectrum, 0 to 1.
 
     The rows are so thin that white noise stays white.  Its level is that of the effort sensor, of the spectrum's
-    fastest third, or of an octave to either side, whichever is highest: a drive's own filter takes the fastest of its
-    noise away, from some ten Hz on, and leaves it even below.  What stands clear of that is a course: a wander, a hum,
-    a swing.  White noise gives 0, and so does what was low-passed, and noise that grows with frequency, as that of
-    differentiated positions does.
+    fastest third, or of an octave to either side, whichever is highest.  A drive's own filter removes the fastest part
+    of its noise, from some ten Hz on, and leaves it even below.  What stands clearly above that level is a course and
+    not noise: a drift, a hum, a swing.  White noise gives 0.  So does low-passed noise, and noise that grows with
+    frequency, such as that of differentiated positions.
     """
     clear = gap.clear[:, joint]
     if not np.any(clear):
@@ -50,7 +50,7 @@ def _binned(values: Floats, width: int) -> Floats:
 
 
 def _around(bins: Floats, frequency: Floats) -> Floats:
-    # The middle of the bins within an octave of each, from where noise is even on.
+    # The median of the bins within an octave of each, from the frequency on at which noise is even.
     middle = np.maximum(frequency, min(EVEN_BELOW, float(frequency[-1])))
     near = np.abs(np.log(frequency[None, :] / middle[:, None])) <= np.log(AROUND)
     return np.array([np.median(bins[own]) for own in near])

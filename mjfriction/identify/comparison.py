@@ -1,4 +1,4 @@
-"""Several robots held against one log, side by side."""
+"""Several robots compared with one log, side by side."""
 
 from __future__ import annotations
 
@@ -15,14 +15,16 @@ from mjfriction.record.log import Log
 from mjfriction.robot.effort import reported_unit
 from mjfriction.robot.robot import Robot
 
-ALIKE = 1.02  # times the best robot's error at every joint, up to which no robot is nearer than another
+ALIKE = 1.02  # times the best robot's error at every joint, up to which no robot counts as nearer
 
 
 @dataclass(frozen=True)
 class ModelError:
-    """RMS error of one robot at one joint: ``effort`` in N·m or N at the joint; ``current`` in A at the motor, None
-    where the robot states no torque constant; ``share`` of the measured effort's RMS; ``position``, rad or m, that of
-    the joint's course where the efforts drive the robot freely, None where that was not asked for.
+    """The RMS error of one robot at one joint.
+
+    ``effort`` is in N·m or N at the joint; ``current`` in A at the motor, None where the robot states no torque
+    constant; ``share`` is relative to the measured effort's RMS.  ``position``, rad or m, is the error of the joint's
+    course where the efforts drive the robot freely, None where that was not asked for.
     """
 
     effort: float
@@ -33,7 +35,7 @@ class ModelError:
 
 @dataclass(frozen=True)
 class JointComparison:
-    """The errors of all robots at a joint, in their order, beside the sensor's noise in N·m or N."""
+    """The errors of all robots at a joint, in the robots' order, and the sensor's noise in N·m or N."""
 
     joint: str
     unit: str
@@ -43,14 +45,15 @@ class JointComparison:
 
     @property
     def position_unit(self) -> str:
-        """The unit of its position."""
+        """The unit of the joint's position."""
         return "m" if self.unit == "N" else "rad"
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """``gaps`` are the robots', in the order of ``names``, all along one motion and at the same rows; ``seconds`` is
-    how long the robots were driven freely at a time, None where they were not.
+    """The ``gaps`` of the robots ``names``, in that order, all along one motion and at the same rows.
+
+    ``seconds`` is how long the robots were driven freely at a time, None where they were not.
     """
 
     names: tuple[str, ...]
@@ -60,7 +63,7 @@ class Comparison:
 
     @property
     def gap(self) -> Gap:
-        """The first robot's."""
+        """The first robot's gap."""
         return self.gaps[0]
 
     @property
@@ -71,7 +74,7 @@ class Comparison:
 
     @property
     def summary(self) -> str:
-        """Which robot is nearest to the log, and by how much, in a sentence."""
+        """A sentence that says which robot is nearest to the log, and by how much."""
         least = self.names.index(self.best)
         joint = max(self.joints, key=lambda j: max(e.effort for e in j.errors) / max(j.errors[least].effort, 1e-300))
         most = max(range(len(self.names)), key=lambda k: joint.errors[k].effort)
@@ -90,13 +93,13 @@ class Comparison:
 def compare_robots(
     log: Log, robots: Sequence[tuple[str, Robot]], tell: Tell = silently, *, simulated: float | None = None
 ) -> Comparison:
-    """Hold named robots with the same joints against a log.
+    """Compare named robots with the same joints with a log.
 
-    Errors are over the same rows for all, through one low-pass (see :mod:`mjfriction.identify.rows`): where the joint
-    moves, for at rest and in reversals friction may be anything within its level.  With ``simulated`` the log's efforts
-    drive every robot freely too, so many seconds at a time (infinite: the whole log).  ``tell`` hears which robot is
-    held against it.  Raises :class:`RobotError` where the robots have not the same joints or two have one name, and
-    what :func:`measure_gap` raises.
+    Errors are over the same rows for all, through one low-pass (see :mod:`mjfriction.identify.rows`).  Only rows where
+    the joint moves count, because at rest and in reversals friction may be anything within its level.  With
+    ``simulated`` the log's efforts also drive every robot freely, that many seconds at a time (infinite: the whole
+    log).  ``tell`` is called with the robot that is compared.  Raises :class:`RobotError` where the robots do not have
+    the same joints or two have one name, and what :func:`measure_gap` raises.
     """
     names = [name for name, _ in robots]
     if len(names) < 2:

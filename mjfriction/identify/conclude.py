@@ -1,4 +1,4 @@
-"""What fitted laws come to: everything taken together once more, for intervals, held-out errors and remarks."""
+"""The outcome of fitted laws: one more step of everything together, for intervals, held-out errors and remarks."""
 
 from __future__ import annotations
 
@@ -25,10 +25,11 @@ from mjfriction.identify.structure import Structure, find_structure
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 
-STRUCTURED = 0.1  # share of what is left that may follow a covariate before intervals are not to be believed
-FAR_ABOVE_NOISE = 3.0  # times the sensor's noise
-RISEN = 1.1  # times the stated robot's error, from which on an identified one is worse
-LEAST_EFFORT = 0.005  # of the joint's RMS effort, that what follows it must reach besides
+STRUCTURED = 0.1  # intervals are not trusted where more than this share of the residual follows a covariate
+FAR_ABOVE_NOISE = 3.0  # times the sensor's noise, above which a residual is reported
+RISEN = 1.1  # times the stated robot's error, above which an identified robot is reported as worse
+# Share of the joint's RMS effort that a residual, or its structure, must also exceed to be reported.
+LEAST_EFFORT = 0.005
 FREE, PASSES, SIMULATED = "free motion", "forward and backward passes", "simulated motion"
 
 
@@ -45,9 +46,9 @@ def conclude(
 ) -> Identification:
     """Return the outcome of an identification.
 
-    It is that of the laws ``fits`` at ``joints``, among those ``tried`` there, built into ``robot`` with the refitted
-    ``background``, against the ``stated`` robot's gap; ``passes`` are the joints', ``bandwidths`` (Hz) those of
-    drives that were found to low-pass.
+    The laws ``fits`` at ``joints``, chosen among those ``tried`` there, are built into ``robot`` with the refitted
+    ``background``, and compared with the ``stated`` robot's gap.  ``passes`` are the joints'; ``bandwidths`` (Hz) are
+    those of drives that were found to low-pass.
     """
     gap = gap_of(robot, stated)
     system = _taken_together(gap, joints, fits, background)
@@ -61,7 +62,7 @@ def conclude(
     passed = _passed(joints, fits, passes)
     for joint in joints:
         if refined is not None or joint in passed:
-            # Values that do not come from these rows are held against them as they stand.
+            # Values that do not come from these rows are tested on them as they are.
             heldout[:, joint] = gap.residual[:, joint]
     after = find_structure(gap, np.nan_to_num(heldout))
     laws, errors, place = [], [], 0
@@ -119,7 +120,8 @@ def _how(fit: LawFit, passes: Passes, *, taken: bool, refined: bool) -> str:
 def _taken_together(
     gap: Gap, joints: Sequence[int], fits: Sequence[LawFit], background: Sequence[Background]
 ) -> System:
-    # A further step of everything at once, from where all stand: what intervals and held-out errors are drawn from.
+    # One further linear step of everything at once, from the current values: intervals and held-out errors come from
+    # it.
     target = np.nan_to_num(gap.residual)
     weight = np.zeros_like(target)
     blocks: list[Columns] = []
@@ -134,9 +136,9 @@ def _taken_together(
 
 
 def _covariance(system: System, step: Floats, gap: Gap) -> Floats:
-    # The larger of the two, number by number: coloured noise makes the one for white noise too small, few blocks the
-    # clustered one, and what no row shows has nothing but what is known beforehand.  White noise is as large as what
-    # is left, not as the doubt about reversals allows.
+    # For each number, take the larger variance of the two.  Coloured noise makes the white-noise variance too small,
+    # and few blocks make the clustered one too small; what no row shows has only its prior.  White noise is taken to be
+    # as large as the residual, not as large as the doubt about reversals allows.
     normal, weight = system.normal, system.rows.weight
     left = (system.residual(step) * weight)[weight > 0.0]
     spread = max(float(np.sum(np.square(left))) / max(1, left.size - step.size), 1e-12)
@@ -154,7 +156,8 @@ def _passed(joints: Sequence[int], fits: Sequence[LawFit], passes: Mapping[int, 
 def _half_widths(
     fit: LawFit, covariance: Floats, quantile: float, statics: MapFit | None, begun: LawFit
 ) -> tuple[Floats, Floats]:
-    # Those of the passes where the values come from them; what a simulation moved a value by is added to the interval.
+    # Use the half-widths of the passes where the values come from them.  How far a simulation moved a value is added to
+    # its interval.
     turned = fit.coordinates.slopes(fit.x)
     spread = turned @ covariance @ turned.T
     half = quantile * np.sqrt(np.maximum(np.diag(spread), 0.0))
@@ -181,7 +184,8 @@ def _candidate(gap: Gap, joint: int, choice: Choice) -> Candidate:
 
 
 def _worst(gap: Gap, joint: int, after: Sequence[Structure], heldout: Floats) -> Structure:
-    # What the error follows most; where that does not count, but the error is no noise, nothing that is known.
+    # The covariate that the error follows most; where that does not count, but the error is not noise either, none that
+    # is known.
     name = gap.robot.joints[joint]
     curve = max((entry for entry in after if entry.joint == name), key=lambda entry: entry.share)
     course = Structure(name, NOTHING, coloured_share(gap, joint, heldout[:, joint]))

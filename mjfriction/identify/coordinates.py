@@ -1,4 +1,4 @@
-"""The free numbers in which a law is fitted: logarithms of what must be above zero, excesses of what must be larger."""
+"""The coordinates in which a law is fitted: logarithms of positive parameters, and excesses over smaller ones."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from mjfriction.laws.law import Floats, Law
 from mjfriction.laws.rules import Ordering, Values, scalar
 from mjfriction.parameter import Parameter
 
-LARGEST = 1e15  # of a parameter above zero without an upper bound, SI units: stiffer than anything
-STEP = 1e-6  # of a coordinate, for the slope of the values
+LARGEST = 1e15  # SI units, of a positive parameter without an upper bound: stiffer than anything real
+STEP = 1e-6  # step for the slopes of the values, as a share of a coordinate
 
 
 @dataclass(frozen=True)
 class Coordinates:
     """The parameters ``single`` of a law, and its ``elements``, as a vector x; the others stay as in ``fixed``.
 
-    A parameter whose lower bound is above zero stands as its logarithm; one that a rule of the law orders above another
-    free one stands as its excess over that.
+    A parameter whose lower bound is above zero is represented by its logarithm.  One that a rule of the law requires to
+    exceed another is represented by its excess over that.
     """
 
     law: Law
@@ -33,22 +33,22 @@ class Coordinates:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What stands where in the vector."""
+        """The name of each entry of the vector."""
         return (*self.single, *(self.elements.names if self.elements else ()))
 
     def vector(self, values: Values) -> Floats:
-        """Return the vector of named values."""
+        """Return the vector for named values."""
         beside = self.elements.numbers(values) if self.elements else []
         return np.array([*(self._inward(name, values) for name in self.single), *beside])
 
     def values(self, x: Floats) -> dict[str, float | Sequence[float]]:
-        """Return all values of the law at a vector."""
+        """Return all values of the law for a vector."""
         out = self._single(x)
         arrays = self.elements.arrays(out, x[len(self.single) :].tolist()) if self.elements else {}
         return {**out, **arrays}
 
     def told(self, x: Floats) -> dict[str, float]:
-        """Return the free values as they are told, one number each: an element's with its number, ``level[2]``."""
+        """Return the free values as reported, one number each; an element's has its number, as in ``level[2]``."""
         values = self.values(x)
         out = {name: scalar(values, name) for name in self.single}
         for declared in self.law.elements if self.elements else ():
@@ -59,7 +59,7 @@ class Coordinates:
 
     def _single(self, x: Floats) -> dict[str, float]:
         out = dict(self.fixed)
-        # What others are measured from comes first.
+        # Take the parameters first from which others are measured.
         pending = dict(zip(self.single, x.tolist(), strict=False))
         while pending:
             name = next(name for name in pending if self._base(name) not in pending)
@@ -68,7 +68,7 @@ class Coordinates:
         return out
 
     def bounds(self) -> tuple[Floats, Floats]:
-        """Return the lowest and the highest vector."""
+        """Return the lower and the upper bounds of the vector."""
         low, high = [], []
         for name in self.single:
             declared = self._declared(name)
@@ -91,7 +91,7 @@ class Coordinates:
         )
 
     def slopes(self, x: Floats) -> Floats:
-        """Return ∂value/∂x of the values that :meth:`told` tells, (told, names)."""
+        """Return ∂value/∂x of the values that :meth:`told` returns, (told, names)."""
         out = np.empty((len(self.told(x)), x.size))
         for k in range(x.size):
             step = np.zeros(x.size)

@@ -1,4 +1,4 @@
-"""Where nothing is known of a joint: at rest, while it turns, while its contact yields, and where its drive is mute."""
+"""Where a joint's friction is unknown: at rest, at reversals, while its contact yields, and without usable effort."""
 
 from __future__ import annotations
 
@@ -11,17 +11,18 @@ from mjfriction.record.motion import Motion
 from mjfriction.record.runs import spans
 from mjfriction.robot.robot import Robot
 
-DOUBT_SPEED = 0.02  # of a joint's RMS speed while it moves: below it no law can be told from its own rounding at zero
-DOUBT_PERIODS = 0.6  # of the position filter's cutoff: how far a sign change is blurred
-YIELDING = 1e-3  # of the stroke, that any contact gives before it slides
-LITTLE = 0.01  # of the stroke, that a joint moves between two turns if it rests, or settles
-WITHIN = 0.9  # of a row's window that is in doubt for the row to lie within a rest
+# Of a joint's RMS speed while it moves; below it no law can be distinguished from its own smoothed step at zero.
+DOUBT_SPEED = 0.02
+DOUBT_PERIODS = 0.6  # periods of the position filter's cutoff over which a sign change is blurred
+YIELDING = 1e-3  # share of the stroke over which any contact yields before it slides
+LITTLE = 0.01  # share of the stroke: a joint that moves less between two turns rests, or settles
+WITHIN = 0.9  # a row lies within a rest where more than this share of its window is in doubt
 
 
 def doubt_speeds(motion: Motion) -> Floats:
     """Return the speed below which the direction of each joint's friction is in doubt, (joints,).
 
-    A joint that waits for others creeps meanwhile: that makes none of its usual speed.
+    A joint that waits for others creeps meanwhile; that does not count towards its usual speed.
     """
     speed = np.abs(motion.velocity)
     moves = speed > DOUBT_SPEED * motion.top_speed
@@ -32,11 +33,11 @@ def doubt_speeds(motion: Motion) -> Floats:
 def share_in_doubt(
     robot: Robot, motion: Motion, chain: Chain, slow: Floats, yielding: float, unsettled: NDArray[np.bool_]
 ) -> Floats:
-    """Return how much of each row's window lies near a reversal or at rest, or just after one, as late as the drive
-    reports it, 0 to 1, (rows, joints).
+    """Return the share of each row's window near a reversal, at rest or just after a rest, 0 to 1, (rows, joints).
 
-    ``slow`` (joints,) are the speeds of :func:`doubt_speeds`; ``yielding`` is the share of its stroke that a joint has
-    to move after a rest until its friction is known; where it is ``unsettled`` (n, joints) it is not either.
+    It is delayed as much as the drive's reports are stated to be.  ``slow`` (joints,) are the speeds of
+    :func:`doubt_speeds`.  ``yielding`` is the share of its stroke that a joint has to move after a rest before its
+    friction is known; where it is ``unsettled`` (n, joints), its friction is not known either.
     """
     reach = int(np.ceil(DOUBT_PERIODS * motion.rate / motion.cutoff))
     out = []
@@ -53,22 +54,23 @@ def share_in_doubt(
 
 
 def _yields(motion: Motion, position: Floats, turns: NDArray[np.intp], share: float) -> NDArray[np.bool_]:
-    # Where a joint that rested, or is about to, has not moved as far from where it turned as its contact yields before
-    # it slides, (n,).  Turning as it swings to and fro takes less than the filter blurs.
+    # Where a joint that rested, or is about to, has not moved as far from its turn as its contact yields before it
+    # slides, (n,).  A joint that turns as it swings to and fro yields over less than the filter blurs, so that is not
+    # counted.
     begins = np.flatnonzero(np.diff(motion.piece, prepend=motion.piece[0] - 1))
     starts = np.union1d(begins, turns + 1)
     moved = np.abs(np.diff(position[np.append(starts, position.size - 1)]))
     little = moved < LITTLE * np.ptp(position)
-    little |= np.append(True, little[:-1])  # the move before it
+    little |= np.append(True, little[:-1])  # or the move before it was little
     way = np.repeat(np.arange(starts.size), np.diff(np.append(starts, position.size)))
     return np.asarray(little[way] & (np.abs(position - position[starts][way]) < share * np.ptp(position)))
 
 
 def rows_of_rests(share: Floats, chain: Chain) -> Floats:
-    """Return how many rows in a row lie within the rest that a row lies within, 1 for all others, (rows, joints).
+    """Return how many consecutive rows lie within the same rest as a row, 1 for rows outside rests, (rows, joints).
 
-    A joint that rests holds one friction as long as it does: many rows say one thing.  ``share`` (rows, joints) is that
-    of :func:`share_in_doubt`.
+    A joint at rest holds one friction value all the time, so many rows are one observation.  ``share`` (rows, joints)
+    is that of :func:`share_in_doubt`.
     """
     out = np.ones_like(share)
     for piece in np.unique(chain.piece):
@@ -80,7 +82,7 @@ def rows_of_rests(share: Floats, chain: Chain) -> Floats:
 
 
 def unusable_rows(log: Log, motion: Motion, chain: Chain) -> NDArray[np.bool_]:
-    """Return which rows hold samples of a joint's effort that were recorded but say nothing, (rows, joints)."""
+    """Return which rows contain samples of a joint's effort that were recorded but say nothing, (rows, joints)."""
     out = np.zeros((chain.time.size, len(motion.joints)), dtype=bool)
     for i, (joint, quantity) in enumerate(zip(motion.joints, motion.quantity, strict=True)):
         mask = log.unusable.get(f"{quantity}.{joint}")

@@ -1,8 +1,8 @@
-"""How high the frequencies are that a log's efforts still hold: some drives report them strongly low-passed.
+"""The highest frequencies that a log's efforts still contain: some drives report them strongly low-passed.
 
-Dry friction turns over with every reversal, and steps have power at all frequencies, falling with 1/f².  Where an
-effort holds far less than that, a filter has taken it; held against a prediction with sharp reversals, it would look
-like friction that builds up slowly.
+Dry friction changes sign with every reversal, and steps have power at all frequencies, falling with 1/f².  Where an
+effort contains far less than that, a filter has removed it.  Compared with a prediction with sharp reversals, it would
+look like friction that builds up slowly.
 """
 
 from __future__ import annotations
@@ -17,21 +17,24 @@ from mjfriction.record.log import Floats
 from mjfriction.record.motion import Motion
 from mjfriction.robot.effort import Effort
 
-GONE = 0.03  # of the steps' power, under which a filter has taken the rest
-FEWEST_STEPS = 0.01  # of the effort's RMS that dry friction must reach to tell by
-SECONDS = 8.0  # of a window of the spectrum
-LOWEST, HIGHEST = 0.5, 0.4  # Hz, and share of the rate: the range that is looked at
+GONE = 0.03  # share of the steps' power, below which a filter has removed the rest
+FEWEST_STEPS = 0.01  # share of the effort's RMS that dry friction must reach for this test
+SECONDS = 8.0  # s, window of the spectrum
+LOWEST, HIGHEST = 0.5, 0.4  # Hz, and share of the rate: the range that is examined
 BANDS_PER_OCTAVE = 3
-PASSES = 0.8  # of the frequency at which the power is gone: there it is still whole
+PASSES = 0.8  # of the frequency at which the power is gone: up to there it is still complete
 
 
 def whole_below(filtered: Floats) -> float:
-    """Return the frequency (Hz) up to which every joint's effort is whole, for those from which on they are not."""
+    """Return the frequency (Hz) up to which every joint's effort is complete.
+
+    ``filtered`` are the frequencies from which on each joint's effort is not.
+    """
     return PASSES * float(np.min(filtered))
 
 
 def filtered_from(motion: Motion, effort: Effort, measured: Floats) -> Floats:
-    """Return the frequencies (Hz) from which on efforts have lost their steps, (joints,), infinite where none shows.
+    """Return the frequencies (Hz) above which efforts have lost their steps, (joints,), infinite where none shows.
 
     ``measured`` (n, joints) is the effort that the drives reported, NaN where a joint has none.
     """
@@ -43,8 +46,8 @@ def filtered_from(motion: Motion, effort: Effort, measured: Floats) -> Floats:
 
 
 def _sure_course(motion: Motion, joint: int, slow: float) -> Floats:
-    # The direction of friction where a joint surely moves, and no quicker from one to the other than it is sure of: a
-    # joint at rest holds what its drive gives, that may go over slowly, whichever way the sensor's noise points.
+    # The direction of friction where a joint surely moves, changing linearly in between.  A joint at rest holds what
+    # its drive gives, which may change sign slowly, whichever way the sensor's noise points.
     velocity, out = motion.velocity[:, joint], np.zeros(motion.time.size)
     for own in motion.pieces:
         time, speed = motion.time[own], velocity[own]

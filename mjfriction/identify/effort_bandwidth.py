@@ -1,4 +1,4 @@
-"""Where drives low-pass the efforts they report: the frequency that brings what a robot predicts nearest to them."""
+"""Bandwidths of drives that low-pass the efforts they report: those that bring a robot's prediction nearest to them."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from mjfriction.record.log import Floats
 from mjfriction.robot.effort import predict_effort
 from mjfriction.robot.robot import Robot
 
-WORTH = 0.95  # of the squared error, that must be left at most with a low-pass for it to be stated
-WIDEST = 4.0  # times the frequency from which on an effort's steps are gone, up or down, that is searched
+WORTH = 0.95  # a low-pass is stated where it leaves at most this share of the squared error
+WIDEST = 4.0  # factor up and down by which the search goes beyond the frequency above which an effort's steps are gone
 
 
 def find_bandwidths(gap: Gap, robot: Robot) -> dict[str, float]:
     """Return the bandwidths (Hz) of drives, by joint, where a gap's log shows a low-pass that a robot does not state.
 
-    ``robot`` is the one as it is known at last: the sharper its prediction, the better the low-pass is known.
+    ``robot`` is the identified one: the sharper its prediction, the better the low-pass is known.
     """
     found = gap.filtered
     sensors = [joint.effort_sensor for joint in robot.table.joint]

@@ -1,4 +1,4 @@
-"""The elements of a law as free numbers: springs that break away, or waves along the stroke."""
+"""The elements of a law as free numbers of a fit: springs that break away, or waves along the stroke."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from mjfriction.laws.rules import Values, array, scalar
 
 TRAVEL = (1e-9, 1e3)  # rad or m
 LEVEL = (1e-9, 1e9)  # N·m or N
-RATIO = (1e-4, 1e4)  # of two levels: less is no element
+RATIO = (1e-4, 1e4)  # of two levels: an element with a smaller one does not count
 WAVENUMBER = (1e-6, 1e9)  # 1/rad or 1/m
-LEAST_STIFFNESS = 1e-12  # that a law allows
-LEAST_WHOLE = 1e-9  # N·m or N, that shares are taken of
+LEAST_STIFFNESS = 1e-12  # least stiffness that a law allows
+LEAST_WHOLE = 1e-9  # N·m or N, least level that shares are taken of
 Bounds = tuple[float, float]
 
 
 @dataclass(frozen=True)
 class Elements(ABC):
-    """``count`` elements of a law; their free numbers stand behind those of the law's single parameters."""
+    """``count`` elements of a law; their free numbers come after those of the law's single parameters."""
 
     count: int
 
     @property
     @abstractmethod
     def names(self) -> tuple[str, ...]:
-        """The free numbers, by names that no law's parameter has."""
+        """The names of the free numbers; no law's parameter has the same."""
 
     @property
     @abstractmethod
@@ -38,15 +38,15 @@ class Elements(ABC):
     @property
     @abstractmethod
     def bounds(self) -> tuple[Bounds, ...]:
-        """Lowest and highest of each."""
+        """The lowest and the highest value of each."""
 
     @abstractmethod
     def numbers(self, values: Values) -> list[float]:
-        """Return them for a law's values."""
+        """Return the free numbers for a law's values."""
 
     @abstractmethod
     def fewer(self, values: Values) -> tuple[Elements, dict[str, float | Sequence[float]]]:
-        """Return one element less, the one that is needed least, and a law's values without it."""
+        """Return one element less, leaving out the least needed one, and a law's values without it."""
 
     @abstractmethod
     def arrays(self, values: Mapping[str, float], numbers: Sequence[float]) -> dict[str, tuple[float, ...]]:
@@ -55,10 +55,10 @@ class Elements(ABC):
 
 @dataclass(frozen=True)
 class Springs(Elements):
-    """Springs that break away after a travel each: logarithms of the travels, and of how the level is shared.
+    """Springs that each break away after a travel: logarithms of the travels, and of how the level is shared.
 
-    ``whole`` names the parameter that their levels add up to, None where nothing does, ``shares`` says whether the law
-    counts in shares of it.  With one, the first share is what the others leave.
+    ``whole`` names the parameter that their levels add up to, None where nothing does; ``shares`` says whether the law
+    states the levels as shares of it.  With ``whole``, the first level is what the others leave.
     """
 
     whole: str | None = None
@@ -66,7 +66,7 @@ class Springs(Elements):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Travels, then levels, or ratios of the level to the first one's."""
+        """Travels, then levels; or, with ``whole``, ratios of the levels to the first one."""
         first = 2 if self.whole else 1
         return (
             *(f"travel {i + 1}" for i in range(self.count)),
@@ -75,17 +75,17 @@ class Springs(Elements):
 
     @property
     def logarithmic(self) -> tuple[bool, ...]:
-        """All are."""
+        """All of them are logarithms."""
         return (True,) * len(self.names)
 
     @property
     def bounds(self) -> tuple[Bounds, ...]:
-        """Those of travels, and of levels or their ratios."""
+        """The bounds of the travels, and of the levels or their ratios."""
         levels = (RATIO,) * (self.count - 1) if self.whole else (LEVEL,) * self.count
         return tuple((math.log(low), math.log(high)) for low, high in (TRAVEL,) * self.count + levels)
 
     def numbers(self, values: Values) -> list[float]:
-        """Return ln uᵢ, and ln Wᵢ or ln Wᵢ/W₁."""
+        """Return ln uᵢ, then ln Wᵢ; or, with ``whole``, ln Wᵢ/W₁."""
         stiffness = array(values, "stiffness")
         level = array(values, "share" if self.shares else "level")
         size = scalar(values, self.whole) if self.whole and self.shares else 1.0
@@ -95,7 +95,7 @@ class Springs(Elements):
         return [math.log(max(own, 1e-300)) for own in numbers]
 
     def fewer(self, values: Values) -> tuple[Elements, dict[str, float | Sequence[float]]]:
-        """Return one spring less, and a law's values with the two that break away at the nearest travels as one."""
+        """Return one spring less, and a law's values with the two of nearest travels merged into one."""
         name = "share" if self.shares else "level"
         stiffness, level = array(values, "stiffness"), array(values, name)
         travel = [own / k for own, k in zip(level, stiffness, strict=True)]
@@ -130,12 +130,12 @@ class Waves(Elements):
 
     @property
     def logarithmic(self) -> tuple[bool, ...]:
-        """The wavenumbers are."""
+        """The wavenumbers are logarithms."""
         return (True,) * self.count + (False,) * (2 * self.count)
 
     @property
     def bounds(self) -> tuple[Bounds, ...]:
-        """Amplitudes have none."""
+        """The bounds of the wavenumbers; amplitudes have none."""
         low, high = WAVENUMBER
         return ((math.log(low), math.log(high)),) * self.count + ((-math.inf, math.inf),) * (2 * self.count)
 
@@ -144,7 +144,7 @@ class Waves(Elements):
         return [*(math.log(k) for k in array(values, "wavenumber")), *array(values, "cosine"), *array(values, "sine")]
 
     def fewer(self, values: Values) -> tuple[Elements, dict[str, float | Sequence[float]]]:
-        """Return one wave less, and a law's values without the smallest."""
+        """Return one wave less, and a law's values without the wave of least amplitude."""
         arrays = {name: array(values, name) for name in ("wavenumber", "cosine", "sine")}
         size = [math.hypot(a, b) for a, b in zip(arrays["cosine"], arrays["sine"], strict=True)]
         least = size.index(min(size))
@@ -152,7 +152,7 @@ class Waves(Elements):
         return replace(self, count=self.count - 1), {**values, **kept}
 
     def arrays(self, values: Mapping[str, float], numbers: Sequence[float]) -> dict[str, tuple[float, ...]]:
-        """Return wavenumber, cosine and sine of each, whatever the single values are."""
+        """Return the wavenumber, cosine and sine of each; the single ``values`` have no influence."""
         del values
         n = self.count
         wavenumber = tuple(math.exp(own) for own in numbers[:n])
@@ -160,7 +160,7 @@ class Waves(Elements):
 
 
 def elements_of_law(law: Law, count: int) -> Elements:
-    """Return so many elements of a law."""
+    """Return ``count`` elements of a law."""
     if "wavenumber" in [parameter.name for parameter in law.elements]:
         return Waves(count)
     names = [parameter.name for parameter in law.parameters]

@@ -6,18 +6,18 @@ import numpy as np
 
 from mjfriction.identify.fit import LawFit
 
-UPPER = 0.4  # of the top speed, from which on friction's course is looked at
-SURELY = 3.0  # deviations below none, that its slope must be
+UPPER = 0.4  # share of the top speed above which friction's slope is examined
+SURELY = 3.0  # deviations by which the slope must be below zero
 FEWEST_ROWS = 30
 FASTER = "friction still falls at the fastest speed of this log: record faster motion"
 
 
 def still_falls(fit: LawFit) -> bool:
-    """Return whether friction falls with speed at the fastest speeds that a joint's motion has, beyond chance.
+    """Return whether friction falls with speed at the fastest speeds of a joint's motion, beyond chance.
 
-    It is the slope of the measured friction over speed, with a deviation clustered over the blocks of motion.  A level
-    and a damping that are fitted to such motion are those of the falling part: on this side of the minimum of a
-    Stribeck curve, every law finds more Coulomb friction than there is, and no damping.
+    The test takes the slope of the measured friction over speed, with a deviation clustered over the blocks of motion.
+    A level and a damping fitted to such motion describe the falling part.  Below the minimum of a Stribeck curve, every
+    law finds more Coulomb friction than there is, and no damping.
     """
     problem = fit.problem
     gap, joint = problem.gap, problem.joint

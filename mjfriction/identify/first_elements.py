@@ -1,4 +1,4 @@
-"""How many elements a law needs at a joint, and where their fit begins: grown one by one on motion not fitted."""
+"""How many elements a law needs at a joint, and where their fit starts: added one by one by held-out error."""
 
 from __future__ import annotations
 
@@ -18,19 +18,20 @@ from mjfriction.record.log import Floats
 from mjfriction.robot.friction_tables import FrictionTerm
 
 MOST = 8  # elements
-TRAVELS = 16  # of the ladder on which springs may break away
-LONGEST = 0.3  # of the stroke
-STANDARD_ERRORS, LEAST_GAIN = 3.0, 0.02  # by which, and of the squared error, a further element must lower it
+TRAVELS = 16  # rungs of the ladder of travels at which springs may break away
+LONGEST = 0.3  # longest of these travels, as a share of the stroke
+# Standard errors, and share of the held-out squared error, by which a further element must lower it.
+STANDARD_ERRORS, LEAST_GAIN = 3.0, 0.02
 SCREENED_ROWS = 2000
 Arrays = dict[str, tuple[float, ...]]
 
 
 def first_elements(problem: Problem, law: Law) -> tuple[Elements, Arrays]:
-    """Return the springs of a Maxwell-slip model on a ladder of travels, or waves of the level on a grid of
-    wavenumbers, and values for them to begin from, by least squares.
+    """Return a law's elements, as many as the joint needs, and values from which to start their fit, by least squares.
 
-    One after another is added where it lowers the error most, as long as that of motion not fitted falls by three
-    standard errors and a fiftieth.
+    They are the springs of a Maxwell-slip model on a ladder of travels, or waves of the level on a grid of wavenumbers.
+    They are added one by one where they lower the error most, as long as the held-out error falls by three standard
+    errors and a fiftieth.
     """
     return _waves(problem) if isinstance(elements_of_law(law, 1), Waves) else _springs(problem)
 
@@ -60,7 +61,7 @@ def _springs(problem: Problem) -> tuple[Elements, Arrays]:
 
 
 def springs_of(law: Law, values: Values) -> tuple[Elements, Arrays]:
-    """Return the springs of a Maxwell-slip model as those of another law, and values for them."""
+    """Return the springs of a Maxwell-slip model as elements of another law, and values for them."""
     level, stiffness = array(values, "level"), array(values, "stiffness")
     elements = elements_of_law(law, len(level))
     if not (isinstance(elements, Springs) and elements.shares):
@@ -82,7 +83,7 @@ def _waves(problem: Problem) -> tuple[Elements, Arrays]:
     )
     if not chosen:
         chosen, strengths = [0], np.zeros((1, 2))
-    # A law of the motor's side reads the joint's own position.
+    # A law on the motor's side reads the position of the joint itself, so only the amplitudes are converted.
     return Waves(len(chosen)), {
         "wavenumber": tuple(grid[chosen].tolist()),
         "cosine": tuple((strengths[:, 0] / abs(ratio)).tolist()),
@@ -98,8 +99,8 @@ def _lines(problem: Problem, name: str) -> Floats:
 def _grown(
     problem: Problem, base: Floats, candidates: Floats, allowed: Callable[[Floats], bool], *, apart: int
 ) -> tuple[list[int], Floats]:
-    # Which candidates (rows, n, m) are taken, in order, and their strengths (taken, m) beside ``base`` (rows, b); no
-    # two are nearer than ``apart`` in their list.
+    # Which candidates (rows, n, m) are selected, in order, and their strengths (taken, m) beside ``base`` (rows, b).
+    # No two are nearer than ``apart`` in the list of candidates.
     beside = problem.beside
     rows = Rows(
         (problem.target - beside.columns @ beside.expected)[:, None],

@@ -1,4 +1,4 @@
-"""One law fitted to one joint: statics first, then what gives before it slides, then all together."""
+"""Fit one law to one joint: static parameters first, then what gives before it slides, then all together."""
 
 from __future__ import annotations
 
@@ -39,15 +39,17 @@ SPRINGS_OF = {"leuven": "maxwell_slip", "gms": "maxwell_slip"}
 """The law whose springs those of another begin as."""
 
 MOST_ROUNDS, FIRST_ROUNDS = 40, 6
-QUICKER = (0.2, 1.0, 5.0)  # times the usual damping or rate of a bristle, to begin from
-AS_GOOD = 1.01  # times the squared error, that fewer elements may leave
-DIFFERENCE = 1e-4  # of a coordinate, for the slopes of the rows
+QUICKER = (0.2, 1.0, 5.0)  # factors on the usual damping or rate of a bristle, from which fits start
+AS_GOOD = 1.01  # factor of the squared error up to which fewer elements are taken
+DIFFERENCE = 1e-4  # step for the slopes of the rows, as a share of a coordinate
 
 
 @dataclass(frozen=True)
 class LawFit:
-    """A law fitted to a joint: its ``values``, where they stand as ``coordinates`` and ``x``, and the rows' slopes
-    (rows, coordinates) there, in N·m or N per coordinate.
+    """A law fitted to a joint.
+
+    ``coordinates`` and ``x`` define its ``values``; ``slopes`` (rows, coordinates) are those of the rows there, in N·m
+    or N per coordinate.
     """
 
     problem: Problem
@@ -67,42 +69,43 @@ class LawFit:
 
     @property
     def told(self) -> dict[str, float]:
-        """Its free parameters as they are told, one number each."""
+        """Its free parameters as reported, one number each."""
         return self.coordinates.told(self.x)
 
     @property
     def term(self) -> FrictionTerm:
-        """The law as it stands in a robot file."""
+        """The law in the form of a robot file."""
         return self.problem.term(self.law, self.values)
 
     @property
     def left(self) -> Floats:
-        """What it leaves of the target, (rows,)."""
+        """The residual of the target, (rows,)."""
         return self.problem.target - self.problem.rows(self.term)
 
     def normal(self) -> Normal:
-        """Return the normal equations of a further step of its coordinates and of what is unknown beside it."""
+        """Return the normal equations of a further step of its coordinates, together with what is unknown beside it."""
         beside = self.problem.beside
         rows = Rows(self._expected[:, None], 1.0 / self.problem.deviation[:, None], self.problem.gap.blocks.row)
         return System(rows, [{0: self.slopes}, {0: beside.columns}], [self.precision, beside.precision]).normal
 
     @property
     def _expected(self) -> Floats:
-        # What is left with all that is unknown beside the law as it is expected to be.
+        # The residual with everything unknown beside the law at its expected value.
         return np.asarray(self.left - self.problem.beside.columns @ self.problem.beside.expected)
 
     @property
     def precision(self) -> Floats:
-        """One over the variance that a further step may have where the rows say nothing: of the coordinate's own size,
-        a factor of e for a logarithm.
+        """The prior precision of a further step: one over the variance that it may have where the rows say nothing.
+
+        The step is as large as the coordinate's own size, or a factor of e for a logarithm.
         """
         size = np.maximum(np.abs(self.x), 0.1 * float(np.max(np.abs(self.x))))
         return np.asarray(1.0 / np.square(np.where(self.coordinates.logarithmic, 1.0, size)))
 
     def heldout(self) -> Floats:
-        """Return what is left of every row by a fit that has not seen its block, (rows,).
+        """Return the held-out residual, each row predicted by a fit that has not seen its block, (rows,).
 
-        The fits without a block are single steps from the fit with all.
+        The fits without some blocks are single steps from the fit to all.
         """
         blocks, normal, out = self.problem.gap.blocks, self.normal(), self._expected
         columns = np.hstack([self.slopes, self.problem.beside.columns])
@@ -113,12 +116,12 @@ class LawFit:
 
 
 def fit_anew(problem: Problem, fit: LawFit) -> LawFit:
-    """Return a fit continued on rows that have moved a little."""
+    """Return a fit continued on rows that have changed a little."""
     return _best(problem, [(fit.coordinates, fit.x)])
 
 
 def begun(problem: Problem, law: Law) -> LawFit:
-    """Return a law at a joint where its fit would begin, with no slopes yet."""
+    """Return a law at a joint with the values its fit would start from, and without slopes."""
     start = starts(law, problem.usual())[0]
     free = tuple(name for name in start if name not in LEFT_AS_DECLARED)
     coordinates = Coordinates(law, free, {name: start[name] for name in start if name not in free})
@@ -128,8 +131,9 @@ def begun(problem: Problem, law: Law) -> LawFit:
 def fit_law(problem: Problem, law: Law) -> LawFit:
     """Fit a law to a joint by weighted nonlinear least squares from several starts.
 
-    The statics of a law with a state are those of its sibling without one, fitted first; then, these held, its bristle;
-    then all together.  Elements are as many as predict motion best that was not fitted.
+    The static parameters of a law with a state come from its sibling without one, which is fitted first.  Then its
+    bristle is fitted with these held, then everything together.  Elements are added as long as the held-out error
+    falls, then merged where fewer fit as well.
     """
     plain: list[Values] = list(starts(law, problem.usual()))
     begin = plain
@@ -137,13 +141,14 @@ def fit_law(problem: Problem, law: Law) -> LawFit:
     sibling = STATIC_SIBLING.get(law.name)
     if sibling is not None:
         statics = fit_law(problem, find_law(sibling)).told
-        # The fading speed is known now, so that starts differ in the bristle alone.
+        # The fading speed is known now, so the starts differ only in the bristle.
         known = {name: value for name, value in statics.items() if name in free}
         begin = [with_known(law, start, known) for start in plain[: len(GIVING_TRAVELS)]]
     simpler = SPRINGS_OF.get(law.name)
     if simpler is not None:
         elements, arrays = springs_of(law, fit_law(problem, find_law(simpler)).values)
-        # Where most of the motion is before sliding, the sibling knows little of the statics.
+        # Where most of the motion is presliding, the sibling's static parameters are unreliable, so start from the
+        # plain ones too.
         slow = [name for name in free if name not in DYNAMIC]
         whole = _best(problem, [_at(law, slow, {**start, **arrays}, elements) for start in [begin[0], *plain]]).values
         quick = [{name: factor * scalar(whole, name) for name in free if name in DYNAMIC} for factor in QUICKER]
@@ -154,15 +159,17 @@ def fit_law(problem: Problem, law: Law) -> LawFit:
     if sibling is not None:
         bristle = [name for name in free if name in DYNAMIC]
         first = _best(problem, [_at(law, bristle, start) for start in begin]).values
-        # Where much of the motion is before sliding, the sibling takes that for a fall of the level.
+        # Where much of the motion is presliding, the sibling mistakes it for a falling level, so start from the plain
+        # values too.
         given = {name: first[name] for name in bristle}
         begin = [first, *({**start, **given} for start in plain[:: len(GIVING_TRAVELS)])]
     return _best(problem, [_at(law, free, start) for start in begin])
 
 
 def with_known(law: Law, start: Values, known: Values) -> Values:
-    """Return a start with the values of a law that are known in their places, and those that are not, but have to be
-    above one of these, as far above it as the start has them.
+    """Return a start with the known values put in.
+
+    A value that is not known, but has to exceed another one, ends up at least as many times above it as in the start.
     """
     values = {**start, **known}
     for rule in law.rules:
@@ -173,7 +180,7 @@ def with_known(law: Law, start: Values, known: Values) -> Values:
 
 
 def _thinned(problem: Problem, fit: LawFit) -> LawFit:
-    # Elements that were grown on candidates may stand for one between two of these.
+    # Two elements that were grown on a grid of candidates may stand for a single one between two grid points.
     while fit.coordinates.elements is not None and fit.coordinates.elements.count > 1:
         fewer, values = fit.coordinates.elements.fewer(fit.values)
         less = _best(problem, [_at(fit.law, fit.coordinates.single, values, fewer)])
@@ -192,7 +199,7 @@ def _at(law: Law, free: Sequence[str], values: Values, elements: Elements | None
 
 
 def _best(problem: Problem, begin: list[tuple[Coordinates, Floats]]) -> LawFit:
-    # A few rounds from every start, and all from the best.
+    # Take a few rounds from every start, and all rounds from the best.
     first = FIRST_ROUNDS if len(begin) > 1 else MOST_ROUNDS
     tried = []
     for coordinates, start in begin:
@@ -220,7 +227,7 @@ def _descend(problem: Problem, coordinates: Coordinates, start: Floats, rounds: 
 
 
 def slopes(problem: Problem, coordinates: Coordinates, x: Floats) -> Floats:
-    """Return how the rows of a law move with each coordinate, (rows, coordinates), by differences inside the bounds."""
+    """Return the derivatives of a law's rows by each coordinate, (rows, coordinates), by differences within bounds."""
     low, high = coordinates.bounds()
     middle = problem.rows(problem.term(coordinates.law, coordinates.values(x)))
     out = np.empty((middle.size, x.size))

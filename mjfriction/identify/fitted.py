@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Fitted:
-    """A fitted quantity with its unit and 95 % interval; ``note`` says where the data do not fix it."""
+    """A fitted quantity with its unit and 95 % interval; ``note`` is a remark, such as that no data determine it."""
 
     name: str
     meaning: str

@@ -1,4 +1,4 @@
-"""What one joint's friction was along a log: the effort that links, cogging and springs leave."""
+"""One joint's friction along a log: the effort that links, cogging and springs leave."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from mjfriction.robot.robot import Robot
 
 @dataclass(frozen=True)
 class FrictionCourse:
-    """One joint's ``friction`` (n,), N·m or N, along the ``motion`` of its robot; ``joint`` is its place there."""
+    """One joint's ``friction`` (n,), N·m or N, along the ``motion`` of its robot; ``joint`` is its index there."""
 
     motion: Motion
     joint: int
@@ -23,21 +23,20 @@ class FrictionCourse:
 
     @property
     def position(self) -> Floats:
-        """Where the joint was, (n,)."""
+        """The joint's position, (n,)."""
         return self.motion.position[:, self.joint]
 
     @property
     def velocity(self) -> Floats:
-        """How fast it went, (n,)."""
+        """The joint's velocity, (n,)."""
         return self.motion.velocity[:, self.joint]
 
 
 def friction_course(log: Log, robot: Robot, joint: str, band: float | None = None) -> FrictionCourse:
-    """Return a joint's friction along a log, its stated friction left aside; the rest of the robot is believed.
+    """Return a joint's friction along a log, ignoring its stated friction and trusting the rest of the robot.
 
-    With a ``band`` (Hz) it is low-passed without phase lag.  Raises
-    :class:`LogError` where the log has no effort of that joint, :class:`~mjfriction.errors.RobotError` for a joint that
-    the robot has not.
+    With a ``band`` (Hz) it is low-passed without phase lag.  Raises :class:`LogError` where the log has no effort of
+    that joint, :class:`~mjfriction.errors.RobotError` for a joint that the robot does not have.
     """
     place = robot.joints.index(robot.joint(joint).name)
     bare = robot.with_joint(robot.joint(joint).model_copy(update={"friction": ()}))

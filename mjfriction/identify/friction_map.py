@@ -1,8 +1,8 @@
 """Friction against speed from passes forward and backward over the same stretch: half their difference.
 
-At the same place gravity acts alike in both directions, so that τ_f = (τ₊ − τ₋)/2 holds friction alone, with no model
-of the links, and τ_m = (τ₊ + τ₋)/2 the load that the joint transmits (Indri, Lazzero, Antoniazza, Bottero, ETFA 2013,
-section III).
+At the same place gravity acts alike in both directions.  So τ_f = (τ₊ − τ₋)/2 contains friction alone, without a model
+of the links, and τ_m = (τ₊ + τ₋)/2 is the load that the joint transmits (Indri, Lazzero, Antoniazza, Bottero, ETFA
+2013, section III).
 """
 
 from __future__ import annotations
@@ -15,21 +15,22 @@ from mjfriction.identify.phases import Phase
 from mjfriction.record.log import Floats
 from mjfriction.record.motion import Motion
 
-SAME_SPEED = 0.04  # relative, that two passes of one speed may differ by
+SAME_SPEED = 0.04  # relative difference within which passes have the same speed
 FEWEST_SPEEDS = 3
-OVERLAP = 0.3  # of the shorter pass, that both must share
+OVERLAP = 0.3  # share of the shorter pass that both must cover
 BINS = 40  # places along a pass at which its directions are compared
-SAME_LOAD = 0.1  # of the most that a joint carries or rubs with, that the loads of two passes may differ by
-CUTOFF = 10.0  # Hz, of the fourth-order Butterworth without phase lag that the torques pass
+# Difference within which passes have the same load, as a share of the most that a joint carries or rubs with.
+SAME_LOAD = 0.1
+CUTOFF = 10.0  # Hz, of the zero-phase fourth-order Butterworth low-pass for the torques
 
 
 @dataclass(frozen=True)
 class FrictionMap:
     """A joint's friction at each speed.
 
-    ``speed`` (k,) > 0, ``friction`` (k,), its ``spread`` along the stroke (k,) and the ``load`` (k,), the mean size of
-    the gravity that cancelled, all in rad/s (m/s) and N·m (N) at the joint; ``places`` (k,) along the stroke that tell
-    by themselves.  A speed that was passed at different loads has a point for each.
+    ``speed`` (k,) > 0 in rad/s (m/s); ``friction`` (k,), its ``spread`` along the stroke (k,) and the ``load`` (k,),
+    the mean size of the gravity that cancelled, in N·m (N), all at the joint.  ``places`` (k,) is how many places along
+    the stroke are independent.  A speed that was passed at different loads has a point for each.
     """
 
     joint: int
@@ -45,20 +46,20 @@ class FrictionMap:
         return np.asarray(np.maximum(self.spread, 1e-3 * np.max(self.friction)) / np.sqrt(self.places))
 
     def up_to(self, speed: float) -> FrictionMap:
-        """Return the points up to a speed, rad/s or m/s."""
+        """Return the map with the points up to a speed, rad/s or m/s."""
         own = self.speed <= speed
         points = (self.speed, self.friction, self.spread, self.load, self.places)
         return FrictionMap(self.joint, *(values[own] for values in points))
 
     @property
     def tells_load(self) -> bool:
-        """Whether three speeds or more were passed at different loads each."""
+        """Whether three speeds or more were passed at different loads."""
         same = self.speed[1:] < (1.0 + SAME_SPEED) * self.speed[:-1]
         return int(np.count_nonzero(same)) >= FEWEST_SPEEDS
 
 
 def friction_maps(motion: Motion, torque: Floats, phases: list[Phase]) -> list[FrictionMap]:
-    """Return the maps of all joints that passed at three speeds or more in both directions.
+    """Return the maps of all joints that made passes at three speeds or more in both directions.
 
     ``torque`` (n, joints) is the effort along the motion, N·m or N at the joint.
     """
@@ -77,7 +78,7 @@ def friction_maps(motion: Motion, torque: Floats, phases: list[Phase]) -> list[F
 
 @dataclass(frozen=True)
 class _Pair:
-    """A pass there and one back: friction and load at places (BINS,) that both went over."""
+    """A pass forward and one back: friction and load at places (BINS,) that both covered."""
 
     speed: float
     friction: Floats
@@ -100,7 +101,7 @@ def _by_speed(phases: list[Phase]) -> list[list[Phase]]:
 
 
 def _pairs(motion: Motion, torque: Floats, group: list[Phase]) -> list[_Pair]:
-    # In time, so that of two logs each one's own are together.
+    # Sort by time, so that passes of the same log are paired when there are two logs.
     inorder = sorted(group, key=lambda phase: phase.first)
     forward = [phase for phase in inorder if phase.velocity > 0.0]
     backward = [phase for phase in inorder if phase.velocity < 0.0]
@@ -113,14 +114,14 @@ def _pairs(motion: Motion, torque: Floats, group: list[Phase]) -> list[_Pair]:
         place = np.linspace(low, high, BINS)
         a, b = np.interp(place, q1, t1), np.interp(place, q2, t2)
         speed = 0.5 * (there.velocity - back.velocity)
-        # The low-pass lets two independent values a second through per hertz.
+        # The low-pass passes two independent values per second per hertz.
         places = min(float(BINS), max(1.0, 2.0 * CUTOFF * (high - low) / speed))
         out.append(_Pair(speed, 0.5 * (a - b), 0.5 * (a + b), places))
     return out
 
 
 def _size(speeds: list[list[_Pair]]) -> float:
-    # What a joint carries or rubs with at most: beside it loads are alike or not.
+    # The most that a joint carries or rubs with: the scale on which loads are compared.
     pairs = [pair for group in speeds for pair in group]
     return max((max(pair.carried, float(np.mean(pair.friction))) for pair in pairs), default=0.0)
 

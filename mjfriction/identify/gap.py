@@ -45,18 +45,20 @@ from mjfriction.robot.measured_motion import measured_motion
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import forward_share, resting_level, unsettled_along
 
-CLEAR = 0.1  # of a row's window that may be in doubt for the row to count as clear
-FEWEST_CLEAR, ENOUGH_CLEAR = 0.2, 50  # of a joint's rows, and rows: with fewer than both it is judged on that share
-MOST_SPOILT = 0.9  # of a joint's faster rows, past which it is not examined
-HOPELESS = 1e6  # times the effort, that a row may be off by which says nothing
-FILTER_PERIODS = 8.0  # of a low-pass's band, after which it has forgotten
-ENOUGH_PER_PERIOD = 4.0  # samples in a period of the position filter's cutoff, that leave rows what they are
-KEPT_LATELY = 4  # robots whose torques are kept
+CLEAR = 0.1  # a row is clear where less than this share of its window is in doubt
+# A joint that has both a smaller share of clear rows and fewer clear rows than these is judged on that share of its
+# rows, the least doubtful ones.
+FEWEST_CLEAR, ENOUGH_CLEAR = 0.2, 50
+MOST_SPOILT = 0.9  # a joint is not examined where more than this share of its faster rows is unusable
+HOPELESS = 1e6  # times the joint's largest effort: the doubt given to a row that says nothing
+FILTER_PERIODS = 8.0  # periods of a low-pass's bandwidth, after which it has forgotten its input
+ENOUGH_PER_PERIOD = 4.0  # samples per period of the position filter's cutoff that leave the rows unchanged
+KEPT_LATELY = 4  # robots whose torques are cached
 
 
 @dataclass(frozen=True)
 class Known:
-    """The ``robot`` as far as it is known: its ``body`` and the ``effort`` that it needs along the motion."""
+    """The ``robot`` as far as it is known so far, its ``body``, and the ``effort`` it needs along the motion."""
 
     robot: Robot
     body: Body
@@ -65,18 +67,19 @@ class Known:
 
 @dataclass(frozen=True)
 class Gap:
-    """Measured against stated, along one log.
+    """Measured against stated effort, along one log.
 
-    ``residual`` (rows, joints): reported effort less the stated robot's, N·m or N at the joint, NaN where a joint
-    has no measurement or is merely held.  ``measured`` (rows, joints) is the effort itself.  ``noise_floor``
-    (joints,) is the effort sensor's own noise in the rows' band.  ``doubt`` (rows, joints): what the unknown direction
-    of friction near reversals and at rest may add to a row, same unit.  ``doubt_speed`` (joints,): the speed
-    under which that is so.  ``blocks``: the stretches of motion the rows fall into.  ``per_reported``
-    (joints,): effort per unit of what the drive reports, 1 or N·m/A.  ``filtered`` (joints,): the frequency (Hz) from
-    which on a drive has taken the rest of its effort, infinite where none did.  ``yielding``: the share of its stroke
-    that a joint's contact may yield after a rest.  ``late`` (joints,) is by how much (s)
-    drives are taken to report later than is stated, in what is set beside the residual, and ``known`` what that is
-    drawn with: the stated robot, or the one whose links weigh what, and are where, was found so far.
+    ``residual`` (rows, joints): reported effort less the stated robot's, N·m or N at the joint, NaN where a joint has
+    no measurement or is merely held.  ``measured`` (rows, joints): the effort itself.  ``noise_floor`` (joints,): the
+    effort sensor's own noise in the rows' band.  ``doubt`` (rows, joints): what the unknown direction of friction, near
+    reversals and at rest, may add to a row, same unit.  ``doubt_speed`` (joints,): the speed below which that direction
+    is unknown.  ``clear`` (rows, joints): the rows on which a joint's errors are judged.  ``blocks``: the stretches of
+    motion that the rows fall into.  ``per_reported`` (joints,): effort per unit of what the drive reports, 1 or N·m/A.
+    ``filtered`` (joints,): the frequency (Hz) above which a drive has filtered its effort away, infinite where none
+    did.  ``yielding``: the share of its stroke over which a joint's contact may yield after a rest.  ``late``
+    (joints,): by how much (s) more than stated the drives are taken to report late, in the columns set beside the
+    residual.  ``known``: what those columns are computed with: the stated robot, or one whose link masses and positions
+    are those found so far.
     """
 
     robot: Robot
@@ -100,7 +103,7 @@ class Gap:
 
     @property
     def examined(self) -> tuple[int, ...]:
-        """The joints that move, rather than being held, and have a measurement, as indices."""
+        """Indices of the joints that move, rather than being held, and have a measurement."""
         return tuple(i for i in range(len(self.robot.joints)) if np.isfinite(self.residual[0, i]))
 
     @functools.cached_property
@@ -111,7 +114,7 @@ class Gap:
         return {name: self.chain.rows(self._heard(course)) for name, course in courses.items()}
 
     def _heard(self, course: Floats) -> Floats:
-        # A course of every joint (n, joints) as late as its drive reports, beyond what is stated.
+        # Delay each joint's course (n, joints) by as much as its drive reports late beyond what is stated.
         columns = [delayed(own, self.motion, late) for own, late in zip(course.T, self.late, strict=True)]
         return np.column_stack(columns) if np.any(self.late) else course
 
@@ -121,11 +124,11 @@ class Gap:
 
     @functools.cached_property
     def kept(self) -> Kept:
-        """Columns that are costly and asked for again and again, by the name of their cause."""
+        """Cache of columns that are costly and needed repeatedly, by the name of their cause."""
         return Kept()
 
     def reported(self, joint: int, torque: Floats) -> Floats:
-        """Return what a joint's sensor would report of torques there, (n, ...), at the rows: (rows, ...)."""
+        """Return what a joint's sensor would report for torques at that joint, (n, ...), at the rows: (rows, ...)."""
         return self._reported(joint, torque, self.motion, self.chain)
 
     def _reported(self, joint: int, torque: Floats, motion: Motion, chain: Chain) -> Floats:
@@ -135,10 +138,10 @@ class Gap:
         return np.asarray(rows.reshape(-1, *torque.shape[1:]))
 
     def rows_of(self, torques: Callable[[slice], Floats]) -> dict[int, Floats]:
-        """Return what each examined joint reports of torques, at the rows: (rows, ...) by joint.
+        """Return what each examined joint would report for given torques, at the rows: (rows, ...) by joint.
 
-        ``torques`` gives those of a stretch of samples, (m, joints, ...): so many regressors are never all there at
-        once.
+        ``torques`` returns those of a range of samples, (m, joints, ...), so that the regressors of all samples are
+        never in memory at once.
         """
         found: dict[int, list[Floats]] = {joint: [] for joint in self.examined}
         for samples, chain in self.chain.parts(self.motion, self._reach):
@@ -152,8 +155,8 @@ class Gap:
         return self.chain.rows(reported_of(robot, self.motion, self._needed(robot)))
 
     def _needed(self, robot: Robot) -> Floats:
-        # The torques that a robot needs: the same for all that differ in their sensors only.  What links and rotors
-        # need is the same for all that differ in friction only.
+        # The torques that a robot needs.  They are the same for all robots that differ only in their sensors.  What
+        # links and rotors need is the same for all that differ only in friction.
         drives, motion = unheard(robot), self.motion
 
         def torques() -> Floats:
@@ -173,21 +176,22 @@ class Gap:
 
     @functools.cached_property
     def predicted_as_stated(self) -> Floats:
-        """What the stated robot would report, as :meth:`predicted` has it, (rows, joints)."""
+        """What the stated robot would report, as from :meth:`predicted`, (rows, joints)."""
         return self.predicted(self.robot)
 
     @property
     def _reach(self) -> int:
-        # Samples from which on another one does not touch what a sensor says of this one.
+        # How many samples away another sample no longer affects what a sensor reports for this one.
         sensors = [joint.effort_sensor for joint in self.robot.table.joint]
         late = max(abs(sensor.delay) + abs(more) for sensor, more in zip(sensors, self.late, strict=True))
         slow = max((FILTER_PERIODS / sensor.bandwidth for sensor in sensors if sensor.bandwidth), default=0.0)
         return int(np.ceil((late + slow) * self.motion.rate)) + 1
 
     def heard_later(self, late: Floats) -> Gap:
-        """Return the gap with drives that report so much later (joints,) s than is stated.
+        """Return the gap with drives that report later than stated by ``late`` (joints,), s.
 
-        Residual and prediction stay; what is set beside them, and where friction's direction is in doubt, are late.
+        Residual and prediction stay.  The columns set beside them, and the rows where friction's direction is in doubt,
+        are delayed.
         """
         table = self.robot.table
         joints = tuple(later(joint, float(more)) for joint, more in zip(table.joint, late, strict=True))
@@ -197,7 +201,7 @@ class Gap:
         return gap
 
     def beside(self, robot: Robot) -> Gap:
-        """Return the gap with what is set beside residual and prediction drawn with another robot's loads."""
+        """Return the gap whose columns are computed with another robot's loads; residual and prediction stay."""
         body = robot.body()
         gap = replace(self, known=Known(robot, body, predict_effort(robot, body, self.motion)))
         same = {"_kinematics", "_forward", "blown", "link_rows", "linked", "predicted_as_stated"}
@@ -207,15 +211,15 @@ class Gap:
 
     @functools.cached_property
     def prompt(self) -> Gap:
-        """The gap with columns as late as is stated, and no later."""
+        """The gap with columns as late as stated, and no later."""
         return replace(self, late=np.zeros_like(self.late))
 
     def rms(self, values: Floats, joint: int) -> float:
-        """Return the RMS of a joint's rows (rows,) over those that are clear."""
+        """Return the RMS of a joint's values (rows,) over its clear rows."""
         return float(np.sqrt(np.mean(np.square(values[self.clear[:, joint]]))))
 
     def forward(self, joint: int) -> Floats:
-        """Return the direction of friction on a joint, −1 to 1, between the two while it may be stuck, (n,)."""
+        """Return the direction of friction on a joint, (n,): −1 or 1, or between these where the joint may be stuck."""
         return self._forward[joint]
 
     @functools.cached_property
@@ -224,13 +228,15 @@ class Gap:
 
     @functools.cached_property
     def blown(self) -> Floats:
-        """The acceleration of each joint's own blows, (n, joints), 0 elsewhere."""
+        """The acceleration during each joint's own blows, (n, joints), 0 elsewhere."""
         return quick_accelerations(self.motion, self.doubt_speed)
 
     @functools.cached_property
     def link_rows(self) -> dict[int, Floats]:
-        """What each examined joint reports for every link, (rows, links, 4): its share of the inverse dynamics, and per
-        metre that its centre of mass is moved along x, y and z.
+        """What each examined joint reports for every link, (rows, links, 4).
+
+        The first number is the link's share of the inverse dynamics, the others the change per metre that its centre of
+        mass is moved along x, y and z.
         """
         at = self.linked
         return self.rows_of(
@@ -239,26 +245,25 @@ class Gap:
 
     @functools.cached_property
     def linked(self) -> Motion:
-        """The motion of the links as stated, behind the offsets and transmissions of the sensors' motion."""
+        """The motion of the links as stated, without sensor offsets and without what the transmissions give."""
         return link_motion(self.robot, self.body, without_offsets(self.robot, self.motion))
 
     @functools.cached_property
     def derivatives(self) -> tuple[Floats, ...]:
-        """How the known links' torques change with position, velocity and acceleration, each (n, joints, joints)."""
+        """Derivatives of the known links' torques by position, velocity and acceleration, each (n, joints, joints)."""
         linked = self.linked
         return motion_derivatives(self.known.body, linked.position, linked.velocity, linked.acceleration)
 
 
 def measure_gap(log: Log, robot: Robot, *, yielding: float = YIELDING, highest: float = HIGHEST) -> Gap:
-    """Hold a log against a robot.
+    """Compare a log with a robot.
 
-    ``yielding`` is the share of its stroke within which a joint's friction is in doubt where it has rested, or settles;
-    none where laws are fitted that say how friction builds up.  ``highest`` is the most that the position filter's
-    cutoff may be (Hz).
+    ``yielding`` is the share of its stroke within which a joint's friction is in doubt after it has rested, or while it
+    settles; 0 where laws are fitted that say how friction builds up.  ``highest`` is the upper limit of the position
+    filter's cutoff (Hz).
 
-    Raises :class:`LogError` when the log is not of this robot, nothing moves, or says nothing while it does, or the log
-    is too short;
-    :class:`~mjfriction.errors.RobotError` when the robot's model cannot be read.
+    Raises :class:`LogError` when the log is not of this robot, nothing moves or nothing that moves reports a usable
+    effort, or the log is too short; :class:`~mjfriction.errors.RobotError` when the robot's model cannot be read.
     """
     body = robot.body()
     robot = robot.with_stated_friction(body)
@@ -278,7 +283,7 @@ def measure_gap(log: Log, robot: Robot, *, yielding: float = YIELDING, highest: 
 
 
 def thinned(gap: Gap) -> Gap:
-    """Return the gap on as few samples as its rows need, where the log has more: so much faster, and smaller."""
+    """Return the gap on only as many samples as its rows need, to make further work faster and smaller."""
     motion = gap.motion.thinned(thinning(gap.motion))
     if motion is gap.motion:
         return gap
@@ -288,7 +293,7 @@ def thinned(gap: Gap) -> Gap:
 
 
 def thinning(motion: Motion) -> int:
-    """Return of how many samples one is enough."""
+    """Return the factor by which a motion's samples may be thinned."""
     shortest = int(min(own.stop - own.start for own in motion.pieces))
     return max(1, min(int(motion.rate / (ENOUGH_PER_PERIOD * motion.cutoff)), shortest // SHORTEST_PIECE))
 
@@ -304,13 +309,14 @@ def gap_along(robot: Robot, motion: Motion, along: Gap) -> Gap:
     robot = robot.with_stated_friction(body)
     effort = predict_effort(robot, body, motion)
     gap = _held_against(along.log, robot, body, motion, effort, along.chain, along.filtered, along.yielding)
-    # The same joints are examined: one whose friction this robot leaves in doubt all along on the rows that were clear.
+    # Examine the same joints: where no row of a joint is clear with this robot (or none was before), the joint keeps
+    # the clear rows of ``along``.
     both = np.any(gap.clear, axis=0) & np.any(along.clear, axis=0)
     return _judging(replace(gap, clear=np.where(both, gap.clear, along.clear)))
 
 
 def _judging(gap: Gap) -> Gap:
-    # The gap in which no joint is examined of which no row is clear.
+    # Set the measurement of joints without any clear row to NaN, so that they are not examined.
     judged = np.any(gap.clear, axis=0)
     measured, residual = (np.where(judged, values, np.nan) for values in (gap.measured, gap.residual))
     return replace(gap, measured=measured, residual=residual)
@@ -322,7 +328,7 @@ def _per_reported(robot: Robot, motion: Motion) -> Floats:
 
 
 def _wholly_spoilt(unusable: NDArray[np.bool_], velocity: Floats) -> NDArray[np.bool_]:
-    # Joints (joints,) of which nearly every row (rows, joints) says nothing that is as fast as half of them.
+    # Whether nearly all rows (rows, joints) of a joint at or above its median speed are unusable, (joints,).
     fast = np.abs(velocity) >= np.median(np.abs(velocity), axis=0)
     return np.asarray(np.sum(unusable & fast, axis=0) > MOST_SPOILT * np.sum(fast, axis=0))
 
@@ -338,9 +344,9 @@ def _held_against(
     yielding: float,
 ) -> Gap:
     per_reported = _per_reported(robot, motion)
-    # A drive that reports one value throughout has measured nothing; what one reports that holds its joint still may be
-    # anything within the joint's friction; what one reports that hardly moves its joint is no word on its laws; nor is
-    # one of use that clipped, or stuck, whenever its joint moved.
+    # Leave out drives that say nothing.  One that reports a constant has measured nothing.  One that holds its joint
+    # still may report anything within the joint's friction.  One that hardly moves its joint says nothing about the
+    # joint's laws.  One that clipped, or stuck, whenever its joint moved is of no use.
     still = ~motion.moving | motion.dawdling(body.sliding)
     unusable = unusable_rows(log, motion, chain)
     still |= _wholly_spoilt(unusable, chain.rows(motion.velocity))
@@ -361,8 +367,8 @@ def _held_against(
     if np.any(turning > slow):
         slow = np.maximum(slow, turning)
         touched = share_in_doubt(robot, motion, chain, slow, yielding, unsettled)
-    # What friction may be while its direction is unknown: what is stated, or, where that is not stated, as much as the
-    # residual leaves room for.  A joint that rests holds one such friction as long as it does: many rows say one thing.
+    # While its direction is unknown, friction may be as large as its stated level or as the RMS residual, whichever is
+    # more.  A joint at rest holds one friction value all the time, so the many rows of a rest count as one observation.
     level = resting_level(robot, motion, effort.load, effort.rotor, slow)
     doubt = touched * np.maximum(level, np.sqrt(np.mean(np.square(np.nan_to_num(residual)), axis=0)))
     doubt *= np.sqrt(rows_of_rests(touched, chain))
@@ -373,7 +379,7 @@ def _held_against(
     floor = np.array(noise) * np.sqrt(motion.rate * motion.clock.step) * chain.noise_gain
     clear = (touched < CLEAR) & (felt <= floor) & ~spoilt
     few = (np.mean(clear, axis=0) < FEWEST_CLEAR) & (np.sum(clear, axis=0) < ENOUGH_CLEAR)
-    # What is spoilt comes last; a row within a rest says nothing.
+    # Spoilt rows rank last.  Rows within a rest say nothing and are never taken.
     unclear = touched + spoilt
     clear[:, few] |= ((unclear <= np.quantile(unclear, FEWEST_CLEAR, axis=0)) & (unclear < WITHIN))[:, few]
     return Gap(

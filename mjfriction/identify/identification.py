@@ -1,4 +1,4 @@
-"""A whole identification: a log and a robot in; friction laws with intervals, and the robot that holds them, out."""
+"""Run a whole identification: from a log and a robot to friction laws with intervals and the robot that holds them."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ from mjfriction.record.log import Floats, Log
 from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.robot import Robot
 
-ROUNDS = 3  # of what stands beside the laws, and the laws, each with the other free as far as it is linear
+# Alternations between fitting the background and fitting the laws; each leaves the linear part of the other free.
+ROUNDS = 3
 
 
 def identify_log(
@@ -44,13 +45,14 @@ def identify_log(
 ) -> Identification:
     """Fit a friction law to every moving joint of a log that has an effort, and the links' inertias with them.
 
-    ``law`` is the law's name for all joints, or the laws' names by joint; a joint without one gets the simplest law
-    that predicts motion not fitted as well as any.  Where the log holds passes forward and backward at three speeds or
-    more, the statics come from their differences, in which gravity cancels; else, and for what a bristle adds, from the
-    whole motion.  With ``links`` the links' inertias are refitted too.  The joint's stated friction is replaced.  Where
-    drives are found to low-pass the efforts they report, all is fitted through that.  With ``simulated`` all is refined
-    last on simulated motion, in stretches of so many seconds (infinite: the whole log); intervals are those of the fit
-    to efforts, widened by what the refinement moved.  ``tell`` is told each step.
+    ``law`` names one law for all joints, or laws by joint.  A joint without a name gets the simplest law that predicts
+    held-out motion as well as any.  Where the log holds passes forward and backward at three speeds or more, the static
+    parameters come from the differences of these passes, in which gravity cancels.  Otherwise, and for what a bristle
+    adds, they come from the whole motion.  With ``links`` the links' inertias are refitted too.  The joint's stated
+    friction is replaced.  Where drives turn out to low-pass the efforts they report, everything is refitted through
+    that low-pass.  With ``simulated`` everything is refined last on simulated motion, in stretches of that many seconds
+    (infinite: the whole log); the intervals are then those of the fit to efforts, widened by how far the refinement
+    moved each value.  ``tell`` is called with each step.
 
     Raises :class:`~mjfriction.errors.LogError`, :class:`~mjfriction.errors.RobotError` or
     :class:`~mjfriction.errors.LawError` when log, robot or law cannot be used.
@@ -61,7 +63,7 @@ def identify_log(
     found = _fit(stated, wanted, side, links=links, tell=tell)
     bandwidths = find_bandwidths(stated, found.robot)
     if bandwidths:
-        # What a low-pass takes belongs to what is predicted, not to what is left.
+        # Apply the low-pass to the prediction, so that what it removes is not counted as residual.
         stated = gap_of(with_bandwidths(stated.robot, bandwidths), stated)
         found = _fit(stated, wanted, side, links=links, tell=tell)
     final, fits = found.robot, found.fits
@@ -121,7 +123,7 @@ def _fit(stated: Gap, wanted: Sequence[Sequence[str]], side: Side, *, links: boo
             joint: fitted_friction(fit, free=own is None) for joint, fit, own in zip(joints, fits, passed, strict=True)
         }
         if all(own is not None and not own.law.has_state for own in passed):
-            break  # what is all in the passes does not depend on what stands beside it
+            break  # values that come entirely from the passes do not depend on the background
     parts = _unshared(parts, joints, fits)
     held = {joint: fitted_friction(fit, free=False) for joint, fit in zip(joints, fits, strict=True)}
     fitted = balance(bare, parts, held, deviation)
@@ -134,7 +136,7 @@ def _fit(stated: Gap, wanted: Sequence[Sequence[str]], side: Side, *, links: boo
 
 
 def _wanted(law: str | Mapping[str, str] | None, robot: Robot) -> list[Sequence[str]]:
-    # The laws to choose from, joint by joint.
+    # The candidate laws of each joint.
     if law is None or isinstance(law, str):
         return [CANDIDATES if law is None else (find_law(law).name,)] * len(robot.joints)
     named = {robot.joint(joint).name: (find_law(name).name,) for joint, name in law.items()}
@@ -146,7 +148,8 @@ def _with_friction(robot: Robot, joint: int, terms: tuple[FrictionTerm, ...]) ->
 
 
 def _efforts(gap: Gap) -> Floats:
-    # What the drives gave, less the friction that the robot still states: what is sought, gravity and the rest.
+    # The efforts that the drives gave, less the friction that the robot still states.  They hold the friction sought,
+    # gravity and the rest.
     sensors = [joint.effort_sensor for joint in gap.robot.table.joint]
     scale, offset = (np.array([getattr(sensor, name) for sensor in sensors]) for name in ("scale", "offset"))
     return np.asarray((gap.motion.torque * gap.per_reported - offset) / scale - gap.effort.friction)
@@ -163,7 +166,7 @@ def _problem(gap: Gap, joint: int, side: Side, fitted: Balance, deviation: Float
 
 
 def _unshared(background: Sequence[Background], joints: Sequence[int], fits: Sequence[LawFit]) -> list[Background]:
-    # A law with a level for each direction holds the zero of the effort already.
+    # A law with its own level for each direction already contains the effort's offset.
     two_way = {joint for joint, fit in zip(joints, fits, strict=False) if not fit.law.odd}
     return [part for part in background if not (isinstance(part, OffsetChange) and part.index in two_way)]
 
@@ -180,7 +183,7 @@ def _passes(gap: Gap, joints: Sequence[int]) -> dict[int, Passes]:
 
 
 def _told_by_passes(problem: Problem, names: Sequence[str], passes: Passes) -> tuple[Choice, list[Choice]] | None:
-    # The one law that was asked for, where it is all in its joint's passes: the rows have nothing to add.
+    # The only law requested, where the joint's passes determine it completely: the rows then have nothing to add.
     law = find_law(names[0])
     if passes.points is None or len(names) > 1 or law.has_state:
         return None
@@ -192,8 +195,9 @@ def _told_by_passes(problem: Problem, names: Sequence[str], passes: Passes) -> t
 
 
 def _chosen(problem: Problem, names: Sequence[str], passes: Passes) -> tuple[Choice, list[Choice]]:
-    # Of the laws that passes tell, these say which it is; what tells directions or loads apart competes with that one
-    # on all rows.  Of bristles passes say little, and only where they turn: those are fitted where they are asked for.
+    # Among the laws that passes can determine, the passes choose one.  Laws that differ between directions or read the
+    # load compete with that one on all rows.  Passes say little about bristles, and only where they reverse, so laws
+    # with a bristle are then fitted only on request.
     ratio = problem.gap.robot.table.joint[problem.joint].actuator.gear_ratio
     first = passes.chosen(names, problem.side, ratio) if len(names) > 1 else None
     if first is not None:
@@ -205,7 +209,7 @@ def _chosen(problem: Problem, names: Sequence[str], passes: Passes) -> tuple[Cho
 def _again(problem: Problem, fit: LawFit, passes: Passes) -> LawFit:
     moved = replace(fit, problem=problem)
     if not fit.law.has_state and passes.statics(moved) is not None:
-        return moved  # all of it is in the passes
+        return moved  # the passes determine all of it
     return fit_anew(problem, fit)
 
 

@@ -1,4 +1,4 @@
-"""How far off a robot is at one joint."""
+"""The error of a robot at one joint."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ from mjfriction.robot.effort import reported_unit
 
 @dataclass(frozen=True)
 class JointError:
-    """RMS error of one joint before and after, fitted and held out, in the unit of what its drive reports, and the 95 %
-    interval of 1 − after/before, held out.
+    """The RMS error of one joint before and after, fitted and held-out, in the unit that its drive reports.
+
+    ``reduction_ci95`` is the 95 % interval of 1 − after/before, held-out.
     """
 
     joint: str
@@ -30,9 +31,11 @@ class JointError:
 def joint_error(
     gap: Gap, joint: int, residual_after: Floats, heldout: Floats, seed: int = 0, stated: Floats | None = None
 ) -> JointError:
-    """Return the errors of an examined joint: of what is ``stated``, the gap's robot if not given, and of what another
-    leaves of the same rows, fitted and held out, (rows, joints); ``seed`` sets the resampling behind the interval of
-    the reduction.
+    """Return the errors of an examined joint, before and after.
+
+    ``stated`` is the residual before, that of the gap's robot if not given.  ``residual_after`` and ``heldout`` are
+    what another robot leaves of the same rows, fitted and held-out; all are (rows, joints).  ``seed`` sets the
+    resampling behind the interval of the reduction.
     """
     stated = gap.residual if stated is None else stated
     gain = gain_at(gap, stated, heldout, joint, seed)

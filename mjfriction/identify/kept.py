@@ -1,4 +1,4 @@
-"""What is costly to make and asked for again and again."""
+"""Caches for what is costly to make and needed repeatedly."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ from mjfriction.identify.regression import Columns
 
 Asked = TypeVar("Asked")
 Made = TypeVar("Made")
-# That are kept at a time, 320 MB.  Candidates are asked for in the same order time and again: all that seven joints are
-# screened by, up to 37 million, has to fit, or each would be gone when it is asked for next.
+# Numbers cached at a time, 320 MB.  Candidates are requested in the same order time and again.  All columns that seven
+# joints are screened with, up to 37 million numbers, have to fit, or each column would be evicted before it is needed
+# again.
 MOST_NUMBERS = 40_000_000
 
 
 class Kept:
-    """Columns by what they are of.  Those that were not asked for the longest make room for others."""
+    """Columns by their key; the least recently used ones make room for others."""
 
     def __init__(self) -> None:
         """Keep nothing yet."""
@@ -24,14 +25,14 @@ class Kept:
         self._numbers = 0
 
     def apart_from(self, joints: Collection[int]) -> Kept:
-        """Return what is kept of columns that none of some joints feels."""
+        """Return a cache with only the columns that act on none of some joints."""
         out = Kept()
         out._columns.update({of: own for of, own in self._columns.items() if not set(own) & set(joints)})
         out._numbers = sum(_numbers(own) for own in out._columns.values())
         return out
 
     def recall(self, of: Hashable, make: Callable[[], Columns]) -> Columns:
-        """Return the columns there are ``of`` something, or those made now; none may be written to."""
+        """Return the cached columns ``of`` something, or make them now; callers must not modify them."""
         if of in self._columns:
             self._columns.move_to_end(of)
             return self._columns[of]
@@ -48,15 +49,15 @@ def _numbers(columns: Columns) -> int:
 
 
 class Lately(Generic[Asked, Made]):
-    """The last few things that were made, by what they are of: for keys that are equal, but cannot be hashed."""
+    """The last few things that were made, by their keys: for keys that can be compared but not hashed."""
 
     def __init__(self, most: int) -> None:
-        """Keep so many at most."""
+        """Keep this many at most."""
         self._made: list[tuple[Asked, Made]] = []
         self._most = most
 
     def recall(self, of: Asked, make: Callable[[], Made]) -> Made:
-        """Return what was made ``of`` an equal thing lately, or is made now."""
+        """Return what was recently made ``of`` an equal key, or make it now."""
         for known, made in self._made:
             if known == of:
                 return made

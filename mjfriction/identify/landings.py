@@ -1,8 +1,8 @@
-"""Landings of a link at the ends of its play: when it was let go, when it landed, and how far it flew in between.
+"""Landings of a link at the ends of its play: when it was released, when it landed, and how far it flew in between.
 
-Where the load changes sign a motor lets go of its link, which coasts across the play and lands with a blow.  How far it
-flew follows from what it would have needed to stay with the motor, whatever the effort says: where the flights of many
-landings, slow and quick ones, are equally long, the joint has play.
+Where the load changes sign, a motor releases its link, which coasts across the play and lands with a blow.  How far it
+flew follows from the effort it would have needed to stay with the motor, whatever effort was measured.  Where the
+flights of many landings, slow and quick, are equally long, the joint has play.
 """
 
 from __future__ import annotations
@@ -15,18 +15,23 @@ from mjfriction.record.load_turns import SLOW_LOAD
 from mjfriction.record.log import Floats, Integers
 from mjfriction.record.motion import Motion
 
-TOGETHER = 0.06  # s, within which quick accelerations are of one blow
-RINGING = 1.0  # periods of the position filter's cutoff around a blow that hide the load
-SHORTEST = 0.03  # s of a flight: within a shorter one nothing is seen to fly
+TOGETHER = 0.06  # s, within which quick accelerations belong to one blow
+RINGING = 1.0  # periods of the position filter's cutoff around a blow in which the load cannot be estimated
+SHORTEST = 0.03  # s; a flight that is shorter cannot be resolved
 FEWEST = 5  # landings
-AGREE, MOSTLY = 0.2, 0.5  # of the play, by which two flights may differ; of the flights, that must be as long
-VARIED = 2.0  # times that spread: by how much flights would differ, had they but lasted as long
+# Relative difference up to which two flights are equally long; share of all blows that must belong to such flights.
+AGREE, MOSTLY = 0.2, 0.5
+# Times the spread of the flights' lengths: by how much these would differ if they followed from the flights' durations
+# alone.
+VARIED = 2.0
 
 
 @dataclass(frozen=True)
 class Landings:
-    """How far a link flies between its stops, ``play`` (rad or m), after ``count`` flights of that length, and where it
-    is in its play along the motion, ``course`` (n,), from −1 (ahead of the motor) to 1 (behind it).
+    """The play that the landings of a link show.
+
+    ``play`` (rad or m) is how far the link flies between its stops, ``count`` the number of flights of that length.
+    ``course`` (n,) is where the link is in its play along the motion, from −1 (ahead of the motor) to 1 (behind it).
     """
 
     play: float
@@ -35,10 +40,10 @@ class Landings:
 
 
 def struck(blown: Floats, motion: Motion, inertia: Floats, joint: int) -> Integers:
-    """Return when blows of a joint's own came, as samples.
+    """Return the samples at which a joint's own blows occurred.
 
-    ``blown`` (n, joints) are the accelerations of blows, ``inertia`` (n, joints) the row of the mass matrix: what
-    another joint's blow passes on is none of its own.
+    ``blown`` (n, joints) are the accelerations of blows, ``inertia`` (n, joints) is the joint's row of the mass matrix:
+    a blow that another joint passes on does not count.
     """
     own = inertia[:, joint] * blown[:, joint]
     at = np.flatnonzero(np.abs(own) > np.sum(np.abs(inertia * blown), axis=1) - np.abs(own))
@@ -47,10 +52,10 @@ def struck(blown: Floats, motion: Motion, inertia: Floats, joint: int) -> Intege
 
 
 def find_landings(motion: Motion, load: Floats, inertia: Floats, blown: Floats, joint: int) -> Landings | None:
-    """Return the landings of a joint's link, None where its blows tell of no play.
+    """Return the landings of a joint's link, None where its blows do not show play.
 
-    ``load`` (n,) is what the link would need to follow its motor, ``inertia`` (n, joints) the joint's row of the mass
-    matrix, ``blown`` (n, joints) the accelerations of blows.
+    ``load`` (n,) is the effort that the link would need to follow its motor, ``inertia`` (n, joints) the joint's row of
+    the mass matrix, ``blown`` (n, joints) the accelerations of blows.
     """
     at = struck(blown, motion, inertia, joint)
     if at.size < FEWEST:
@@ -60,7 +65,7 @@ def find_landings(motion: Motion, load: Floats, inertia: Floats, blown: Floats, 
     starts = np.append(0, starts)
     begun = starts[np.searchsorted(starts, at, side="right") - 1]
     flown = np.array([_flight(pull, start, end, motion.rate)[-1] for start, end in zip(begun, at, strict=True)])
-    # A link that lands behind its motor holds it back.
+    # A link that lands behind its motor decelerates it, and the reverse.
     seen = (at - begun > SHORTEST * motion.rate) & (np.sign(flown) == -np.sign(blown[at, joint]))
     if np.sum(seen) < FEWEST:
         return None
@@ -68,7 +73,7 @@ def find_landings(motion: Motion, load: Floats, inertia: Floats, blown: Floats, 
     alike = np.abs(far[:, None] - far) < AGREE
     best = alike[np.argmax(np.sum(alike, axis=1))]
     count = int(np.sum(best))
-    # Flights that all lasted as long, of one motion again and again, are equally long whatever they are.
+    # Flights that all lasted equally long, from one motion repeated, are equally long whether there is play or not.
     varied = 3.0 * np.std(lasted[best]) > VARIED * np.std(far[best])
     if count < max(FEWEST, MOSTLY * at.size) or not varied:
         return None
@@ -78,7 +83,7 @@ def find_landings(motion: Motion, load: Floats, inertia: Floats, blown: Floats, 
 
 
 def _unhidden(load: Floats, blown: Floats, motion: Motion) -> Floats:
-    # The load with what blows seem to make of it bridged.
+    # The load, interpolated over the samples where blows distort it.
     hidden = np.any(blown != 0.0, axis=1)
     reach = int(np.ceil(RINGING * motion.rate / motion.cutoff))
     hidden = np.convolve(hidden, np.ones(2 * reach + 1), mode="same") > 0.5
@@ -89,14 +94,14 @@ def _unhidden(load: Floats, blown: Floats, motion: Motion) -> Floats:
 
 
 def _flight(pull: Floats, start: int, end: int, rate: float) -> Floats:
-    # How far a link that is pulled so, and let go at the start, is behind its motor at each sample from there to the
-    # end.
+    # How far a link falls behind its motor at each sample from ``start``, where it is released, to ``end``.  ``pull``
+    # is the acceleration it would need to follow.
     return np.cumsum(np.cumsum(pull[start : end + 1])) / rate**2
 
 
 def _course(pull: Floats, motion: Motion, flights: list[tuple[int, int]]) -> Floats:
-    # In flight it goes from stop to stop.  Between two flights it rests where it landed; where the next one begins at
-    # the other stop it went there slowly, with no blow to tell when.
+    # In flight the link goes from stop to stop.  Between two flights it rests where it landed.  Where the next flight
+    # begins at the other stop, the link went there slowly, without a blow that shows when.
     course = np.zeros_like(pull)
     for own in motion.pieces:
         inside = [flight for flight in flights if own.start <= flight[0] < own.stop]

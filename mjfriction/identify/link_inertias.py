@@ -1,7 +1,7 @@
-"""The links' inertias as unknowns of a fit: ten numbers a link, held near what is stated, and always those of a body.
+"""The links' inertias as unknowns of a fit: ten numbers per link, held near what is stated, and always physical.
 
-The numbers are those of W in P = C·(R + W)·Cᵀ (:mod:`mjfriction.body.inertia`), R being the stated link in these units:
-1, but for links that are stated to be thinner than anyone believes.
+The numbers are those of W in P = C·(R + W)·Cᵀ (:mod:`mjfriction.body.inertia`), where R is the stated link in these
+units: 1, except for links that are stated to be implausibly thin.
 """
 
 from __future__ import annotations
@@ -34,18 +34,18 @@ from mjfriction.robot.body_tables import LinkInertia
 from mjfriction.robot.robot import Robot
 
 KEPT = "inertias of all links"
-FELT = 1e-6  # of the effort, below which a link is not felt
+FELT = 1e-6  # share of the effort below which a link is left out
 THINNEST = 1e-3  # of what is stated: the least spread of mass that a fit may leave along any direction
-PRECISELY, MOST_ROUNDS = 1e-9, 200  # of the search for the nearest links that are physical
+PRECISELY, MOST_ROUNDS = 1e-9, 200  # tolerance and rounds of the search for the nearest physical links
 
 
 @dataclass(frozen=True)
 class LinkInertias:
-    """The inertias of the links ``names``, ten strengths each, one after another.
+    """The inertias of the links ``names``, ten strengths for each, one link after another.
 
-    ``factor`` (links, 4, 4) are their C, ``stated`` (links, 4, 4) their R; ``weight`` (links, 10, 10) is what a
-    strength changes the inertial parameters by, ``columns`` the effort, joint → (rows, 10·links).  ``spread`` is how
-    far links usually are off.
+    ``factor`` (links, 4, 4) are their C, ``stated`` (links, 4, 4) their R.  ``weight`` (links, 10, 10) is the change of
+    the inertial parameters per strength, ``columns`` that of the effort, joint → (rows, 10·links).  ``spread`` is how
+    far off links usually are.
     """
 
     names: tuple[str, ...]
@@ -57,11 +57,11 @@ class LinkInertias:
 
     @property
     def precision(self) -> Floats:
-        """By how far stated links usually are off."""
+        """The prior precision, from how far off stated links usually are."""
         return np.full(PER_LINK * len(self.names), self.spread**-2.0)
 
     def applied(self, robot: Robot, strengths: Floats) -> Robot:
-        """Change the links; what no body could be is brought to the nearest that one can."""
+        """Return the robot with the links changed; one that is not physical is moved to the nearest one that is."""
         body = robot.body()
         now = dict(zip(body.links, pseudo_inertias(body.model), strict=True))
         table = robot.table
@@ -77,12 +77,12 @@ class LinkInertias:
             scale.pop(name, None)
             shift.pop(name, None)
             if payload is not None and body.link_holding(payload.parent) == name:
-                payload = None  # it is part of the link now
+                payload = None  # the link includes it now
         changed = {"link_inertia": inertia, "link_scale": scale, "link_shift": shift, "payload": payload}
         return Robot(table.model_copy(update=changed), robot.folder)
 
     def fitted(self, robot: Robot, gram: Floats, covariance: Floats, quantile: float) -> list[Fitted]:
-        """The base parameters that the motion shows."""
+        """Return the base parameters that the motion shows."""
         body = robot.body()
         now = dict(zip(body.links, pseudo_inertias(body.model), strict=True))
         values = np.concatenate([parameters_of(now[name]) for name in self.names])
@@ -91,13 +91,13 @@ class LinkInertias:
         return base_parameters(self.names, values, stated, self.weight, gram, covariance, quantile)
 
     def physical(self, strengths: Floats) -> bool:
-        """Return whether bodies have these inertias, counted from those stated."""
+        """Return whether the links are physical when changed by these strengths."""
         changes = [symmetric(own) for own in strengths.reshape(-1, PER_LINK)]
         return bool(np.all(np.linalg.eigvalsh(self.stated + changes) >= THINNEST))
 
 
 def link_inertias(gap: Gap, spread: float) -> LinkInertias | None:
-    """Return the inertias of all links that are felt along a gap's motion, None where none is."""
+    """Return the inertias of all links that affect the efforts along a gap's motion, None where none does."""
     body, linked = gap.body, gap.linked
     pseudo = pseudo_inertias(body.model)
     factor = factors(pseudo)
@@ -118,11 +118,11 @@ def link_inertias(gap: Gap, spread: float) -> LinkInertias | None:
 
 
 def nearest_physical(gram: Floats, moment: Floats, place: slice, stated: Floats) -> Floats:
-    """Return the strengths (p,) that lower ½·sᵀGs − mᵀs most among those at whose ``place`` links stand that bodies can
-    have: R + W = L·Lᵀ, L lower triangular with logarithms on its diagonal (Rucker, Wensing, IEEE Robotics and
-    Automation Letters 7(2), 2022).
+    """Return the strengths (p,) that minimise ½·sᵀGs − mᵀs with physical links at ``place``.
 
-    ``gram`` (p, p) is positive; ``stated`` (links, 4, 4) are the R.
+    Links are parametrised as R + W = L·Lᵀ, L lower triangular with logarithms on its diagonal (Rucker, Wensing, IEEE
+    Robotics and Automation Letters 7(2), 2022).  ``gram`` (p, p) is positive definite; ``stated`` (links, 4, 4) are the
+    R.
     """
     scale = 1.0 / np.sqrt(np.diag(gram))
     root = np.linalg.cholesky(gram * scale[:, None] * scale).T
@@ -130,7 +130,7 @@ def nearest_physical(gram: Floats, moment: Floats, place: slice, stated: Floats)
     inside = np.arange(gram.shape[0])[place]
     rest = np.setdiff1d(np.arange(gram.shape[0]), inside)
     own, beside = root[:, inside] / scale[inside], root[:, rest]
-    # What is not bound is eliminated: the rest of a residual is what no value of it takes away.
+    # Eliminate the unconstrained strengths: project residuals onto what no value of these takes away.
     basis = np.linalg.qr(beside)[0] if rest.size else np.zeros((gram.shape[0], 0))
     free_of = own - basis @ (basis.T @ own)
     goal = target - basis @ (basis.T @ target)
@@ -171,8 +171,9 @@ def _to_logarithms(relative: Floats) -> Floats:
 
 
 def _from_logarithms(x: Floats, stated: Floats) -> tuple[Floats, Floats]:
-    """Return the strengths (links, 10) of R + W = L·Lᵀ and their slopes (links, 10, 10) by L's entries (links, 10),
-    logarithms on its diagonal.
+    """Return the strengths (links, 10) of R + W = L·Lᵀ and their slopes (links, 10, 10) by L's entries (links, 10).
+
+    The diagonal of L is given as logarithms.
     """
     lower = np.zeros_like(stated)
     lower[:, ROWS, COLUMNS] = x

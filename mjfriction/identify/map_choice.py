@@ -1,4 +1,4 @@
-"""Which law a joint's passes need: the simplest among those that predict speeds as well that were left out."""
+"""Which law a joint's passes need: the simplest among those that predict left-out speeds as well."""
 
 from __future__ import annotations
 
@@ -13,14 +13,15 @@ from mjfriction.identify.map_fit import MapFit, fit_map, static_names
 from mjfriction.identify.problem import Side
 from mjfriction.laws.law import Law
 
-CHANCE = 0.05  # at which two laws' squared errors would differ as much (Fisher's F); speeds are too few for blocks
+# Probability that two laws' squared errors differ as much by chance (Fisher's F); speeds are too few for blocks.
+CHANCE = 0.05
 
 
 def choose_on_map(points: FrictionMap, laws: Sequence[Law], side: Side, gear_ratio: float) -> list[MapFit]:
-    """Return the laws that a map has speeds enough for, fitted, the one to take first.
+    """Return the fits of the laws that a map has enough speeds for, the one to take first.
 
-    Speeds are left out one at a time: a law with more parameters takes the place of a simpler one when its errors are
-    smaller than chance would have it.
+    Speeds are left out one at a time.  A law with more parameters replaces a simpler one when its errors are smaller
+    than chance would explain.
 
     Raises :class:`LogError` where there are too few for any.
     """

@@ -1,4 +1,4 @@
-"""A law's statics from a friction map: by nonlinear least squares, and by the manipulator paper's own procedure."""
+"""A law's static parameters from a friction map: by nonlinear least squares, or as in the manipulator paper."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from mjfriction.laws.ambient import ambient
 from mjfriction.laws.arctan import ARCTAN
 from mjfriction.laws.law import Floats, Law
 
-MOST_LEVERAGE = 0.999  # of a speed that a fit follows wherever it lies
-FIRST_SAMPLES = 5  # of a map, that the cubic near zero is drawn through
-FADING_STARTS = 7  # speeds at which a level may fall, between the slowest and the fastest of a map
-FIRST_ROUNDS, MOST_ROUNDS = 20, 400  # of the fit from every start, and from where the best of them came
-TOLERANCE = 1e-10  # relative, of that fit
+MOST_LEVERAGE = 0.999  # highest leverage of a speed; with 1, a fit would follow it wherever it lies
+FIRST_SAMPLES = 5  # points of a map through which the cubic near zero is fitted
+FADING_STARTS = 7  # speeds to start from at which a level may fall, between the slowest and the fastest of a map
+FIRST_ROUNDS, MOST_ROUNDS = 20, 400  # rounds of the fit from every start, and then from the best of them
+TOLERANCE = 1e-10  # relative, of the fit
 
 
 @dataclass(frozen=True)
 class MapFit:
-    """A law's static values on its side, their 95 % half-widths by name, and the RMS it leaves of the map (N·m, N).
+    """A law's static values on its side, their 95 % half-widths by name, and the RMS residual of the map (N·m, N).
 
-    ``missed`` (k,) is what each speed would be missed by, were it left out (to first order).
+    ``missed`` (k,) is the error at each speed if it were left out (to first order).
     """
 
     law: Law
@@ -39,10 +39,10 @@ class MapFit:
 
 
 def fit_map(points: FrictionMap, law: Law, side: Side, gear_ratio: float) -> MapFit:
-    """Fit a law's statics to a map, every point by its own error.
+    """Fit a law's static parameters to a map, every point weighted by its own error.
 
-    Half-widths come from the points' scatter about the curve (Student's t), never less than from their own errors.
-    Raises :class:`LogError` when the map has fewer speeds than the law parameters.
+    Half-widths come from the points' scatter about the curve (Student's t), but never less than from the points' own
+    errors.  Raises :class:`LogError` unless the map has more speeds than the law has static parameters.
     """
     speed, friction, error = on_side(points, side, gear_ratio)
     usual = _usual(speed, friction, float(np.max(points.load)) / _ratio(side, gear_ratio))
@@ -83,7 +83,7 @@ def fit_map(points: FrictionMap, law: Law, side: Side, gear_ratio: float) -> Map
 
 
 def static_names(law: Law) -> tuple[str, ...]:
-    """Return the parameters of a law that passes at constant speed tell."""
+    """Return the parameters of a law that passes at constant speed determine."""
     nominal = Usual(level=1.0, damping=1.0, speed=1.0, stroke=1.0, load=1.0)
     return tuple(name for name in starts(law, nominal)[0] if name not in LEFT_AS_DECLARED | DYNAMIC)
 
@@ -91,12 +91,12 @@ def static_names(law: Law) -> tuple[str, ...]:
 def arctan_procedure(points: FrictionMap, side: Side, gear_ratio: float) -> MapFit:
     """Fit law (14) as the paper does: δ from the slope near zero, the rest linear in it.
 
-    The slope is that of a cubic through the first samples at the slowest of them; τ_sc is roughly the least friction
-    less the greatest, at the slowest speed; δ is the slope over τ_sc (15–16), small by a factor 2/π at least, for an
-    arctangent falls by π/2 of τ_sc.  Then θ = (τ_s, τ_sc, τ_v, τ_nlv) by least squares, θ = (ΦᵀΦ)⁻¹ΦᵀT (the paper's
-    (21) prints the first factor as (ΦΦᵀ)⁻¹).
+    The slope is that of a cubic through the first points, at the slowest of them.  τ_sc is roughly the least friction
+    less the one at the slowest speed, where it is greatest.  δ is the slope over τ_sc (15–16), too small by a factor of
+    2/π at least, because the arctangent term falls by π/2 of τ_sc.  Then θ = (τ_s, τ_sc, τ_v, τ_nlv) follows by least
+    squares, θ = (ΦᵀΦ)⁻¹ΦᵀT (the paper's (21) prints the first factor as (ΦΦᵀ)⁻¹).
 
-    Raises :class:`LogError` where the map does not fall from its slowest speed, or has fewer than six.
+    Raises :class:`LogError` where the map does not fall from its slowest speed, or has fewer than six speeds.
     """
     speed, friction, _ = on_side(points, side, gear_ratio)
     if speed.size < 6:

@@ -8,13 +8,13 @@ from mjfriction.identify.friction_map import FEWEST_SPEEDS
 from mjfriction.identify.phases import Phase, goes
 from mjfriction.record.motion import Motion
 
-ALONE = 0.5  # of the time that a joint moves, that it moves alone: then passes were meant
-LEAST_PASSES = 2  # of one joint, that are no chance
+ALONE = 0.5  # share of the time in which a joint moves that it must move alone for passes to have been intended
+LEAST_PASSES = 2  # passes of one joint that are not a coincidence
 PLAN = "mjfriction plan --protocol forward_backward writes such a motion"
 
 
 def why_no_map(motion: Motion, phases: list[Phase], joint: int) -> str:
-    """Return what a joint's motion lacks for a friction map, empty where it was not meant for one."""
+    """Return what a joint's motion lacks for a friction map; empty where none was intended."""
     own = [phase for phase in phases if phase.joint == joint]
     ways = {phase.velocity > 0.0 for phase in own}
     if len(own) >= LEAST_PASSES and len(ways) == 1:
@@ -29,5 +29,5 @@ def why_no_map(motion: Motion, phases: list[Phase], joint: int) -> str:
 def _goes_alone(motion: Motion, joint: int) -> bool:
     going = goes(motion)
     others = np.delete(going, joint, axis=1)
-    # On a robot of one joint any motion is alone.
+    # On a robot with one joint every motion is alone, which proves nothing.
     return others.shape[1] > 0 and bool(np.mean(~np.any(others[going[:, joint]], axis=1)) > ALONE)

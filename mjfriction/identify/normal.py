@@ -1,5 +1,7 @@
-"""Normal equations, per joint and block of motion: the fit on any set of blocks, its error on the others, and intervals
-that survive coloured noise, all without going back to the rows.
+"""Normal equations, per joint and block of motion.
+
+They give the fit on any set of blocks, its error on the others, and intervals that hold for coloured noise, all without
+going back to the rows.
 """
 
 from __future__ import annotations
@@ -14,16 +16,16 @@ from scipy.linalg import cholesky, solve_triangular
 
 from mjfriction.record.log import Floats, Integers
 
-WITHIN = 1.05  # of its reach, that a strength may go to
-MOST_TIGHTER = 20  # times that what is known beforehand of it is drawn tighter
+WITHIN = 1.05  # a strength may go beyond its reach by this factor
+MOST_TIGHTER = 20  # how many times a prior is tightened at most
 
 
 @dataclass(frozen=True)
 class Part:
-    """What one joint's weighted rows come to in each block.
+    """The products of one joint's weighted rows, in each block.
 
-    ``felt`` (f,) are those of all regressors that the joint feels; ``gram`` (blocks, f, f) their products with one
-    another, ``moment`` (blocks, f) with the target, ``power`` (blocks,) the target's own.
+    ``felt`` (f,) are the indices of the regressors that act on the joint; ``gram`` (blocks, f, f) their products with
+    one another, ``moment`` (blocks, f) with the target, ``power`` (blocks,) the target's with itself.
     """
 
     felt: Integers
@@ -33,11 +35,11 @@ class Part:
 
     @functools.cached_property
     def of_all_blocks(self) -> tuple[Floats, Floats, float]:
-        """The sums over the blocks of gram (f, f), moment (f,) and power."""
+        """The sums of gram (f, f), moment (f,) and power over the blocks."""
         return self.gram.sum(axis=0), self.moment.sum(axis=0), float(self.power.sum())
 
     def errors(self, strengths: Floats) -> Floats:
-        """Return the squared error (blocks,) that strengths of each block (blocks, p) leave."""
+        """Return the squared error (blocks,) that the strengths given for each block (blocks, p) leave there."""
         own = strengths[:, self.felt]
         bent = np.matmul(self.gram, own[..., None])[..., 0]
         return np.asarray(self.power + np.sum((bent - 2.0 * self.moment) * own, axis=1))
@@ -49,7 +51,7 @@ class Part:
         return float(power + (gram @ own - 2.0 * moment) @ own)
 
     def of(self, kept: Integers) -> Part:
-        """Return the part of those regressors only that are ``kept``, numbered anew in that order."""
+        """Return the part with only the regressors ``kept``, renumbered in that order."""
         place = np.full(max(int(np.max(self.felt, initial=0)), int(np.max(kept, initial=0))) + 1, -1)
         place[kept] = np.arange(kept.size)
         own = np.flatnonzero(place[self.felt] >= 0)
@@ -58,14 +60,14 @@ class Part:
 
 @dataclass(frozen=True)
 class Products:
-    """The ``parts`` of all joints, of ``count`` regressors together."""
+    """The ``parts`` of all joints, for ``count`` regressors in total."""
 
     parts: tuple[Part, ...]
     count: int
 
     @functools.cached_property
     def of_blocks(self) -> tuple[Floats, Floats]:
-        """Gram (blocks, p, p) and moment (blocks, p) of each block, its joints taken together."""
+        """Gram (blocks, p, p) and moment (blocks, p) of each block, summed over its joints."""
         blocks = self.parts[0].power.size
         gram, moment = np.zeros((blocks, self.count, self.count)), np.zeros((blocks, self.count))
         for part in self.parts:
@@ -75,12 +77,12 @@ class Products:
 
     @functools.cached_property
     def whole(self) -> tuple[Floats, Floats]:
-        """Gram (p, p) and moment (p,) of all blocks and joints."""
+        """Gram (p, p) and moment (p,), summed over all blocks and joints."""
         gram, moment = self.of_blocks
         return gram.sum(axis=0), moment.sum(axis=0)
 
     def of_joints(self, joints: Collection[int]) -> tuple[Floats, Floats]:
-        """Return gram (p, p) and moment (p,) of all blocks of some joints."""
+        """Return gram (p, p) and moment (p,), summed over all blocks of some joints."""
         gram, moment = np.zeros((self.count, self.count)), np.zeros(self.count)
         for joint in joints:
             part = self.parts[joint]
@@ -90,11 +92,12 @@ class Products:
         return gram, moment
 
     def extended(self, more: dict[int, Part], count: int) -> Products:
-        """Return the products with ``count`` more regressors at the end; ``more`` are the parts, in full, of the joints
-        that feel these.
+        """Return the products with ``count`` more regressors at the end.
+
+        ``more`` holds the complete parts of the joints that these act on.
         """
         out = Products(tuple(more.get(joint, part) for joint, part in enumerate(self.parts)), self.count + count)
-        # What the blocks come to is known but for the new rows and columns.
+        # The sums of the blocks are known, except for the new rows and columns.
         gram, moment = self.of_blocks
         whole = np.zeros((gram.shape[0], out.count, out.count))
         whole[:, : self.count, : self.count] = gram
@@ -111,8 +114,9 @@ class Products:
 
 @dataclass(frozen=True)
 class Normal:
-    """Normal equations: ``products`` of the rows, and ``precision`` (p,), one over the prior variance of each strength,
-    0 where nothing is known beforehand.
+    """Normal equations: ``products`` of the rows, and the prior.
+
+    ``precision`` (p,) is one over the prior variance of each strength, 0 where there is no prior.
     """
 
     products: Products
@@ -130,7 +134,7 @@ class Normal:
 
     @property
     def power(self) -> Floats:
-        """What there was to explain, squared and weighted, (joints, blocks)."""
+        """The weighted squared target, (joints, blocks)."""
         return np.stack([part.power for part in self.products.parts])
 
     @functools.cached_property
@@ -140,8 +144,9 @@ class Normal:
         return solved(gram, moment)
 
     def equations(self, training: NDArray[np.bool_] | None = None) -> tuple[Floats, Floats]:
-        """Return what is to be solved, (p, p) and (p,): that of all joints on the blocks marked in ``training``
-        (blocks,), by default on all, with what is known beforehand.  Of several such marks (k, blocks), as many.
+        """Return the matrix (p, p) and the right side (p,) to solve for some blocks of all joints, with the prior.
+
+        ``training`` (blocks,) marks the blocks, all by default.  Several such marks (k, blocks) give k of each.
         """
         if training is None:
             gram, moment = self.products.whole
@@ -151,8 +156,9 @@ class Normal:
         return gram + np.diag(self.precision), moment
 
     def strengths(self, training: NDArray[np.bool_]) -> Floats:
-        """Return the strengths (p,) fitted on the blocks marked in ``training`` (blocks,); of several such marks
-        (k, blocks), (k, p).
+        """Return the strengths (p,) fitted on the blocks marked in ``training`` (blocks,).
+
+        Several such marks (k, blocks) give (k, p).
         """
         return solved(*self.equations(training))
 
@@ -161,8 +167,9 @@ class Normal:
         return np.array([part.error(strengths) for part in self.products.parts])
 
     def heldout_errors(self, folds: Sequence[NDArray[np.bool_]]) -> Floats:
-        """Return the squared error (joints, blocks), each block predicted by a fit that has not seen it; one that is in
-        no fold by what is stated.
+        """Return the squared error (joints, blocks), each block predicted by a fit that has not seen it.
+
+        A block in no fold is predicted with zero strengths, that is, by what is stated.
         """
         parts, left_out = self.products.parts, np.array(folds)
         strengths = np.zeros((parts[0].power.size, self.count))
@@ -173,9 +180,9 @@ class Normal:
     def covariance(self, groups: Integers) -> Floats:
         """Return the covariance (p, p) of the strengths fitted on all blocks.
 
-        It is the clustered sandwich: the score of each group of blocks (``groups`` (blocks,) numbers them) stands for
-        itself, so that noise coloured or uneven within groups is accounted for whatever its form (Liang and Zeger,
-        Biometrika 73, 1986), with the small-sample factor groups/(groups − 1).
+        It is the clustered sandwich estimate: the score of each group of blocks (``groups`` (blocks,) numbers them)
+        counts as one observation, so that noise that is coloured or uneven within groups is accounted for whatever its
+        form (Liang and Zeger, Biometrika 73, 1986).  It includes the small-sample factor groups/(groups − 1).
         """
         gram, moment = self.products.of_blocks
         inverse = self._inverse
@@ -186,8 +193,9 @@ class Normal:
         return np.asarray(inverse @ (score.T @ score) @ inverse.T * (count / (count - 1.0)))
 
     def white_covariance(self, variance: Floats) -> Floats:
-        """Return the covariance (p, p) of the strengths if a joint's weighted rows carry white noise of ``variance``
-        (joints,).
+        """Return the covariance (p, p) of the strengths if the weighted rows of each joint carry white noise.
+
+        ``variance`` (joints,) is that of the noise.
         """
         noisy = np.diag(self.precision)
         for part, own in zip(self.products.parts, variance.tolist(), strict=True):
@@ -195,8 +203,8 @@ class Normal:
         return np.asarray(self._inverse @ noisy @ self._inverse.T)
 
     def known_to(self, spread: float) -> Floats:
-        """Return the covariance (p, p) of strengths that rows with white noise of variance ``spread`` and what is known
-        beforehand leave.
+        """Return the covariance (p, p) of the strengths from the prior and rows with white noise of variance
+        ``spread``.
         """
         scaled, scale = _scaled(self.products.whole[0] / spread + np.diag(self.precision))
         return np.asarray(scale[:, None] * np.linalg.inv(scaled) * scale)
@@ -206,18 +214,20 @@ class Normal:
         return self.known_to(1.0)
 
     def leaning(self, place: slice) -> Floats:
-        """Return the covariance (p, p) that all strengths have since those at ``place`` are off from what is known
-        beforehand by as much as that says: C·Λ·C, of the rows' and the knowledge's inverse C, Λ being their precision.
+        """Return the covariance (p, p) of all strengths that an error of the prior at ``place`` causes.
+
+        The strengths there are off from the prior's mean by as much as the prior says: C·Λ·C, where C is the inverse of
+        the rows' gram and the prior together and Λ the prior precision at ``place``.
         """
         own = self._inverse[:, place]
         return np.asarray(own * self.precision[place] @ own.T)
 
     def shown(self, place: slice) -> float:
-        """Return how many of the strengths at ``place`` the rows show, rather than what is known beforehand."""
+        """Return how many of the strengths at ``place`` are determined by the rows rather than by the prior."""
         return float(np.sum(1.0 - self.precision[place] * np.diag(self._inverse)[place]))
 
     def tighter(self, place: slice, times: float) -> Normal:
-        """Return the equations with what is known beforehand of the strengths at ``place`` so many times as precise."""
+        """Return the equations with the prior of the strengths at ``place`` so many ``times`` as precise."""
         precision = self.precision.copy()
         precision[place] *= times
         return replace(self, precision=precision)
@@ -229,9 +239,9 @@ class Normal:
         return Normal(Products(parts, kept.size), self.precision[kept])
 
     def kept_within(self, place: slice, reach: Floats) -> Normal:
-        """Return the equations with what is known beforehand of some strengths drawn tighter, so that they stay within.
+        """Return the equations with the prior of some strengths tightened so that they stay within their reach.
 
-        ``place`` are those strengths, ``reach`` (k,) how far from zero each may go.
+        ``place`` says which strengths, ``reach`` (k,) how far from zero each may go.
         """
         out = self
         for _ in range(MOST_TIGHTER):
@@ -245,8 +255,8 @@ class Normal:
 
 
 def _scaled(gram: Floats) -> tuple[Floats, Floats]:
-    # Columns differ in unit; scaling to unit diagonal makes the relative floor on it mean the same for all.
-    # A regressor without any data (a joint that never moves) gets no strength.
+    # Columns differ in unit.  Scaling the diagonal to 1 gives the relative floor the same meaning for all.  A regressor
+    # without any data (a joint that never moves) gets no strength.
     diagonal = np.diagonal(gram, axis1=-2, axis2=-1)
     if not np.all(np.isfinite(diagonal)):
         raise FloatingPointError("normal equations that are not finite: a regressor is not")
@@ -264,6 +274,6 @@ def whitening(gram: Floats) -> Floats:
 
 
 def solved(gram: Floats, right: Floats) -> Floats:
-    """Return gram⁻¹·right, (p,), or (k, p) of k such (p, p); a regressor of which nothing is known has no strength."""
+    """Return gram⁻¹·right, (p,), or (k, p) for k such (p, p); a regressor without data gets zero strength."""
     scaled, scale = _scaled(gram)
     return np.asarray(scale * np.linalg.solve(scaled, (scale * right)[..., None])[..., 0])

@@ -1,4 +1,4 @@
-"""What an identification comes to, as plain data."""
+"""The outcome of an identification, as plain data."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from mjfriction.robot.robot import Robot
 
 @dataclass(frozen=True)
 class Candidate:
-    """A law that was tried: the number of its parameters, and its RMS error on motion not fitted, as reported."""
+    """A law that was tried: the number of its parameters, and its held-out RMS error in the reported unit."""
 
     law: str
     parameters: int
@@ -30,12 +30,12 @@ class Candidate:
 class JointLaw:
     """What was identified at a joint.
 
-    ``how`` says from what ("free motion" or "forward and backward passes"); ``structure`` is the largest share of the
-    error that still follows a covariate, and ``follows`` names it; ``trusted`` says whether the intervals may be
-    believed, which they may not where structure is left, nor where friction still ``falls`` at the fastest speed.
-    ``passes`` are the joint's passes forward and backward, where the log has them, and ``by_slope`` law (14) fitted to
-    them by the manipulator paper's own procedure; ``pendulum`` is friction by one direction each, which that paper sets
-    beside them.
+    ``how`` says what the values come from (such as "free motion" or "forward and backward passes").  ``structure`` is
+    the largest share of the error that still follows a covariate, and ``follows`` names that covariate.  ``trusted``
+    says whether the intervals can be trusted: not where structure is left, nor where friction still ``falls`` at the
+    fastest speed.  ``passes`` are the joint's passes forward and backward, where the log has them, and ``by_slope`` is
+    law (14) fitted to them by the manipulator paper's own procedure.  ``pendulum`` is the friction from each direction
+    alone, which that paper compares with them.
     """
 
     joint: str
@@ -54,10 +54,12 @@ class JointLaw:
 
 @dataclass(frozen=True, repr=False)
 class Identification:
-    """The whole: ``gap`` is that of the stated robot, ``robot`` the identified one, ``heldout`` (rows, joints) what it
-    leaves of the same rows on motion not fitted; ``background`` are the fitted values of links and offsets;
-    ``bandwidths`` (Hz, by joint) are those of drives that were found to low-pass their efforts, which ``gap`` knows
-    already; ``simulated`` tells of the refinement on simulated motion, where it was asked for.
+    """The whole outcome of an identification.
+
+    ``gap`` is that of the stated robot, ``robot`` the identified one, ``heldout`` (rows, joints) its held-out residual
+    on the same rows.  ``background`` are the fitted values of links and offsets.  ``bandwidths`` (Hz, by joint) are
+    those of drives that were found to low-pass their efforts; ``gap`` already includes them.  ``simulated`` is the
+    refinement on simulated motion, where it was asked for.
     """
 
     gap: Gap
@@ -71,5 +73,5 @@ class Identification:
     bandwidths: Mapping[str, float] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        """The sentence."""
+        """The summary sentence."""
         return f"<Identification: {self.summary}>"

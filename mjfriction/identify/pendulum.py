@@ -1,9 +1,9 @@
-"""Friction from passes in one direction, gravity taken away as a pendulum's: what passes both ways make needless.
+"""Friction from passes in one direction, with gravity removed as a pendulum's; passes both ways make this unnecessary.
 
-While all other joints stand, gravity acts on a turning joint as on a pendulum, a·sin q + b·cos q, whose two numbers are
-those of the stated model or come from least squares beside a level and a damping (Indri and others, section 3.2).  What
-is then left of passes forward and of passes backward would be one friction; how far the two are apart is what the
-pendulum gets wrong.
+While all other joints stand still, gravity acts on a turning joint as on a pendulum, a·sin q + b·cos q.  The two
+numbers are those of the stated model, or come from least squares beside a level and a damping (Indri and others,
+section 3.2).  What is then left of passes forward and of passes backward should be the same friction; the difference of
+the two is the pendulum's error.
 """
 
 from __future__ import annotations
@@ -26,8 +26,9 @@ FEWEST = 3  # phases each way
 
 @dataclass(frozen=True)
 class ByPendulum:
-    """A joint's friction (k, 2), N·m, at the speeds (k,), rad/s, of its phases ``forward`` and ``backward``: by the
-    stated model's pendulum and by the fitted one.
+    """A joint's friction (k, 2), N·m, at the speeds (k,), rad/s, of its phases ``forward`` and ``backward``.
+
+    The first column is by the stated model's pendulum, the second by the fitted one.
     """
 
     forward: Floats
@@ -37,7 +38,7 @@ class ByPendulum:
 
     @property
     def apart(self) -> Floats:
-        """By how much the two directions' frictions differ, half of it, RMS over the speeds that both have, (2,)."""
+        """Half the difference of the two directions' friction, RMS over the speeds that both have, (2,)."""
         low = max(float(np.min(self.forward)), float(np.min(self.backward)))
         high = min(float(np.max(self.forward)), float(np.max(self.backward)))
         speed = self.forward[(self.forward >= low) & (self.forward <= high)]
@@ -51,7 +52,7 @@ class ByPendulum:
 def by_pendulum(
     motion: Motion, torque: Floats, robot: Robot, body: Body, phases: Sequence[Phase], joint: int
 ) -> ByPendulum | None:
-    """Return a joint's friction by pendulums, None for one that slides or has fewer than three phases each way.
+    """Return a joint's friction by pendulums, None for a sliding joint or one with fewer than three phases each way.
 
     ``torque`` (n,) is the joint's effort along the motion, N·m.
     """
@@ -67,7 +68,7 @@ def by_pendulum(
     velocity = np.array([phase.velocity for phase in own])
     friction = np.column_stack([np.sign(velocity), velocity])[which]
     still = replace(motion, velocity=0.0 * motion.velocity, acceleration=0.0 * motion.acceleration)
-    # What was held for a while is known, and no part of the pendulum.
+    # What the arm held for a while is known, and not part of the pendulum.
     model, held = (torques(robot, body, still)[samples, joint] for torques in (links_torque, held_torque))
     numbers = np.linalg.lstsq(np.hstack([waves, friction]), smooth[samples] - held, rcond=None)[0]
     gravity = np.column_stack([model, waves @ numbers[:2] + held])

@@ -1,4 +1,4 @@
-"""Phases of constant speed in a log: where one joint goes steadily and the others stand."""
+"""Phases of constant speed in a log: where one joint moves steadily and the others stand still."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 from mjfriction.record.log import Floats
 from mjfriction.record.motion import Motion
 
-STEADY = 0.05  # of a phase's speed, that the speed may stray within it
-STANDING = 0.02  # of a joint's fastest speed, below which it stands
+STEADY = 0.05  # share of a phase's speed by which the speed may vary within it
+STANDING = 0.02  # share of a joint's fastest speed, below which it stands still
 SHORTEST = 0.1  # s
-LEAST_PART = 0.4  # of a pass, that must go at constant speed: a smooth move is fast only for a moment
-SETTLED = 0.1  # s at both ends of a phase in which filters still feel the change of speed
+LEAST_PART = 0.4  # share of a pass that must have constant speed: a smooth move is fast only for a moment
+SETTLED = 0.1  # s at both ends of a phase, in which filters still respond to the change of speed
 
 
 @dataclass(frozen=True)
 class Phase:
-    """Samples ``first`` to ``past`` of a motion in which ``joint`` goes at a constant velocity, rad/s or m/s."""
+    """Samples ``first`` to ``past`` of a motion in which ``joint`` moves at a constant velocity, rad/s or m/s."""
 
     joint: int
     first: int
@@ -29,7 +29,7 @@ class Phase:
 
 
 def constant_speed_phases(motion: Motion) -> list[Phase]:
-    """Return the phases of a motion, in time."""
+    """Return the phases of constant speed in a motion, in order of time."""
     going = goes(motion)
     out = []
     for joint in np.flatnonzero(motion.moving).tolist():
@@ -45,7 +45,7 @@ def constant_speed_phases(motion: Motion) -> list[Phase]:
 
 
 def goes(motion: Motion) -> NDArray[np.bool_]:
-    """Return where each joint goes, rather than standing or being held, (n, joints)."""
+    """Return where each joint moves, rather than standing still or being held, (n, joints)."""
     top = np.where(motion.moving, np.max(np.abs(motion.velocity), axis=0), np.inf)
     return np.asarray(np.abs(motion.velocity) > np.maximum(motion.resting_speed, STANDING * top))
 
@@ -61,7 +61,7 @@ def _steady_part(motion: Motion, joint: int, first: int, past: int) -> Phase | N
     noise = float(motion.velocity_noise[joint])
     plateau = float(np.median(velocity[np.abs(velocity) > 0.9 * np.quantile(np.abs(velocity), 0.9)]))
     near = np.abs(velocity - plateau) < max(STEADY * abs(plateau), 3.0 * noise)
-    # The longest stretch at the plateau, less what the filter blurs into it.
+    # The longest stretch at the plateau, without what the filter blurs into it.
     cuts = np.flatnonzero(np.diff(near.astype(np.int8))) + 1
     stretches = [(a, b) for a, b in itertools.pairwise([0, *cuts.tolist(), near.size]) if near[a]]
     if not stretches:

@@ -1,13 +1,13 @@
-"""Friction of a hydraulic cylinder from constant voltages: law (2) in variants, extension and retraction apart.
+"""Friction of a hydraulic cylinder from constant voltages: law (2) in variants, each direction fitted separately.
 
-At constant speed friction is what the chambers push with, F = p₁A₁ − p₂A₂ (Bonchis, Ha, Corke, Rye, eq. 1).  The
-likeliest parameters under the points' noise are those of weighted least squares; x₂ stands in an exponent, and for each
-value of it the rest is linear with x₁, x₅ ≥ 0.  Which variant to take is told by Bayes' criterion with known noise,
-χ² + k·ln n: a parameter must earn its keep.
+At constant speed, friction is the force of the chambers, F = p₁A₁ − p₂A₂ (Bonchis, Ha, Corke, Rye, eq. 1).  The most
+likely parameters under the points' noise are those of weighted least squares.  x₂ stands in an exponent; for each value
+of it the rest is linear, with x₁, x₅ ≥ 0.  The variant is chosen by the Bayesian information criterion with known
+noise, χ² + k·ln n: a parameter must pay for itself.
 
-F so measured is A₁·(p₁ − p₂) + (A₁ − A₂)·p₂, whatever friction is: a variant with both x₃ and x₄ free fits any
-cylinder without a word about its friction, and â from it is zero.  Steady speeds tell one combination of the two:
-variant 5 holds it in x₄, and is taken for prediction (:func:`choose_variant`).
+F measured in this way is A₁·(p₁ − p₂) + (A₁ − A₂)·p₂, whatever friction is.  A variant with both x₃ and x₄ free
+therefore fits any cylinder without saying anything about its friction, and â from it is zero.  Steady speeds determine
+one combination of the two: variant 5 puts it in x₄, and is taken for prediction (:func:`choose_variant`).
 """
 
 from __future__ import annotations
@@ -38,17 +38,19 @@ VARIANTS: dict[int, tuple[str, ...]] = {
 }
 """The parameters that each of the document's models 1 to 4 keeps, and ours, 5."""
 
-TELLING = (4, 5)  # variants that say something of friction; 1 stands between: x₂ and x₅ may feign x₄
+TELLING = (4, 5)  # variants that say something about friction; 1 is ambiguous: x₂ and x₅ may mimic x₄
 
-STEEPEST = 5.0  # x₂ times the highest speed, that is searched
-PIECES = 8  # of a phase, whose scatter tells how well its mean is known
-GRID = 41  # values of x₂ of which the best begins the search
+STEEPEST = 5.0  # largest x₂ times the highest speed that is searched
+PIECES = 8  # of a phase, whose scatter shows how well its mean is known
+GRID = 41  # values of x₂, the best of which starts the search
 
 
 @dataclass(frozen=True)
 class SteadyPoints:
-    """Phases of constant speed of a cylinder: ``speed`` (n,) m/s, signed, ``force`` (n,) N against the motion, signed,
-    and the chambers' pressures ``head`` and ``rod`` (n,) Pa; ``error`` (n,) N is how well each force is known.
+    """Phases of constant speed of a cylinder.
+
+    ``speed`` (n,) m/s and ``force`` (n,) N against the motion are signed; ``head`` and ``rod`` (n,) Pa are the
+    chambers' pressures; ``error`` (n,) N is how well each force is known.
     """
 
     speed: Floats
@@ -58,14 +60,14 @@ class SteadyPoints:
     error: Floats
 
     def towards(self, way: Way) -> SteadyPoints:
-        """Return those of one direction."""
+        """Return the points of one direction."""
         own = self.speed > 0.0 if way == "extending" else self.speed < 0.0
         return SteadyPoints(*(values[own] for values in (self.speed, self.force, self.head, self.rod, self.error)))
 
 
 @dataclass(frozen=True)
 class Variant:
-    """One of the models fitted to one direction: its ``values``, what it leaves (``rms``, N) and Bayes' criterion."""
+    """One of the models fitted to one direction: its ``values``, residual (``rms``, N) and Bayesian ``criterion``."""
 
     number: int
     way: Way
@@ -75,14 +77,15 @@ class Variant:
 
     @property
     def parameters(self) -> dict[str, float]:
-        """The values as the law ``pressure`` names them."""
+        """The values under the names of the law ``pressure``."""
         return {f"{name}_{self.way}": value for name, value in self.values.items()}
 
 
 def steady_points(logs: list[Log], robot: Robot, joint: str) -> SteadyPoints:
-    """Return the phases of constant speed of a cylinder's logs, each by its means.
+    """Return the phases of constant speed in a cylinder's logs, each by its means.
 
-    Raises :class:`LogError` where a log lacks the chambers' pressures, or nothing goes at a constant speed.
+    Raises :class:`LogError` where no cylinder moves the joint, a log lacks the chambers' pressures, or the joint never
+    moves at a constant speed.
     """
     place = robot.joints.index(robot.joint(joint).name)
     of = robot.joint(joint).hydraulics
@@ -103,7 +106,7 @@ def steady_points(logs: list[Log], robot: Robot, joint: str) -> SteadyPoints:
             own = slice(phase.first, phase.past)
             head, rod = (motion.columns[name][own] for name in names)
             force = of.head_area * head - of.rod_area * rod
-            # Pieces of the phase scatter as far as its mean is known, slow drifts included.
+            # The scatter of the phase's pieces shows how well its mean is known, slow drifts included.
             pieces = [float(np.mean(piece)) for piece in np.array_split(force, PIECES)]
             error = float(np.std(pieces, ddof=1)) / np.sqrt(PIECES)
             speed = float(np.mean(motion.velocity[own, place]))
@@ -121,7 +124,7 @@ def steady_points(logs: list[Log], robot: Robot, joint: str) -> SteadyPoints:
 def fit_variant(points: SteadyPoints, way: Way, number: int) -> Variant:
     """Fit one of the document's models to one direction.
 
-    Raises :class:`LogError` for fewer speeds than the model has parameters, and one more.
+    Raises :class:`LogError` unless there are more speeds than the model has parameters.
     """
     own, names = points.towards(way), VARIANTS[number]
     if own.speed.size <= len(names):
@@ -158,8 +161,9 @@ def fit_variant(points: SteadyPoints, way: Way, number: int) -> Variant:
 
 
 def choose_variant(points: SteadyPoints, way: Way) -> tuple[Variant, dict[int, Variant]]:
-    """Return the variant of least criterion among those that tell friction in a direction, and by their numbers all
-    that the speeds recorded allow.
+    """Return the variant to take in a direction, and by their numbers all variants that the recorded speeds allow.
+
+    The one to take has the least criterion among those that say something about friction.
     """
     count = points.towards(way).speed.size
     tried = {number: fit_variant(points, way, number) for number in TELLING}
@@ -168,5 +172,5 @@ def choose_variant(points: SteadyPoints, way: Way) -> tuple[Variant, dict[int, V
 
 
 def pressure_law(extending: Variant, retracting: Variant) -> Values:
-    """Return the law's parameters from a model for each direction."""
+    """Return the law's parameters from one fitted model for each direction."""
     return {**extending.parameters, **retracting.parameters}

@@ -20,14 +20,14 @@ from mjfriction.robot.rubbing import direction, forward_share, surroundings, ter
 
 Side = Literal["joint", "motor"]
 NOISE_ROUNDS = 3
-OUTLYING = 3.0  # deviations, from which on what is left counts by its size
+OUTLYING = 3.0  # deviations beyond which a residual counts by its size and not by its square
 
 
 @dataclass(frozen=True)
 class Problem:
-    """Rows of one joint: ``target`` (rows,) in N·m or N at the joint, each believed to ``deviation`` (rows,).
+    """Rows of one joint: ``target`` (rows,) in N·m or N at the joint, each with a standard ``deviation`` (rows,).
 
-    ``gap`` is that of the robot without friction at this joint; ``beside`` is what is unknown there besides.
+    ``gap`` is that of the robot without friction at this joint; ``beside`` holds what else is unknown at the joint.
     """
 
     gap: Gap
@@ -38,12 +38,12 @@ class Problem:
     beside: Beside
 
     def term(self, law: Law, values: Values) -> FrictionTerm:
-        """Return a law with values as it stands in a robot file."""
+        """Return a law with given values in the form of a robot file."""
         parameters = {name: own if isinstance(own, (int, float)) else tuple(own) for name, own in values.items()}
         return FrictionTerm(law=law.name, side=self.side, parameters=parameters)
 
     def rows(self, term: FrictionTerm) -> Floats:
-        """Return the effort of a friction law through the measurement chain, (rows,)."""
+        """Return the effort of a friction law, passed through the measurement chain, (rows,)."""
         gap, joint = self.gap, self.gap.robot.table.joint[self.joint]
         ratio = joint.actuator.gear_ratio
         torque = term_torque(term, ratio, gap.motion, self.joint, self._around, self._turned, follow=True)
@@ -61,11 +61,11 @@ class Problem:
         return direction(motion.velocity[:, self.joint], motion.sure_speed[:, self.joint])
 
     def left(self, term: FrictionTerm) -> Floats:
-        """Return what a law leaves, in deviations and free of what is unknown beside it, (rows + k,)."""
+        """Return a law's residual in deviations, with what is unknown beside it projected out, (rows + k,)."""
         return self._free.target((self.target - self.rows(term)) / self.deviation)
 
     def freed(self, slopes: Floats) -> Floats:
-        """Return how what a law leaves moves with its rows' ``slopes`` (rows, m), (rows + k, m)."""
+        """Return the derivatives of that residual, (rows + k, m), from the ``slopes`` (rows, m) of the law's rows."""
         return self._free.columns(-slopes / self.deviation[:, None])
 
     @functools.cached_property
@@ -73,10 +73,10 @@ class Problem:
         return free_of(self.beside, self.deviation)
 
     def believed(self, residual: Floats) -> Problem:
-        """Return the problem with its rows believed by the noise of what a fit leaves of them, (rows,).
+        """Return the problem with row deviations taken from the noise of a fit's ``residual`` (rows,).
 
-        What is left by more than three deviations counts by its size and not by its square (Huber, Annals of
-        Mathematical Statistics 35, 1964): a hand on the arm, or a collision, says nothing of friction.
+        A residual of more than three deviations counts by its size and not by its square (Huber, Annals of Mathematical
+        Statistics 35, 1964): a hand on the arm, or a collision, says nothing about friction.
         """
         noise = float(np.sqrt(np.mean(np.square(residual))))
         for _ in range(NOISE_ROUNDS):

@@ -1,4 +1,4 @@
-"""What a model gains on motion it was not fitted to."""
+"""What a model gains on held-out motion."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ BOOTSTRAPS = 2000
 
 @dataclass(frozen=True)
 class Gain:
-    """RMS error at a joint without and with a cause, on motion not fitted: of effort, unless something else is said.
+    """Held-out RMS error at a joint without and with a cause, of effort unless something else is stated.
 
-    ``reduction`` = 1 − after/before; ``low`` and ``high`` bound it at 95 %.
+    ``reduction`` = 1 − after/before; ``low`` and ``high`` are its 95 % bounds.
     """
 
     before: float
@@ -41,6 +41,6 @@ def measure_gain(before: Floats, after: Floats, block: Integers, seed: int) -> G
 
 
 def gain_at(gap: Gap, before: Floats, after: Floats, joint: int, seed: int) -> Gain:
-    """Compare two held-out residuals (rows, joints) at a joint, in what its drive reports, where friction is clear."""
+    """Compare two held-out residuals (rows, joints) at a joint, in the unit its drive reports, on its clear rows."""
     clear, unit = gap.clear[:, joint], abs(float(gap.per_reported[joint]))
     return measure_gain(before[clear, joint] / unit, after[clear, joint] / unit, gap.blocks.row[clear], seed)

@@ -25,25 +25,27 @@ from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.effort import predict_effort
 from mjfriction.robot.robot import Robot
 
-REACH = 0.4  # of the way between a joint's limits, either side of the middle
-WIDEST = 1.2  # rad or m of reach, where limits are wide
-UNSTATED_SPEED = 1.5  # rad/s or m/s, where a model states no limit
-SLOWEST_SHARE = 0.005  # of the top speed: the slowest pass
-LONGEST_PASS = 8.0  # s; slower passes go over a part of the stroke
-TOP_SHARE = 0.8  # of a joint's top speed, that passes use
-CUTOFF = 20.0  # Hz, of planned motions' derivatives
-REST = 125  # samples between two joints' passes
-PACES = (0.15, 1.0)  # of the top speeds, at which trial motions that tell robots apart run
-TRIALS, TRIAL_SECONDS, LONGEST_TO_AND_FRO = 4, 40.0, 20.0  # of each, s of all joints at once, s of one alone
+REACH = 0.4  # share of a joint's range that a motion may use on either side of the middle
+WIDEST = 1.2  # rad or m, the largest such reach, where limits are wide
+# rad/s or m/s, the highest speed that is planned where none is asked for, even if the model's limit is higher
+UNSTATED_SPEED = 1.5
+SLOWEST_SHARE = 0.005  # speed of the slowest pass, as a share of the fastest
+LONGEST_PASS = 8.0  # s; slower passes cover only a part of the stroke
+TOP_SHARE = 0.8  # share of a joint's top speed that passes use
+CUTOFF = 20.0  # Hz, for the derivatives of planned motions
+REST = 125  # samples of rest between two joints' passes
+PACES = (0.15, 1.0)  # shares of the top speeds at which trial motions of all joints run
+# Number of trials of each kind, s of a trial of all joints at once, s of the slowest to and fro of one joint alone.
+TRIALS, TRIAL_SECONDS, LONGEST_TO_AND_FRO = 4, 40.0, 20.0
 ENOUGH_SAMPLES = 1500
 USUAL_SPEEDS, USUAL_SECONDS = 12, 60.0
-DRAWS = 8  # excitations of which the best is taken
-USUAL_SPREAD = 0.2  # by which links usually are off: a mass by 20 %
+DRAWS = 8  # random excitations, of which the best is taken
+USUAL_SPREAD = 0.2  # how far off links usually are: a mass by 20 %
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A trajectory, and what it does in sentences for a person."""
+    """A trajectory, and sentences that tell a person what it does."""
 
     trajectory: Trajectory
     words: tuple[str, ...]
@@ -52,15 +54,15 @@ class Plan:
 def room(body: Body) -> tuple[Floats, Floats]:
     """Return the middle of every joint's range and how far a motion may go to either side, (joints,) each.
 
-    A turning joint of which none is stated may turn by half a turn either way.  Raises
-    :class:`~mjfriction.errors.RobotError` for a sliding joint without one.
+    A turning joint without stated limits counts as one with a range of half a turn either way.  Raises
+    :class:`~mjfriction.errors.RobotError` for a sliding joint without limits.
     """
     low, high = _range(body)
     return 0.5 * (low + high), np.minimum(REACH * (high - low), WIDEST)
 
 
 def unbounded(body: Body) -> tuple[str, ...]:
-    """Return the sliding joints of which the model states no range: no motion of theirs is safe to plan."""
+    """Return the sliding joints for which the model states no range: no motion of theirs is safe to plan."""
     ends = zip(body.joints, body.sliding, body.lower, body.upper, strict=True)
     return tuple(joint for joint, slides, low, high in ends if slides and not np.isfinite(high - low))
 
@@ -89,13 +91,14 @@ def plan_passes(
 ) -> Plan:
     """Plan passes forward and backward of one joint after another, each where gravity loads it least.
 
-    ``count`` speeds a joint, evenly in logarithm from the ``slowest`` (a two-hundredth of the fastest) to the
-    ``fastest`` (0.8 of the joint's top speed), or those given for it in ``speeds`` (rad/s or m/s at the joint, rising),
-    past its top speed or not; each over the ``stroke`` (rad or m; four fifths of the joint's range, 2.4 at most), slow
-    ones over a part of it.  ``tell`` hears each joint.
+    Each joint gets ``count`` speeds, spaced logarithmically from the ``slowest`` (by default a two-hundredth of the
+    fastest) to the ``fastest`` (by default 0.8 of the joint's top speed, which counts as 1.5 at most).  Instead
+    ``speeds`` may give a joint's speeds (rad/s or m/s at the joint, rising), even beyond its top speed.  Passes go over
+    the ``stroke`` (rad or m; by default four fifths of the joint's range, 2.4 at most), slow ones over a part of it.
+    ``tell`` is called for each joint.
 
-    Raises :class:`RobotError` for a joint that the robot has not, fewer than three speeds, or speeds and a stroke that
-    a joint cannot go.
+    Raises :class:`RobotError` for a joint that the robot does not have, for fewer than three speeds, or for speeds or a
+    stroke that a joint cannot reach.
     """
     body = robot.body()
     if count < 3:
@@ -119,7 +122,7 @@ def plan_passes(
         for speed in paces.tolist():
             way = min(way_at_most, speed * LONGEST_PASS)
             middle = float(freed.pose[index])
-            # At top speed three quarters of the way are left for the phase of constant speed.
+            # At top speed, three quarters of the way remain for the phase of constant speed.
             acceleration = 4.0 * max(top * top / way_at_most, speed * speed / way)
             passes = forward_backward(name, middle - 0.5 * way, way, [speed], acceleration)
             own.append(passes.position[:, 0])
@@ -133,7 +136,7 @@ def plan_passes(
 
 
 def _stroke(body: Body, index: int, middle: float, asked: float | None) -> float:
-    # How far the passes of a joint go about where gravity loads it least.
+    # How far a joint's passes go around the position where gravity loads it least.
     if asked is None:
         return 2.0 * float(room(body)[1][index])
     low, high = (float(limits[index]) for limits in _range(body))
@@ -148,7 +151,7 @@ def _stroke(body: Body, index: int, middle: float, asked: float | None) -> float
 
 
 def _paces(body: Body, index: int, count: int, slowest: float | None, fastest: float | None) -> Floats:
-    # The speeds of a joint's passes, evenly in logarithm.
+    # The speeds of a joint's passes, spaced logarithmically.
     limit = float(body.top_speed[index])
     top = TOP_SHARE * min(limit, UNSTATED_SPEED) if fastest is None else fastest
     low = SLOWEST_SHARE * top if slowest is None else slowest
@@ -163,10 +166,10 @@ def _paces(body: Body, index: int, count: int, slowest: float | None, fastest: f
 
 
 def plan_excitation(robot: Robot, seconds: float = USUAL_SECONDS, *, seed: int = 0, tell: Tell = silently) -> Plan:
-    """Plan a motion of all joints at once, within limits, that tells links and friction apart.
+    """Plan a motion of all joints at once, within limits, that separates links from friction.
 
-    Of several sums of sines the one is taken whose regressor of links and friction, in usual sizes, has the largest
-    smallest singular value.  ``tell`` hears each draw.
+    Of several random sums of sines, the one is taken whose regressor of links and friction, in usual sizes, has the
+    largest median singular value.  ``tell`` is called for each draw.
     """
     body = robot.body()
     middle, reach = room(body)
@@ -186,11 +189,11 @@ def plan_excitation(robot: Robot, seconds: float = USUAL_SECONDS, *, seed: int =
 
 
 def plan_separation(robots: tuple[Robot, Robot], *, seed: int = 0, tell: Tell = silently) -> Plan:
-    """Plan the motion, of a few dozen within limits, on which two robots predict efforts that differ most.
+    """Plan the motion on which two robots' predicted efforts differ most, out of a few dozen within limits.
 
-    ``tell`` hears which joint's motions are tried.
+    ``tell`` is called with the joint whose motions are tried.
 
-    Raises :class:`RobotError` where they have not the same joints, or predict the same on all.
+    Raises :class:`RobotError` where the robots do not have the same joints, or predict the same efforts on all motions.
     """
     one, other = robots
     if one.joints != other.joints:
@@ -224,10 +227,10 @@ def candidate_motions(
     side: float = 0.0,
     seed: int = 0,
 ) -> list[Trajectory]:
-    """Return motions within the joints' limits: all joints at several speeds and places, and one joint to and fro.
+    """Return motions within the joints' limits: random ones of all joints at two paces, and one joint to and fro.
 
-    With ``side`` −1 or 1 that one moves as far from the middle of its range as it may, though by no more than a quarter
-    of a turn: a load may point the other way there.
+    With ``side`` −1 or 1, ``joint`` moves about a place as far from the middle of its range as possible, but no more
+    than a quarter of a turn away: a load may point the other way there.
     """
     middle, reach = room(body)
     middle[joint] += side * _room_aside(body, joint, float(reach[joint]))
@@ -238,7 +241,7 @@ def candidate_motions(
             for pace in PACES
             for draw in range(TRIALS)
         ]
-    # A pass to and fro takes four reaches over its speed; slower than this no one waits for.
+    # A pass to and fro takes four reaches divided by its speed; a slower one would take too long.
     slowest = 4.0 * reach[joint] / LONGEST_TO_AND_FRO
     fastest = max(min(top[joint], 4.0 * reach[joint]), 1.01 * slowest)
     speeds = np.geomspace(slowest, fastest, TRIALS).tolist()
@@ -255,7 +258,7 @@ def _room_aside(body: Body, joint: int, reach: float) -> float:
 
 
 def motion_along(robot: Robot, trajectory: Trajectory) -> Motion:
-    """Return the motion that a trajectory asks for, as a log of it would show."""
+    """Return the motion of a trajectory, as estimated from a log that followed it exactly."""
     columns = {"time": trajectory.time}
     for i, name in enumerate(trajectory.joints):
         columns[f"{POSITION}.{name}"] = trajectory.position[:, i]
@@ -270,7 +273,7 @@ def difference(robots: Sequence[Robot], motion: Motion) -> Floats:
 
 
 def least_told(body: Body, motion: Motion) -> float:
-    """Return the smallest singular value of a motion's regressor, links and friction in sizes they usually are off."""
+    """Return the median singular value of a motion's regressor of links and friction, in sizes they usually are off."""
     thin = slice(None, None, max(1, motion.time.size // ENOUGH_SAMPLES))
     course = (motion.position[thin], motion.velocity[thin], motion.acceleration[thin])
     weight = USUAL_SPREAD * parameters_per_number(factors(pseudo_inertias(body.model)))
@@ -284,12 +287,13 @@ def least_told(body: Body, motion: Motion) -> float:
         rows = np.hstack([links[:, joint].reshape(velocity.size, -1), own])
         blocks.append(rows / max(float(size[joint]), 1e-12))
     values = np.linalg.svd(np.vstack(blocks), compute_uv=False)
-    # Combinations that no motion shows are the same for all draws; what the better half shows decides.
+    # Combinations that no motion shows are the same for all draws, so the least of the larger half of the values
+    # decides.
     return float(values[values.size // 2])
 
 
 def joined(joints: tuple[str, ...], parts: list[Floats], body: Body) -> Trajectory:
-    """Join parts (n, joints) at 250 Hz: between two, all joints go from where one ends to where the next begins."""
+    """Join parts (n, joints) at 250 Hz; between two, all joints move from where one ends to where the next begins."""
     top = 0.3 * np.minimum(body.top_speed, UNSTATED_SPEED)
     out = [parts[0]]
     for before, after in itertools.pairwise(parts):

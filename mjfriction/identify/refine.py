@@ -1,8 +1,8 @@
-"""Refinement on simulated motion: the log's efforts are played into MuJoCo, and where the joints go is compared.
+"""Refinement on simulated motion: the log's efforts drive a MuJoCo model, and where the joints go is compared.
 
-Inverse dynamics asks what effort a measured acceleration needs, and suffers from that acceleration's noise; a
+Inverse dynamics asks what effort a measured acceleration needs, and suffers from the noise of that acceleration.  A
 simulation asks where a measured effort leads, and does not.  It runs in stretches that begin where the log says, so
-that errors do not pile up; one stretch of a whole log is the open-loop simulation.
+that errors do not accumulate; a single stretch over the whole log is the open-loop simulation.
 """
 
 from __future__ import annotations
@@ -22,14 +22,16 @@ from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 
 MOST_ROUNDS = 15
-DIFFERENCE = 1e-3  # of a coordinate, for slopes: what the solver's own rounding leaves alone
-FREEDOM = 0.5  # of its coordinate's own size (a factor of e^0.5 for a logarithm), that a parameter may move by usually
-PRIOR = 0.02  # weight of a parameter's own distance beside one position error of the size it begins with
+# Step for slopes, as a share of a coordinate's size: large enough not to be lost in the solver's rounding.
+DIFFERENCE = 1e-3
+# Share of its coordinate's own size by which a parameter usually moves (a factor of e^0.5 for a logarithm).
+FREEDOM = 0.5
+PRIOR = 0.02  # weight of a parameter's own move, relative to one position error of the size at the start
 
 
 @dataclass(frozen=True)
 class Refined:
-    """The refined laws ``fits``, what they were ``begun`` from, and the robot that holds them.
+    """The refined laws ``fits``, those they were ``begun`` from, and the robot that holds them.
 
     ``before`` and ``after`` (joints,) are RMS position errors of the simulation, rad or m, in stretches of ``seconds``.
     """
@@ -43,11 +45,11 @@ class Refined:
 
 
 def refine(gap: Gap, robot: Robot, fits: Sequence[LawFit], background: Sequence[Background], seconds: float) -> Refined:
-    """Refit laws, links and zeros on simulated motion, from where they stand in ``robot``.
+    """Refit laws, links and offsets on simulated motion, starting from their values in ``robot``.
 
-    The sum of squared position errors is lowered, every joint's in units of what it begins with; each parameter is held
-    near where it stands by what identification usually is off by, and the background moves along what the efforts show
-    of it.  Raises what :func:`cut_stretches` raises.
+    This lowers the sum of squared position errors, each joint's in units of its initial error.  Each parameter is held
+    near its start by how far off identification usually is; the background moves only along combinations that the
+    efforts show.  Raises what :func:`cut_stretches` raises.
     """
     fixed = cut_stretches(gap, robot, seconds)
     shown = [_shown(part, fits) for part in background]
@@ -102,8 +104,8 @@ def refine(gap: Gap, robot: Robot, fits: Sequence[LawFit], background: Sequence[
 
 
 def _shown(part: Background, fits: Sequence[LawFit]) -> Floats:
-    # Along which combinations of a part's strengths, each as large as is usual, the efforts say more than is known
-    # beforehand, (strengths, combinations); the others cost a simulation each and move nothing.
+    # The combinations of a part's strengths, each scaled to its usual size, on which the efforts say more than the
+    # prior, (strengths, combinations).  The others would each cost a simulation and move nothing.
     usual = 1.0 / np.sqrt(part.precision)
     gram = np.zeros((usual.size, usual.size))
     for fit in fits:

@@ -1,7 +1,7 @@
 """Least squares over blocks of motion: everything the diagnosis needs of the data, as small matrices.
 
-The weighted rows of a joint enter only through their products summed per block, and what a further column would gain is
-told from these and its own.
+The weighted rows of a joint enter only through their products, summed per block.  The gain of a further column follows
+from these products and its own.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from mjfriction.record.log import Floats, Integers
 Columns = Mapping[int, Floats]
 """A block of regressor columns: joint index → rows (rows, k), in units of effort per unit of strength."""
 
-UNSEEN = 1e-6  # of a block's largest column: a smaller one is rounding, not motion
+UNSEEN = 1e-6  # of the largest column of the same candidate: a smaller column is rounding, not motion
 
 
 @dataclass(frozen=True)
 class Rows:
-    """The equation system's left side.
+    """The target of the regression, its weights and its blocks.
 
-    ``target`` (rows, joints): effort to be explained.  ``weight`` (rows, joints): one over the deviation a row is
-    believed to, 0 where there is none.  ``block`` (rows,): 0 … blocks−1.
+    ``target`` (rows, joints): effort to be explained.  ``weight`` (rows, joints): one over the deviation of each row, 0
+    where nothing is measured.  ``block`` (rows,): 0 … blocks−1.
     """
 
     target: Floats
@@ -61,16 +61,16 @@ class Rows:
 class System:
     """Rows with the regressors that are in the model so far; further ones can be tried against it.
 
-    ``felt`` holds, for each joint, which of all regressors it feels, and ``told`` these and the target behind them,
-    weighted, (rows, felt + 1).
+    For each joint, ``felt`` holds the indices of the regressors that act on it, and ``told`` holds these columns
+    followed by the target, weighted, (rows, felt + 1).
     """
 
     def __init__(self, rows: Rows, columns: list[Columns], precisions: list[Floats]) -> None:
-        """Set up the equations; ``precisions`` holds one array (k,) for each block of columns."""
+        """Set up the equations; ``precisions`` holds one prior precision (k,) for each block of columns."""
         self.rows = rows
         precision = np.concatenate(precisions) if precisions else np.empty(0)
         self.count = precision.size
-        # A joint feels few of all regressors: only those that it does are kept, weighted.
+        # Few of all regressors act on a joint: only those are kept, weighted.
         felt = [_joint_columns(rows, columns, precisions, joint) for joint in range(rows.joints)]
         self.felt = [place for place, _ in felt]
         self.told = [
@@ -84,7 +84,7 @@ class System:
         return _part(self.felt[joint], self.rows.products(self.told[joint], self.told[joint]))
 
     def reweighted(self, weight: Floats, joints: Iterable[int]) -> System:
-        """Return the system with the rows of some ``joints`` counted by another ``weight`` (rows, joints)."""
+        """Return the system with another ``weight`` (rows, joints) for the rows of some ``joints``."""
         out = copy(self)
         out._forget()
         whole = self.rows.weight.copy()
@@ -101,20 +101,21 @@ class System:
         return out
 
     def kept_within(self, place: slice, reach: Floats) -> System:
-        """Return the system with some strengths kept within their reach, as those of its equations are."""
+        """Return the system with some strengths kept within their ``reach``, as :meth:`Normal.kept_within` does."""
         kept = copy(self)
         kept.normal = self.normal.kept_within(place, reach)
         kept._forget()
         return kept
 
     def _forget(self) -> None:
-        # What is screened by is of the equations as they were.
+        # The cached quantities for screening belong to the equations as they were.
         for name in ("_kept", "_kept_of_joints", "_whitened"):
             self.__dict__.pop(name, None)
 
     def averaged(self, count: int) -> Normal:
-        """Return the normal equations of means over up to ``count`` rows next to one another in a block, weighted as
-        these are: of noise, and of what is as quick, next to nothing is left in them.
+        """Return the normal equations of means over up to ``count`` adjacent rows of a block.
+
+        The weights are those of the rows.  Noise, and anything as fast, nearly vanishes in the means.
         """
         block = self.rows.block
         place = np.arange(block.size) - np.searchsorted(block, block)
@@ -135,17 +136,18 @@ class System:
     def screen(self, block: Columns, every: int = 1) -> tuple[Floats, Floats]:
         """Try many candidates of one kind at once.
 
-        ``block`` holds, for each joint, the columns (rows/every, K, k) of K candidates of k strengths each; with
-        ``every`` above 1, each ``every``-th row stands for all.  Returns their
-        strengths (K, k) and gains (K,): by how much each lowers the weighted squared error, fitted together with
-        everything in the model.
+        ``block`` holds, for each joint, the columns (rows/every, K, k) of K candidates with k strengths each.  With
+        ``every`` above 1, each ``every``-th row stands for all rows.  Returns the candidates' strengths (K, k) and
+        gains (K,): by how much each lowers the weighted squared error when fitted together with everything in the
+        model.
         """
         _, number, count = next(iter(block.values())).shape
         cross = np.zeros((self.normal.count, number * count))
         own = np.zeros((number, count, count))
         moment = np.zeros((number, count))
         for joint, columns in block.items():
-            # Weights go with the model's few columns, or with the products, rather than with those of all candidates.
+            # Apply the weights to the model's few columns, or to the products, rather than to the columns of all
+            # candidates.
             told, counts = self._screened_by(joint, every)
             crossed = told @ columns.reshape(columns.shape[0], -1)
             cross[self.felt[joint]] += crossed[:-1]
@@ -159,8 +161,8 @@ class System:
         held = (whitened @ cross).reshape(-1, number, count).transpose(1, 2, 0)
         reduced = own - np.matmul(held, np.swapaxes(held, 1, 2))
         score = moment - (fitted @ cross).reshape(number, count)
-        # A column that the model holds already, or that the motion does not show, is left without strength rather than
-        # divided by nothing.
+        # A column that the model already contains, or that the motion does not show, gets zero strength instead of a
+        # division by zero.
         diagonal = np.einsum("kii->ki", reduced)
         full = np.einsum("kii->ki", own)
         dead = (diagonal <= 1e-6 * full) | (full <= UNSEEN**2 * np.max(full, axis=1, keepdims=True))
@@ -172,8 +174,9 @@ class System:
         return strengths, np.einsum("ki,ki->k", score, strengths)
 
     def _thinned(self, every: int) -> tuple[Floats, Floats]:
-        # What whitens the model's regressors, and its strengths, on the rows that candidates are screened on: on
-        # others, what it nearly holds would be lost in a difference, and what it leaves would look like more.
+        # The whitening matrix of the model's regressors, and the model's strengths, on the rows that candidates are
+        # screened on.  From other rows, what is left of a column that the model nearly contains would be lost in a
+        # difference, and the model's residual would look larger than it is.
         if every == 1:
             return self._whitened
         if every not in self._kept:
@@ -187,8 +190,8 @@ class System:
         return self._kept[every]
 
     def _screened_by(self, joint: int, every: int) -> tuple[Floats, Floats]:
-        # What a joint is told, (felt + 1, rows/every), weighted once more for the columns that are held against it, and
-        # how much its rows count.
+        # A joint's regressors and target, (felt + 1, rows/every), weighted once more because the candidates' columns
+        # are not weighted; and the squared weights of its rows.
         if (joint, every) not in self._kept_of_joints:
             weight = self.rows.weight[::every, joint]
             told = every * weight[:, None] * self.told[joint][::every]
@@ -223,12 +226,12 @@ class System:
 
 
 def _part(felt: Integers, whole: Floats) -> Part:
-    # Out of the products of what a joint is told with itself, the target last.
+    # Make a part of the products of a joint's columns with themselves, the target being the last column.
     return Part(felt, whole[:, :-1, :-1], whole[:, :-1, -1], whole[:, -1, -1])
 
 
 def _joint_columns(rows: Rows, blocks: list[Columns], precisions: list[Floats], joint: int) -> tuple[Integers, Floats]:
-    # Which of all regressors a joint feels, and these, (rows, felt).
+    # The indices of the regressors that act on a joint, and their columns, (rows, felt).
     places, parts, end = [np.empty(0, dtype=np.int64)], [np.empty((rows.block.size, 0))], 0
     for block, precision in zip(blocks, precisions, strict=True):
         start, end = end, end + precision.size

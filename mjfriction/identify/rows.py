@@ -1,8 +1,8 @@
-"""From samples to rows of a regression, the same way for what was measured and for what is predicted.
+"""Turn samples into rows of a regression, in the same way for what was measured and for what is predicted.
 
-Everything that enters the regression, the drives' effort and every regressor, goes through one low-pass without phase
-lag and is thinned to its rate.  A linear filter on both sides of a linear equation leaves its parameters where they
-are, so that a sign change blurs alike in data and model, and thinned white noise stays white.
+Everything that enters the regression, the drives' effort and every regressor, passes through one low-pass without phase
+lag and is thinned to its rate.  The same linear filter on both sides of a linear equation leaves its parameters
+unchanged.  A sign change is blurred alike in data and model, and thinned white noise stays white.
 """
 
 from __future__ import annotations
@@ -20,18 +20,19 @@ from mjfriction.errors import LogError
 from mjfriction.record.log import Floats, Integers
 from mjfriction.record.motion import Motion
 
-BAND_SHARE = 0.5  # of the position filter's cutoff: where its gain is 1 to four digits, so that it adds no bias
+BAND_SHARE = 0.5  # of the position filter's cutoff; the filter's gain there is still 0.996, so it adds hardly any bias
 ROWS_PER_BAND = 2.0  # rows per second over the band's edge in Hz: as many as are independent under white noise
 TAPS_PER_ROW = 8
-MOST_ROWS = 1024  # of a part of a log, that is worked on at a time
+MOST_ROWS = 1024  # rows of a part of a log that is processed at a time
 
 
 @dataclass(frozen=True)
 class Chain:
-    """The filter and the samples it turns into rows.
+    """The filter and the samples that it turns into rows.
 
     ``spans`` are the settled stretches (first, past) of samples; ``time`` (rows,) is the centre of each row's window;
-    ``band`` (Hz) is the edge of the low-pass; ``noise_gain`` the share of white noise's deviation that passes.
+    ``band`` (Hz) is the edge of the low-pass; ``noise_gain`` is the share of white noise's standard deviation that
+    passes.
     """
 
     taps: Floats
@@ -57,9 +58,10 @@ class Chain:
         return self._through(self.taps, samples)
 
     def parts(self, motion: Motion, halo: int) -> Iterator[tuple[slice, Chain]]:
-        """Return stretches of a motion's samples and the chain that makes the rows of each: together, all in order.
+        """Return stretches of a motion's samples, each with the chain that makes its rows.
 
-        Around what its rows are made of, a stretch has ``halo`` samples on either side, as far as its piece goes.
+        Together they give all rows in order.  A stretch includes ``halo`` more samples on either side than its rows are
+        made of, as far as its piece reaches.
         """
         first, row = -(-(self.taps.size - 1) // self.thinning), 0
         for start, past in self.spans:
@@ -75,21 +77,21 @@ class Chain:
                 row += high - low
 
     def response(self, frequency: Floats) -> Floats:
-        """Return how much of an oscillation of given frequency (Hz, any shape) passes."""
+        """Return the gain at given frequencies (Hz, any shape)."""
         return np.asarray(np.interp(np.abs(frequency) / self.rate, *self._gains))
 
     @functools.cached_property
     def _gains(self) -> tuple[Floats, Floats]:
-        # What passes at frequencies, relative to the rate.
+        # Frequencies relative to the sampling rate, and the gain at each.
         grid, half = np.linspace(0.0, 0.5, 512), (self.taps.size - 1) // 2
         return grid, np.cos(2.0 * np.pi * np.outer(grid, np.arange(-half, half + 1))) @ self.taps
 
     def touched(self, mask: NDArray[np.bool_]) -> Floats:
-        """Return how much of each row's window a mask (n,) covers, from 0 to 1."""
+        """Return the share of each row's window that a mask (n,) covers, from 0 to 1."""
         return self.averaged(mask.astype(np.float64))
 
     def averaged(self, sizes: Floats) -> Floats:
-        """Return the mean over each row's window of sizes (n,) that are nowhere negative."""
+        """Return the mean of non-negative sizes (n,) over each row's window, (rows,)."""
         weight = np.abs(self.taps)
         return self._through(weight / np.sum(weight), sizes)
 

@@ -1,4 +1,4 @@
-"""Where the fit of a law begins: from the level, the damping and the speeds that the joint itself shows."""
+"""Starting values for the fit of a law, from the level, the damping and the speeds that the joint itself shows."""
 
 from __future__ import annotations
 
@@ -18,22 +18,25 @@ LEFT_AS_DECLARED = frozenset(
         "damping_velocity",
         "elastic_share",
         "reference_temperature",
-        # At steady speeds the force on a cylinder is a sum of these and the rod's pressure, whatever its friction is.
+        # At steady speeds, these and the rod pressure together reproduce the measured force of a cylinder, whatever its
+        # friction is.
         *(f"{name}_{way}" for name in ("growth", "pressure_difference") for way in ("extending", "retracting")),
     }
 )
 """Parameters with a default that no ordinary log can improve on."""
 
-FADING_SPEEDS = (0.05, 0.15, 0.4)  # of the joint's usual speed, at which a level may fall away
-GIVING_TRAVELS = (1e-4, 1e-3, 1e-2)  # of the stroke, over which a bristle may yield
-EXCESS = 0.3  # of the level, that friction near rest may stand above it
+FADING_SPEEDS = (0.05, 0.15, 0.4)  # speeds over which a level may fade, as shares of the joint's usual speed
+GIVING_TRAVELS = (1e-4, 1e-3, 1e-2)  # travels over which a bristle may yield, as shares of the stroke
+EXCESS = 0.3  # share of the level by which friction near rest may exceed it
 TWO_OVER_PI = 2.0 / math.pi
 
 
 @dataclass(frozen=True)
 class Usual:
-    """What a joint shows at first sight, on the side of the law: its friction ``level`` and ``damping``, its usual
-    ``speed`` (RMS), its ``stroke``, and its usual ``load`` (RMS).
+    """Rough values of a joint, on the side of the law.
+
+    They are its friction ``level`` and ``damping``, its usual ``speed`` (RMS), its ``stroke``, and its usual ``load``
+    (RMS).
     """
 
     level: float
@@ -44,8 +47,9 @@ class Usual:
 
 
 def starts(law: Law, usual: Usual, fading: Sequence[float] = FADING_SPEEDS) -> list[dict[str, float]]:
-    """Return sets of values for a law's single parameters to begin a fit from; ``fading`` are the shares of the usual
-    speed to try.
+    """Return sets of values for a law's single parameters to start a fit from.
+
+    ``fading`` are the fading speeds to try, as shares of the usual speed.
     """
     names = [parameter.name for parameter in law.parameters]
     speeds = fading if {"stribeck_velocity", "stribeck_steepness", "half_velocity"} & set(names) else fading[:1]

@@ -1,4 +1,4 @@
-"""A law's statics from a joint's passes forward and backward, where it has them."""
+"""A law's static parameters from a joint's passes forward and backward, where it has them."""
 
 from __future__ import annotations
 
@@ -22,8 +22,9 @@ TOLD_BY_LOADS = ("load_dependent", "arctan_load")
 
 @dataclass(frozen=True)
 class Passes:
-    """A joint's passes, and what has been asked of them; ``points`` and ``pendulum`` None where the log has none, and
-    ``lacking`` then what it would need.
+    """A joint's passes and what was derived from them.
+
+    ``points`` and ``pendulum`` are None where the log has no passes; ``lacking`` then says what it would need.
     """
 
     points: FrictionMap | None
@@ -32,9 +33,11 @@ class Passes:
     _found: dict[str, MapFit | None] = field(default_factory=dict)
 
     def statics(self, fit: LawFit) -> MapFit | None:
-        """Return the statics of a fit's law by least squares on the passes, None where these cannot tell them.
+        """Return the static parameters of a fit's law by least squares on the passes, None where they cannot be
+        determined.
 
-        What reads more than the speed, or differs between directions, does not show in the directions' difference.
+        A law that reads more than the speed, or differs between directions, does not show in the directions'
+        difference.
         """
         law = _static(fit)
         if self.points is None or not self._shows(law):
@@ -47,7 +50,7 @@ class Passes:
         return self._found[law.name]
 
     def chosen(self, names: Sequence[str], side: Side, gear_ratio: float) -> str | None:
-        """Return the law that the passes need among those named that they tell, None where they cannot say."""
+        """Return the law that the passes need, of those named that they can determine; None where they cannot say."""
         laws = [law for law in map(find_law, names) if self.tells(law)]
         if self.points is None or not laws:
             return None
@@ -57,11 +60,11 @@ class Passes:
             return None
 
     def tells(self, law: Law) -> bool:
-        """Return whether a law is all in the difference of passes forward and backward."""
+        """Return whether the difference of passes forward and backward determines a law completely."""
         return self._shows(law) and not law.has_state
 
     def why_none(self, fit: LawFit) -> str:
-        """Say why a fit's statics are not those of the passes; nothing where none were meant."""
+        """Say why a fit's static parameters do not come from the passes; empty where none were intended."""
         if self.points is None:
             return f"; {self.lacking}" if self.lacking else ""
         law = _static(fit)
@@ -75,7 +78,7 @@ class Passes:
         return (not law.reads or loaded) and law.odd
 
     def by_slope(self, fit: LawFit) -> MapFit | None:
-        """Return law (14) by the manipulator paper's own procedure, None where the fit's statics are another law's."""
+        """Return law (14) by the manipulator paper's own procedure, None where the fit's static part is another law."""
         if self.points is None or _static(fit) is not ARCTAN:
             return None
         try:

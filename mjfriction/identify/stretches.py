@@ -1,5 +1,7 @@
-"""Stretches of a log simulated freely: the efforts that the drives reported are played in, and where the joints go is
-compared with where they went.
+"""Free simulation of stretches of a log.
+
+The efforts that the drives reported are applied to the model, and where its joints go is compared with where the
+machine's went.
 """
 
 from __future__ import annotations
@@ -23,34 +25,37 @@ from mjfriction.sim.spec import compiled
 LONGEST_STEP = 1e-3  # s
 COMPARED_EVERY = 0.01  # s between the positions that are compared
 SHORTEST = 0.05  # s
-ENOUGH = 60  # stretches; short logs give as many by overlapping, for where a swing is cut says much of where it ends
+# Stretches; short logs give as many by overlapping, because where a swing is cut largely decides where it ends.
+ENOUGH = 60
 MOST_OVERLAP = 0.75
-LOST = 1e3  # rad or m
-BEFORE = 0.4  # s of motion on both sides of a stretch, that what is known along it is worked out on
-UNMOVED = 1e9  # kg·m² or kg: so heavy, a joint that is held stays where it began
+LOST = 1e3  # rad or m, the error of a simulation that diverged
+BEFORE = 0.4  # s of motion on both sides of a stretch on which what is known along it is computed
+UNMOVED = 1e9  # kg·m² or kg, an armature so heavy that a joint that is held stays where it began
 
 
 @dataclass(frozen=True)
 class Cuts:
-    """Where stretches of a motion lie: the samples they begin at (k,), each of ``length`` samples and one more, within
-    one piece.
+    """Where stretches of a motion lie: the samples at which they begin, (k,).
+
+    Each spans ``length`` samples and one more, within one piece.
     """
 
     begins: Integers
     length: int
 
     def some(self, own: Integers) -> Cuts:
-        """Return those of given numbers."""
+        """Return the stretches with the given numbers."""
         return Cuts(self.begins[own], self.length)
 
 
 @dataclass(frozen=True)
 class Stretches:
-    """Stretches of a log on the models' clock: where they begin (k, joints), the efforts reported (k, steps, joints),
-    and the positions ``measured`` (k, m, joints) at the steps ``compared`` (m,).
+    """Stretches of a log at the simulation's time steps.
 
-    The efforts are those that drives which neither filter nor are late would report, less what a robot states beside
-    its MuJoCo model; joints that are ``held`` stay where they began.
+    They are: where they begin, ``position`` and ``velocity`` (k, joints); the efforts ``reported`` (k, steps, joints);
+    and the positions ``measured`` (k, m, joints) at the steps ``compared`` (m,).  The efforts are those that drives
+    without filter or delay would report, less what a robot states beside its MuJoCo model.  Joints that are ``held``
+    stay where they began.
     """
 
     position: Floats
@@ -63,13 +68,14 @@ class Stretches:
 
     @property
     def seconds(self) -> float:
-        """How long each is, s."""
+        """Duration of each stretch, s."""
         return float(self.reported.shape[1] * self.step)
 
 
 def simulated_error(gap: Gap, robot: Robot, seconds: float) -> tuple[Floats, float]:
-    """Return how far a robot's joints end up from where they were, RMS over stretches of so many seconds in which the
-    log's efforts drive it freely, (joints,) rad or m; and how long the stretches came to be, s.
+    """Return how far a robot's joints end up from where they were, (joints,) rad or m, and the stretches' duration, s.
+
+    The error is an RMS over stretches of about ``seconds``, in which the log's efforts drive the robot freely.
 
     Raises what :func:`cut_stretches` raises.
     """
@@ -80,10 +86,10 @@ def simulated_error(gap: Gap, robot: Robot, seconds: float) -> tuple[Floats, flo
 def cut_stretches(gap: Gap, robot: Robot, seconds: float) -> Stretches:
     """Cut a gap's log into stretches of so many seconds, or of its longest piece where ``seconds`` is infinite.
 
-    Stretches of a short log overlap; pieces shorter than one are left out.  ``robot`` says what its sensors add, and
+    Stretches of a short log overlap; pieces shorter than one are left out.  ``robot`` says what its sensors add and
     what acts beside its MuJoCo model.
 
-    Raises :class:`RobotError` where a joint that moves has no effort, or ``seconds`` is no time to compare.
+    Raises :class:`RobotError` where a joint that moves has no effort, or ``seconds`` is too short to compare.
     """
     if not seconds >= SHORTEST:
         raise RobotError(f"{seconds} s are no stretch to simulate; give {SHORTEST} s or more, or inf for the whole log")
@@ -98,7 +104,7 @@ def cut_stretches(gap: Gap, robot: Robot, seconds: float) -> Stretches:
 
 
 def stretches_at(gap: Gap, robot: Robot, cuts: Cuts) -> Stretches:
-    """Return the stretches of a gap's log that lie at ``cuts``, as a robot says that its MuJoCo model is driven there.
+    """Return the stretches of a gap's log at ``cuts``, driven as a robot says that its MuJoCo model is driven.
 
     Raises :class:`RobotError` where a joint that moves has no effort.
     """
@@ -120,7 +126,7 @@ def stretches_at(gap: Gap, robot: Robot, cuts: Cuts) -> Stretches:
     return Stretches(
         position=driven.position[begins],
         velocity=velocity,
-        # An effort is held over its step, so that the middle's is taken.
+        # An effort is held over its step, so take its value at mid-step.
         reported=_on_steps(torque, begins, clock + 0.5 / fine) * _scale(robot) + _offset(robot),
         measured=_on_steps(driven.position, begins, clock[compared]),
         compared=compared,
@@ -130,7 +136,7 @@ def stretches_at(gap: Gap, robot: Robot, cuts: Cuts) -> Stretches:
 
 
 def _around(motion: Motion, cuts: Cuts) -> tuple[Motion, Integers]:
-    # The motion of the stretches and a little around them, within the pieces that they lie in, and where they begin.
+    # The motion of the stretches and a margin around them, within their pieces; and the samples where they begin.
     margin = int(np.ceil(BEFORE * motion.rate))
     wanted = np.zeros(motion.time.size, dtype=bool)
     for begin in cuts.begins.tolist():
@@ -143,7 +149,7 @@ def _around(motion: Motion, cuts: Cuts) -> tuple[Motion, Integers]:
 
 
 def _on_steps(values: Floats, begins: Integers, at: Floats) -> Floats:
-    # Values (n, joints) at moments (m,), in samples since stretches begin, (k, m, joints).
+    # Interpolate values (n, joints) at times (m,), in samples since the stretches begin, (k, m, joints).
     whole = at.astype(np.int64)
     share = (at - whole)[:, None]
     first = begins[:, None] + whole
@@ -151,9 +157,10 @@ def _on_steps(values: Floats, begins: Integers, at: Floats) -> Floats:
 
 
 def missed(gap: Gap, robots: Sequence[Robot], stretches: Stretches) -> Floats:
-    """Return where each robot's simulation ends up, less where the machine was, (robots, stretches, compared, joints).
+    """Return where each robot's simulation goes, less where the machine went, (robots, stretches, compared, joints).
 
-    The efforts reported are each robot's own sensors' to read; what flew away is a thousand rad or m off.
+    Each robot reads the reported efforts through its own sensors.  A simulation that diverges is a thousand rad or m
+    off.
     """
     models, efforts = [], []
     for robot in robots:
@@ -178,5 +185,5 @@ def _offset(robot: Robot) -> Floats:
 
 
 def rms(missed: Floats) -> Floats:
-    """Return the RMS (joints,) of what was missed, (stretches, compared, joints)."""
+    """Return the RMS (joints,) of the errors (stretches, compared, joints) that :func:`missed` gives."""
     return np.asarray(np.sqrt(np.mean(np.square(missed), axis=(0, 1))))

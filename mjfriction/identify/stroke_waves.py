@@ -1,4 +1,4 @@
-"""Waves along a joint's stroke: which wavenumbers a log can show, and what they are at its rows."""
+"""Waves along a joint's stroke: which wavenumbers a log can show, and the columns of these waves at its rows."""
 
 from __future__ import annotations
 
@@ -7,19 +7,23 @@ import numpy as np
 from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats
 
-FEWEST_WAVES = 1.2  # over the stroke; longer waves are springs or gravity
-FEWEST_TURNING = 0.5  # of waves that turn with the direction of motion: longer ones are a level
-STEPS_PER_LOBE = 2.0  # of the grid of wavenumbers; two waves over one stroke differ when they drift apart by one period
+FEWEST_WAVES = 1.2  # over the stroke; longer waves look like springs or gravity
+FEWEST_TURNING = 0.5  # the same for waves that turn with the direction of motion: longer ones look like a level
+# Steps of the grid of wavenumbers per difference that the stroke resolves: two waves differ when they drift apart by
+# one period over it.
+STEPS_PER_LOBE = 2.0
 MOST_WAVENUMBERS = 400
-IN_BAND = 0.8  # of the band that the waves may reach while the joint is slow
-FREQUENCIES = 16384  # in the rate: at those up to half of it is told what the chain lets through
-SLOW = 0.25  # of the time in motion
+IN_BAND = 0.8  # share of the band that a wave's frequency may reach while the joint is slow
+FREQUENCIES = 16384  # per sampling rate: the chain's gain is tabulated at those up to half the rate
+SLOW = 0.25  # share of the time in motion in which a joint counts as slow
 
 
 def wavenumber_bounds(gap: Gap, joint: int, *, turns: bool) -> tuple[float, float]:
-    """Return the wavenumbers (1/rad or 1/m) that a joint's motion shows, from little more than a wave over its stroke,
-    or half a one where they turn with the direction of motion, to what the band lets through for a quarter of the time
-    that the joint moves: a gear's teeth pass by too fast while it is quick.
+    """Return the lowest and the highest wavenumber (1/rad or 1/m) that a joint's motion shows.
+
+    The lowest is a little more than one wave over the stroke, or half a wave where waves turn with the direction of
+    motion.  The highest is what the band lets through for a quarter of the time that the joint moves: a gear's teeth
+    pass too fast while the joint is quick.
     """
     stroke = float(np.ptp(gap.motion.position[:, joint]))
     speed = np.abs(gap.motion.velocity[:, joint])
@@ -29,24 +33,24 @@ def wavenumber_bounds(gap: Gap, joint: int, *, turns: bool) -> tuple[float, floa
 
 
 def wavenumber_step(gap: Gap, joint: int) -> float:
-    """Return how far apart two wavenumbers must be for the stroke to tell them apart, by half."""
+    """Return half the difference of two wavenumbers that the stroke can resolve."""
     return 2.0 * np.pi / float(np.ptp(gap.motion.position[:, joint])) / STEPS_PER_LOBE
 
 
 def wavenumbers(gap: Gap, joint: int, *, turns: bool) -> Floats:
-    """Return a grid of wavenumbers (k,) as fine as the stroke can tell apart."""
+    """Return a grid of wavenumbers (k,) twice as fine as the stroke can resolve."""
     low, high = wavenumber_bounds(gap, joint, turns=turns)
     step = wavenumber_step(gap, joint)
     return np.asarray(low + step * np.arange(min(int((high - low) / step), MOST_WAVENUMBERS)), dtype=np.float64)
 
 
 def waves_at_rows(gap: Gap, joint: int, wavenumber: Floats, every: int, *, turns: bool) -> Floats:
-    """Return cosine and sine of each wavenumber (k,) at each ``every``-th row, (rows/every, k, 2), good enough to rank
-    them: weakened as the chain weakens the frequency they have there, with no filtering.
+    """Return cosine and sine of each wavenumber (k,) at each ``every``-th row, (rows/every, k, 2).
 
-    With ``turns`` they turn with the direction of motion.
+    They are accurate enough to rank by: attenuated as the chain attenuates the frequency they have there, without
+    filtering.  With ``turns`` they turn with the direction of motion.
     """
-    # Seven digits are enough to rank by, and half a dozen times as quick; so is what passes at the nearest of many
+    # Single precision is enough for ranking, and about six times as fast.  So is the gain at the nearest of many
     # frequencies.
     phase = np.outer(gap.at_rows("position")[::every, joint], wavenumber).astype(np.float32)
     speed = np.abs(gap.at_rows("velocity")[::every, joint])

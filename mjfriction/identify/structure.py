@@ -1,4 +1,4 @@
-"""How much of a residual is structure at all, and along what, before any cause is assumed."""
+"""How much of a residual is structure at all, and along which covariate, before any cause is assumed."""
 
 from __future__ import annotations
 
@@ -11,16 +11,18 @@ from mjfriction.identify.regression import Rows, System
 from mjfriction.record.log import Floats
 
 KNOTS = 14
-CLOSEST = 1e-6  # of a covariate's range, that knots are apart: what rests is at rest to the last digit
+# Least distance of knots, as a share of the covariate's range: many rows of a joint at rest have the same value to the
+# last digit.
+CLOSEST = 1e-6
 COVARIATES = ("velocity", "position", "acceleration", "effort", "load", "time")
 
 
 @dataclass(frozen=True)
 class Structure:
-    """The share of a joint's residual variance that a smooth curve over one covariate predicts on motion not fitted.
+    """The share of a joint's residual variance that a smooth curve over one covariate predicts on held-out motion.
 
-    Cross-validated, so that noise gives 0 or a little less, never more.  Of what remains unexplained the covariate may
-    be none: then it is the share that stands above the noise in the spectrum.
+    It is cross-validated, so that noise gives 0 or a little less, never more.  The covariate may also be none that is
+    known: the share is then what stands above the noise in the residual's spectrum.
     """
 
     joint: str
@@ -48,15 +50,16 @@ def covariate_rows(gap: Gap, joint: int, covariate: str) -> Floats:
         "position": motion.position[:, joint],
         "acceleration": motion.acceleration[:, joint],
         "effort": gap.effort.rigid[:, joint],
-        "load": np.abs(gap.effort.load[:, joint]) * gap.forward(joint),  # as friction that grows with it acts
+        "load": np.abs(gap.effort.load[:, joint]) * gap.forward(joint),  # signed as friction that grows with the load
     }
     return gap.chain.time if covariate == "time" else gap.chain.rows(sources[covariate])
 
 
 def curve_share(gap: Gap, joint: int, values: Floats, residual: Floats) -> float:
-    """Return the share of a joint's ``residual`` (rows, joints), squared, that a smooth curve over ``values`` (rows,)
-    predicts on motion not fitted; noise gives 0 or a little less.  Only rows that are clear count: what a joint that
-    rests holds of its friction is one for each rest, and follows time or position as it will.
+    """Return the share of a joint's squared residual that a smooth curve over ``values`` (rows,) predicts held-out.
+
+    ``residual`` has shape (rows, joints); noise gives 0 or a little less.  Only clear rows count: a joint at rest holds
+    one friction value for each rest, which may follow time or position in any way.
     """
     noise = gap.rms(residual[:, joint], joint)
     if noise == 0.0:

@@ -11,24 +11,24 @@ from scipy.signal import lfilter
 from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats, Integers
 
-SLOWEST, FASTEST = 0.3, 5.0  # Hz, of those that are tried
-IN_BAND = 0.8  # of the rows' band, that its frequency may reach
-FEWEST_TURNS = 10.0  # of it, that the longest stretch of rows must hold
+SLOWEST, FASTEST = 0.3, 5.0  # Hz, of the frequencies that are tried
+IN_BAND = 0.8  # share of the rows' band that the frequency may reach
+FEWEST_TURNS = 10.0  # periods that the longest stretch of rows must contain
 DAMPING_RATIOS = (0.01, 0.03, 0.09)
-APART = 1.5  # damping ratios between the frequencies that are tried
-BROADER = 2.0  # than those, and sharper, that one is which is tuned
-SLACK = 1e-9  # of a frequency at an end of the range
-FEWEST_LINES = 2.0  # of a motion that repeats, that a resonance must span
-MOST_STRETCHES = 4  # in which a load may be swinging already, the longest ones
-GAP = 1.5  # steps between rows that belong together
+APART = 1.5  # relative distance of the frequencies tried, in damping ratios
+BROADER = 2.0  # factor by which a tuned damping ratio may lie above or below those tried
+SLACK = 1e-9  # relative tolerance at the ends of the range of frequencies
+FEWEST_LINES = 2.0  # overtones of a motion that repeats, which a resonance must span
+MOST_STRETCHES = 4  # the longest stretches, in which a load may already be swinging at the start
+GAP = 1.5  # steps between two rows, up to which they belong together
 
 
 @dataclass(frozen=True)
 class Swing:
     """A load that swings at ``frequency`` (Hz) with a ``damping_ratio``, and pulls at its ``joint``.
 
-    Its course x obeys ẍ + 2ζω·ẋ + (1 + ζ²)·ω²·x = -q̈ with ω = 2πf and the joint's acceleration q̈; its pull is in
-    proportion to x.
+    Its deflection x obeys ẍ + 2ζω·ẋ + (1 + ζ²)·ω²·x = -q̈ with ω = 2πf and the joint's acceleration q̈; its pull is
+    proportional to x.
     """
 
     joint: int
@@ -37,21 +37,23 @@ class Swing:
 
     @property
     def words(self) -> str:
-        """What it is, in words."""
+        """A description in words."""
         return f"a load that swings at {self.frequency:.3g} Hz"
 
     def columns(self, gap: Gap) -> Floats:
-        """Return its course from rest at the rows, and how it would go on swinging that it does already, (rows, k).
+        """Return its course from rest at the rows, and how a swing already begun would go on, (rows, k).
 
-        The first column is driven; two more are free, for each of the longest stretches of rows without a gap.
+        The first column is driven.  Two more are free, for each of the longest stretches of rows without a gap.
         """
         return courses(gap, [self])[:, 0]
 
 
 @dataclass(frozen=True)
 class Shown:
-    """What a log can show of loads that swing: those between two frequencies (Hz), and, where its motion repeats after
-    ``period`` (s), of a resonance that spans two of its overtones: else it may be anything that moves as one of them.
+    """The swinging loads that a log can show.
+
+    They are those between two frequencies (Hz).  Where the motion repeats after ``period`` (s), their resonance must
+    also span two of its overtones: otherwise anything that moves at one of these may be the cause.
     """
 
     slowest: float
@@ -59,14 +61,14 @@ class Shown:
     period: float | None
 
     def holds(self, swing: Swing) -> bool:
-        """Return whether a swing is among them."""
+        """Return whether a log can show this swing."""
         inside = self.slowest * (1.0 - SLACK) <= swing.frequency <= self.fastest * (1.0 + SLACK)
         sharp = DAMPING_RATIOS[0] / BROADER <= swing.damping_ratio <= DAMPING_RATIOS[-1] * BROADER
         width = 2.0 * swing.damping_ratio * swing.frequency
         return inside and sharp and (self.period is None or width * self.period > FEWEST_LINES)
 
     def swings(self, joint: int) -> list[Swing]:
-        """Return those of a joint, as close as their resonances are sharp."""
+        """Return swings of a joint to try, as closely spaced as their resonances are sharp."""
         out = []
         for ratio in DAMPING_RATIOS if self.fastest > self.slowest else ():
             count = 1 + int(np.ceil(np.log(self.fastest / self.slowest) / (APART * ratio)))
@@ -76,7 +78,7 @@ class Shown:
 
 
 def shown_swings(gap: Gap) -> Shown:
-    """Return which loads that swing a log can show: they turn often enough in it, within the rows' band."""
+    """Return which swinging loads a log can show: those that swing often enough in it, within the rows' band."""
     longest = float(np.max(np.diff(_starts(gap)))) * _step(gap)
     return Shown(max(SLOWEST, FEWEST_TURNS / longest), min(FASTEST, IN_BAND * gap.chain.band), gap.blocks.period)
 
@@ -84,7 +86,8 @@ def shown_swings(gap: Gap) -> Shown:
 def courses(gap: Gap, tried: list[Swing], every: int = 1) -> Floats:
     """Return the columns of swings of one joint at each ``every``-th row, (rows/every, swings, k), each of RMS 1.
 
-    That rows and sensors filter matters not: the acceleration takes the same, and what follows it linearly does too.
+    The filters of rows and sensors do not matter: the acceleration passes through the same ones, and so does anything
+    that follows it linearly.
     """
     time = gap.chain.time
     acceleration = gap.motion.acceleration[:, [tried[0].joint]]
@@ -95,7 +98,7 @@ def courses(gap: Gap, tried: list[Swing], every: int = 1) -> Floats:
     for k, swing in enumerate(tried):
         pole = 2.0 * np.pi * swing.frequency * complex(-swing.damping_ratio, 1.0)
         turn = np.exp(pole * step)
-        # Exact where the acceleration goes straight from row to row.
+        # Exact for an acceleration that is linear from row to row.
         now = (turn - 1.0 - pole * step) / (pole**2 * step)
         before = (1.0 - turn + turn * pole * step) / (pole**2 * step)
         driven, free = np.empty(time.size), np.zeros((time.size, 2 * longest.size))
@@ -116,7 +119,7 @@ def _step(gap: Gap) -> float:
 
 
 def _starts(gap: Gap) -> Integers:
-    # Where stretches of rows without a gap begin, and past the last.
+    # Where stretches of rows without a gap begin, and the end of the last.
     time = gap.chain.time
     breaks = np.flatnonzero(np.diff(time) > GAP * _step(gap)) + 1
     return np.concatenate([[0], breaks, [time.size]])

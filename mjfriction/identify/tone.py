@@ -1,4 +1,4 @@
-"""A steady tone in what is left at a joint: a torque periodic in time, at a frequency at which nothing moves."""
+"""A steady tone in a joint's residual: a torque periodic in time, at a frequency at which nothing moves."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from scipy.optimize import minimize_scalar
 from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats
 
-FEWEST_TURNS = 10.0  # of a tone, that the rows must hold
-FINER = 4  # lines that are looked at for one that the length of the log can tell apart
-MOST_GAPS = 20  # times the rows, that a log may last
-MOVING = 0.2  # share of a joint's course at the frequency, from which on it may be the motion's own
-ON_LINE = 0.25  # of what the length of the log can tell apart, within which a tone may be the motion's overtone
+FEWEST_TURNS = 10.0  # periods of a tone that the rows must contain
+FINER = 4  # lines of the spectrum that are examined per line that the length of the log resolves
+MOST_GAPS = 20  # times the rows, beyond which a log is mostly gaps
+MOVING = 0.2  # share of a joint's course at the frequency, above which the tone may come from the motion
+ON_LINE = 0.25  # share of the frequency resolution of the log, within which a tone may be an overtone of the motion
 
 
 @dataclass(frozen=True)
@@ -26,11 +26,11 @@ class Tone:
 
     @property
     def words(self) -> str:
-        """What it is, in words."""
+        """A description in words."""
         return f"a steady tone of {self.frequency:.3g} Hz"
 
     def columns(self, gap: Gap) -> Floats:
-        """Return its cosine and its sine at the rows, (rows, 2)."""
+        """Return the tone's cosine and sine at the rows, (rows, 2)."""
         return waves(self.frequency, gap.chain.time)
 
 
@@ -41,11 +41,12 @@ def waves(frequency: float, time: Floats) -> Floats:
 
 
 def steady_tone(gap: Gap, joint: int, residual: Floats) -> tuple[Tone, float] | None:
-    """Return the strongest tone of a joint's residual (rows,): of all A·cos 2πft + B·sin 2πft + C, the one that leaves
-    least; with it, its share of what is left there where friction is clear, 0 to 1.
+    """Return the strongest tone of a joint's ``residual`` (rows,), and its share of it where friction is clear, 0 to 1.
 
-    None where some joint moves at its frequency, or at half of it, or where it is an overtone of motion that repeats:
-    it may then be anything that the motion brings about.  None, too, where the log is mostly gaps.
+    Of all A·cos 2πft + B·sin 2πft + C it is the one that leaves least.
+
+    None where some joint moves at the tone's frequency or at half of it, or where it is an overtone of motion that
+    repeats: anything that the motion causes may then produce it.  None, too, where the log is mostly gaps.
     """
     time, clear = gap.chain.time, gap.clear[:, joint]
     step = float(np.median(np.diff(time)))
@@ -74,7 +75,7 @@ def steady_tone(gap: Gap, joint: int, residual: Floats) -> tuple[Tone, float] | 
 def _of_motion(gap: Gap, frequency: float) -> bool:
     time, period = gap.chain.time, gap.blocks.period
     velocity, position = gap.at_rows("velocity"), gap.at_rows("position")
-    # What is the same either way of a swing comes twice as often.
+    # What acts alike in both directions of a swing has twice the swing's frequency.
     courses = [velocity, np.abs(velocity), np.square(position - np.mean(position, axis=0))]
     if max(_share(frequency, time, course) for own in courses for course in own.T) > MOVING:
         return True
@@ -83,7 +84,7 @@ def _of_motion(gap: Gap, frequency: float) -> bool:
 
 
 def _share(frequency: float, time: Floats, course: Floats) -> float:
-    # The share of a course's variance that the best tone of a frequency has.
+    # The share of a course's variance that the best tone of a given frequency explains.
     columns = np.column_stack([waves(frequency, time), np.ones_like(time)])
     left = course - columns @ np.linalg.lstsq(columns, course, rcond=None)[0]
     return float(1.0 - np.var(left) / max(float(np.var(course)), 1e-300))

@@ -1,4 +1,4 @@
-"""Machines whose friction vanishes while they creep: below which speeds their laws do not hold."""
+"""Speeds below which friction laws do not hold, on machines whose friction vanishes while they creep."""
 
 from __future__ import annotations
 
@@ -12,15 +12,18 @@ from scipy.stats import norm, wilcoxon
 from mjfriction.record.log import Floats
 from mjfriction.record.runs import spans
 
-SPEEDS = np.geomspace(0.0015, 0.03, 16)  # of the fastest speed, that are tried
-USUAL = 0.4  # of the fastest speed, up to which the stated curve is straight enough to be put right by two numbers
-TURNED = 3.0  # times the speed of turning, from which on tanh is 1 to half a percent
-FEWEST_ROWS, FEWEST_SLOW = 50, 8  # of a joint, and of those within which friction turns
-SURELY = 2.5  # deviations over visits of slow motion, that the error taken away must be above none
-SHARE = 0.25  # of the error in slow motion, that it must take away
-ALONE = 0.7  # of what friction that builds up over travel leaves, that a joint which shows it alone may leave at most
-TRAVELS = np.geomspace(1e-4, 0.1, 14)  # of the longest way without a turn, over which friction may build up
-NEARLY_ALL = 0.75  # of the error in slow motion, that is enough however few the visits
+SPEEDS = np.geomspace(0.0015, 0.03, 16)  # shares of the fastest speed that are tried
+# Share of the fastest speed, up to which the stated curve is straight enough to be corrected by two numbers.
+USUAL = 0.4
+TURNED = 3.0  # times the turning speed, above which tanh is 1 to half a percent
+FEWEST_ROWS, FEWEST_SLOW = 50, 8  # rows of a joint, and rows within which friction turns
+# Standard deviations of the mean, over visits of slow motion, by which the error removed must be above zero.
+SURELY = 2.5
+SHARE = 0.25  # share of the error in slow motion that must be removed
+# Share of what friction that builds up over travel leaves, that a joint alone in showing it may leave at most.
+ALONE = 0.7
+TRAVELS = np.geomspace(1e-4, 0.1, 14)  # shares of the longest way without a turn, over which friction may build up
+NEARLY_ALL = 0.75  # share of the error in slow motion whose removal is enough, however few the visits
 FEWEST_JOINTS, ALL_BUT = 3, 0.5  # joints that must show it, or two and at least this share of those measured
 
 
@@ -29,16 +32,16 @@ def turning_speeds(
 ) -> Floats:
     """Return the speed below which each joint's friction has not reached its level, (joints,), 0 where it always has.
 
-    A joint that is slow to stop, or sags while it is held, creeps.  Friction that is written as level·tanh(v/v_t), as
-    many simulations write it, then falls to nothing, and so does that of a film of oil; a law with a jump at zero is
-    off by its whole level there, in whichever direction.  That is nothing that is wrong with one joint: where most
-    joints show it, what they do below 3·v_t is not held against any law.  The others are taken to turn as fast as the
-    fastest of these, in m or rad per second or as a share of their fastest speed, whichever is less.  A joint that
-    shows it alone, because the others never creep, has to show it beyond what friction that builds up over travel does.
+    A joint that stops slowly, or sags while it is held, creeps.  Friction modelled as level·tanh(v/v_t), as in many
+    simulations, then falls to nothing, and so does the friction of an oil film.  There, a law with a jump at zero is
+    off by its whole level, in whichever direction.  This is not a fault of one joint: where most joints show it, what
+    they do below 3·v_t is not counted against any law.  The other joints get the lowest turning speed of these, in m or
+    rad per second or as a share of their fastest speed, whichever is less.  A joint that alone shows it, because the
+    others never creep, must show it more clearly than friction that builds up over travel would.
 
-    ``velocity``, ``travel`` since the last turn, ``residual`` and ``clear`` are (rows, joints), the last telling which
-    rows are in no doubt so far; ``level`` (joints,) is what a joint's friction is stated to hold at rest, ``top``
-    (joints,) its top speed.
+    ``velocity``, ``travel`` since the last turn, ``residual`` and ``clear`` (the rows not in doubt so far) are (rows,
+    joints).  ``level`` (joints,) is the friction that a joint is stated to hold at rest, ``top`` (joints,) its top
+    speed.
     """
     measured = np.flatnonzero(np.isfinite(residual[0]) & (level > 0.0) & (top > 0.0))
     found, alone = {}, {}
@@ -63,8 +66,10 @@ def turning_speeds(
 
 @dataclass(frozen=True)
 class _SlowRows:
-    """Rows of slow motion: which they are (``rows``), how fast (``ahead``, of the fastest speed), and by how much of
-    its level friction ``lost`` there.
+    """Rows of slow motion: which they are (``rows``), and their values.
+
+    ``ahead`` is the speed, as a share of the fastest; ``lost`` is the residual along the motion, as a share of the
+    level, negative where friction is lacking.
     """
 
     rows: NDArray[np.bool_]
@@ -73,19 +78,20 @@ class _SlowRows:
 
     @functools.cached_property
     def _best(self) -> tuple[float, Floats]:
-        # The share of the fastest speed within which friction turns over, and the squared errors that this leaves.
+        # The best share of the fastest speed within which friction turns over, and the squared errors that it leaves.
         lefts = [self._squares(1.0 - np.tanh(self.ahead / share)) for share in SPEEDS]
         best = int(np.argmin([np.sum(left) for left in lefts]))
         return float(SPEEDS[best]), lefts[best]
 
     def _squares(self, missing: Floats) -> Floats:
-        # What is left of an error relative to the level, a share of which is missing; level and damping are refitted.
+        # The squared errors, relative to the level, of a model that lacks a share of the level; level and damping are
+        # refitted.
         columns = np.column_stack([1.0 - missing, self.ahead])
         wanted = self.lost + missing
         return np.asarray(np.square(wanted - columns @ np.linalg.lstsq(columns, wanted, rcond=None)[0]))
 
     def turning(self) -> float:
-        """Return the share of the fastest speed within which friction turns, 0 where none explains what is left."""
+        """Return the share of the fastest speed within which friction turns over, 0 where none explains the error."""
         as_stated = self._squares(np.zeros_like(self.ahead))
         share, left = self._best
         taken, slow = as_stated - left, self.ahead < TURNED * share
@@ -95,16 +101,18 @@ class _SlowRows:
         everywhere[np.flatnonzero(self.rows)[slow]] = True
         gained[np.flatnonzero(self.rows)] = taken
         visits = np.array([np.sum(gained[first:past]) for first, past in spans(everywhere)])
-        # A few long visits make the deviation; that nearly all gain is as sure, and so is that nearly all error goes.
+        # A few long visits dominate the deviation.  The result is as sure where nearly all visits gain, or where nearly
+        # all of the error is removed.
         sure = visits.size > 2 and np.mean(visits) > SURELY * np.std(visits, ddof=1) / np.sqrt(visits.size)
         sure = sure or wilcoxon(visits, alternative="greater").pvalue < norm.sf(SURELY)
         return share if sure or np.sum(taken[slow]) > NEARLY_ALL * np.sum(as_stated[slow]) else 0.0
 
     def beyond(self, travel: Floats) -> bool:
-        """Return whether friction that turns over with speed leaves far less than friction that builds up over the
-        ``travel`` since the last turn (all rows).
+        """Return whether friction that turns over with speed leaves far less than friction that builds up over travel.
+
+        ``travel`` is the way since the last turn, at all rows.
         """
-        own = np.maximum(travel[self.rows], 0.0)  # at a turn the rows' filter rings below nothing
+        own = np.maximum(travel[self.rows], 0.0)  # at a turn the rows' filter rings below zero
         reaches = np.max(travel) * TRAVELS
         least = min(float(np.sum(self._squares(np.exp(-own / reach)))) for reach in reaches)
         return bool(np.sum(self._best[1]) < ALONE * least)
@@ -118,7 +126,7 @@ def _slow_rows(speed: Floats, error: Floats, clear: NDArray[np.bool_]) -> _SlowR
 
 
 def travel_since_turn(velocity: Floats, position: Floats) -> Floats:
-    """Return how far each joint is from where it last turned, (n, joints)."""
+    """Return how far each joint is from where it last turned back, (n, joints)."""
     out = np.empty_like(position)
     for joint in range(position.shape[1]):
         turned = np.diff(np.sign(velocity[:, joint]), prepend=0.0) != 0.0

@@ -1,4 +1,4 @@
-"""The other motions of the laboratory, sized to a robot: slow sines, sawtooth, loops, pick and place, voltages."""
+"""Other motions of the laboratory, sized to a robot: slow sines, sawtooth, loops, pick and place, voltages."""
 
 from __future__ import annotations
 
@@ -12,19 +12,21 @@ from mjfriction.plant.motions import inner_loops, pick_and_place, sawtooth, sine
 from mjfriction.plant.trajectory import Trajectory
 from mjfriction.robot.robot import Robot
 
-SLOW = 0.05  # of the top speed, that a slow sine reaches
-SLOW_FREQUENCY, SLOW_PERIODS = 0.1, 3.0  # Hz
-SMALL = 1e-3  # of a joint's reach: turns of a few hundredths of a degree, or some hundredths of a millimetre
-LADDER = (1.0, 0.6, 0.3)  # of the largest turn, those of a sawtooth
-SAW_SECONDS = 4.0  # to go from the middle to the largest turn
-LOOP_SECONDS, LOOP_WAY = 10.0, 7.0  # a period of loops, and how many amplitudes it goes over
-POSES = 4  # of pick and place
+SLOW = 0.05  # share of the top speed that a slow sine reaches
+SLOW_FREQUENCY, SLOW_PERIODS = 0.1, 3.0  # Hz, and number of periods
+# Usual amplitude as a share of a joint's reach: turns of a few hundredths of a degree, or some hundredths of a
+# millimetre.
+SMALL = 1e-3
+LADDER = (1.0, 0.6, 0.3)  # amplitudes of a sawtooth, as shares of the largest
+SAW_SECONDS = 4.0  # s from the middle to the largest turn
+LOOP_SECONDS, LOOP_WAY = 10.0, 7.0  # s, the period of loops; and its path in amplitudes, nearly
+POSES = 4  # poses of pick and place
 RAMP = 2.0  # 1/s: top speeds are reached in half a second
 VOLTAGES = 8
 
 
 def plan_sine(robot: Robot, joints: Sequence[str]) -> Plan:
-    """Plan slow sines of one joint after another, as in tests of friction near rest."""
+    """Plan slow sines of one joint after another, as used to test friction near rest."""
     top = np.minimum(robot.body().top_speed, UNSTATED_SPEED)
 
     def one(name: str, centre: float, reach: float) -> Trajectory:
@@ -38,7 +40,7 @@ def plan_sine(robot: Robot, joints: Sequence[str]) -> Plan:
 def plan_sawtooth(robot: Robot, joints: Sequence[str], amplitude: float | None = None) -> Plan:
     """Plan slow turns of falling size (the largest ``amplitude``, rad or m), which draw hysteresis loops.
 
-    Raises :class:`RobotError` for an amplitude past a joint's limits, here and below.
+    Raises :class:`RobotError` for an amplitude beyond a joint's limits, as :func:`plan_loops` does.
     """
 
     def one(name: str, centre: float, reach: float) -> Trajectory:
@@ -49,10 +51,10 @@ def plan_sawtooth(robot: Robot, joints: Sequence[str], amplitude: float | None =
 
 
 def plan_loops(robot: Robot, joints: Sequence[str], amplitude: float | None = None) -> Plan:
-    """Plan motion between ± ``amplitude`` (rad or m) with two inner loops a period."""
+    """Plan motion between ± ``amplitude`` (rad or m) with two inner loops per period."""
 
     def one(name: str, centre: float, reach: float) -> Trajectory:
-        # Of a period's seven amplitudes every stretch takes its share, at up to 1.875 of its mean speed.
+        # Each stretch takes its share of the period by its length, and peaks at 1.875 of its mean speed.
         largest = _within(robot, name, amplitude, reach, 1.875 * LOOP_WAY / LOOP_SECONDS)
         return inner_loops(name, centre, largest, LOOP_SECONDS)
 
@@ -60,7 +62,7 @@ def plan_loops(robot: Robot, joints: Sequence[str], amplitude: float | None = No
 
 
 def plan_pick_and_place(robot: Robot, *, seed: int = 0) -> Plan:
-    """Plan moves of all joints from pose to pose, drawn within limits, resting at each."""
+    """Plan moves of all joints between poses drawn within limits, resting at each."""
     body = robot.body()
     middle, reach = room(body)
     top = np.minimum(body.top_speed, UNSTATED_SPEED)
@@ -70,9 +72,9 @@ def plan_pick_and_place(robot: Robot, *, seed: int = 0) -> Plan:
 
 
 def plan_voltages(robot: Robot, joints: Sequence[str]) -> Plan:
-    """Plan constant voltages at the valve of a cylinder, out and back, from a thirtieth of the highest up.
+    """Plan constant voltages at the valve of a cylinder, out and back, rising from a thirtieth of the highest.
 
-    Raises :class:`RobotError` where none of the joints is moved by a cylinder, or several are.
+    Raises :class:`RobotError` where a cylinder moves none of the joints, or several.
     """
     valves = [name for name in joints if robot.joint(name).hydraulics is not None]
     if len(valves) != 1:
@@ -92,7 +94,7 @@ def plan_voltages(robot: Robot, joints: Sequence[str]) -> Plan:
 
 
 def _within(robot: Robot, joint: str, amplitude: float | None, reach: float, rate: float) -> float:
-    # What is asked for, or what is usual; ``rate`` is the speed per amplitude.
+    # The amplitude requested, or the usual one; ``rate`` is the speed per amplitude.
     if amplitude is None:
         return SMALL * reach
     body = robot.body()

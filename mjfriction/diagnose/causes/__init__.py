@@ -1,1 +1,1 @@
-"""The causes a finding may carry, one small class each."""
+"""The causes that a finding may name, one small class each."""

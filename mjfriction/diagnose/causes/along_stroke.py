@@ -1,8 +1,8 @@
-"""Any course along the stroke: of the friction level (friction.position), or of a torque that does not turn with the
-direction of motion (body.spring).
+"""An arbitrary course along the stroke: of the friction level (friction.position), or of a torque that does not change
+sign with the direction of motion (body.spring).
 
-They do not compete: they take the place of waves, a spot or a spring that only begin to tell the course.  A robot file
-holds them as waves, the longest twice as long as the stroke.
+These causes do not compete.  They replace waves, a spot or a spring that describe such a course only in part.  A robot
+file stores them as waves, the longest of which is twice as long as the stroke.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Joint
 from mjfriction.robot.table import Wave
 
-FINEST = 8  # half waves over the stroke, up to which a course is told
-PLACES = 5  # along the stroke, that a person is told of
+FINEST = 8  # number of half waves over the stroke in the series of a course
+PLACES = 5  # number of positions along the stroke at which the evidence gives the course
 MEAN = Parameter("mean", "{force}", "mean of the torque over the stroke")
 HALF_WAVES = tuple(
     Parameter(f"half_waves_{m}", "{force}", "amplitude of the cosine of which so many half waves are on the stroke")
@@ -35,28 +35,28 @@ HALF_WAVES = tuple(
 class AlongStroke(JointCause):
     """Σ c_m·cos(m·π·(q − q₀)/s), m = 1 … 8, over a stroke s from its end q₀: the series of an even function.
 
-    The shape is q₀ and s, which are not searched.
+    The shape is (q₀, s); it follows from the motion and is not searched.
     """
 
     covariate = "position"
     of_unevenness = True
-    what: ClassVar[str]  # how its evidence begins
+    what: ClassVar[str]  # beginning of its evidence
 
     def along(self, gap: Gap, joint: int) -> Site:
-        """Return the stroke of a joint that was travelled."""
+        """Return the site on a joint, with the stroke that the joint travelled as its shape."""
         position = gap.motion.position[:, joint]
         return Site(joint, (float(np.min(position)), float(np.ptp(position))))
 
     def shape_steps(self, gap: Gap, site: Site) -> tuple[float, ...]:
-        """The stroke is as it is."""
+        """None: the stroke is not searched."""
         return ()
 
     @abstractmethod
     def course(self, site: Site, position: Floats) -> Floats:
-        """Return what each strength makes at positions (n,), (n, strengths)."""
+        """Return the level or torque per unit of each strength at positions (n,), (n, strengths)."""
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
-        """Give the course at some places."""
+        """Give the course at a few positions."""
         force, length = ("N", "m") if gap.body.sliding[site.joint] else ("N·m", "rad")
         low, stroke = site.shape
         places = low + np.linspace(0.0, stroke, PLACES)
@@ -67,7 +67,7 @@ class AlongStroke(JointCause):
 
 
 def travelled(gap: Gap, joint: int) -> bool:
-    """Return whether a joint moved everywhere along its stroke: where it never was a course may be anything."""
+    """Return whether clear rows cover the whole stroke of a joint: a course is undetermined where there are none."""
     position = gap.at_rows("position")[gap.clear[:, joint], joint]
     stroke = gap.motion.position[:, joint]
     count, _ = np.histogram(position, bins=FINEST, range=(float(np.min(stroke)), float(np.max(stroke))))
@@ -88,7 +88,7 @@ def _as_waves(table: Joint, site: Site, strengths: Floats) -> list[Wave]:
 
 @final
 class FrictionAlongStroke(AlongStroke):
-    """The friction level: a rail that is tight at its ends, a screw that was bent."""
+    """A course of the friction level, as of a rail that is tight at its ends or of a bent screw."""
 
     name = PositionFriction.name
     least_of_friction = PositionFriction.least_of_friction
@@ -96,7 +96,7 @@ class FrictionAlongStroke(AlongStroke):
     what = "against the motion in both directions, friction differs from its level"
 
     def samples(self, gap: Gap, site: Site) -> Floats:
-        """The half waves, in the direction of motion, (n, 8)."""
+        """The half waves times the direction of motion, (n, 8)."""
         return self.course(site, gap.motion.position[:, site.joint]) * gap.forward(site.joint)[:, None]
 
     def course(self, site: Site, position: Floats) -> Floats:
@@ -104,7 +104,7 @@ class FrictionAlongStroke(AlongStroke):
         return half_waves(site, position)
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """Their amplitudes."""
+        """The amplitudes of the half waves."""
         return tuple(Quantity(own) for own in HALF_WAVES)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
@@ -117,7 +117,10 @@ class FrictionAlongStroke(AlongStroke):
 
 @final
 class TorqueAlongStroke(AlongStroke):
-    """A torque in q: a hose that pulls from one place on, a cable, a soft stop.  A constant comes first."""
+    """A torque that depends on q: a hose that pulls beyond one position, a cable, a soft stop.
+
+    The first strength is a constant, the others belong to the half waves.
+    """
 
     name = Spring.name
     contains = Spring.contains
@@ -128,15 +131,15 @@ class TorqueAlongStroke(AlongStroke):
         return self.course(site, gap.motion.position[:, site.joint])
 
     def course(self, site: Site, position: Floats) -> Floats:
-        """One, and the half waves."""
+        """A constant 1 and the half waves."""
         return np.column_stack([np.ones_like(position), half_waves(site, position)])
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """The mean, and the amplitudes."""
+        """The mean, and the amplitudes of the half waves."""
         return (Quantity(MEAN), *(Quantity(own) for own in HALF_WAVES))
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Add to the joint's spring, and waves that do not turn with the direction of motion."""
+        """Add the constant to the joint's spring, and the half waves to its cogging, which ignores the direction."""
         table = robot.table.joint[site.joint]
         spring = table.spring.model_copy(update={"preload": table.spring.preload + float(strengths[0])})
         cogging = (*table.cogging, *_as_waves(table, site, strengths[1:]))

@@ -18,56 +18,57 @@ from mjfriction.record.motion import smooth_derivatives
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.transmission import coasting
 
-PLAYS = tuple(6.4e-2 * 0.8**k for k in range(38))  # rad or m: from 64 mrad to 17 µm
-FINER = 1.15  # half of a step of these
+PLAYS = tuple(6.4e-2 * 0.8**k for k in range(38))  # rad or m: from 64 mrad (mm) to 17 µrad (µm)
+FINER = 1.15  # ratio up to which plays around one of these are tried: a little more than half a step
 
 
 @final
 class Backlash(Play):
     """The link crosses its play by its own inertia when the load changes sign.
 
-    That takes its time: the columns are drawn around a play that is searched until the strength agrees with it.  A play
-    a fifth larger lands so much later that it explains nothing of the landing, so that many have to be tried.
+    The time that this takes depends on the play, so the columns are computed around a play that is searched until the
+    fitted strength agrees with it.  A link with a fifth more play lands so much later that its columns explain nothing
+    of the landing; therefore many plays have to be tried.
     """
 
     curved = True
     ranked_alone = True
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every joint, with many plays to coast across.
+        """Every joint that would feel a shift, with many plays to coast across.
 
-        Where the load never changes its sign play is but an offset of the sensor.
+        Where the load never changes sign, play acts merely as an offset of the sensor.
         """
         return [replace(site, around=play) for site in super().sites(gap) for play in PLAYS]
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
-        """What the joint itself feels, without the position's filter: many plays, each for little."""
+        """The torque at the joint itself, without the position filter, which makes many plays cheap to try."""
         return felt_by_itself(gap, sites, self._behind, every)
 
     def _behind(self, gap: Gap, sites: Sequence[Site]) -> Floats:
-        # How far the link is behind per unit of play, at many sites of a joint, (n, sites).
+        # How far the link lags per unit of play, at many sites of one joint, (n, sites).
         joint, plays = sites[0].joint, np.array([site.around for site in sites])
         load = gap.known.effort.load[:, [joint]]
         if not np.all(plays):
-            return 0.5 * np.sign(load)  # no play to coast across: whether any would be felt
+            return 0.5 * np.sign(load)  # without a play to coast across: only tests whether any would be felt
         stiffness, _, inertia = own_slopes(gap, joint)
         place = [coasting(gap.motion, load[:, 0], inertia, stiffness, play) for play in plays.tolist()]
         return 0.5 * np.column_stack(place)
 
     def shift(self, gap: Gap, site: Site) -> list[Floats]:
-        """Half the place of the link in its play, through the position's filter, and its derivatives."""
+        """Half the link's relative position in its play, through the position filter, and its two derivatives."""
         return smooth_derivatives(gap.motion, self._behind(gap, [site])[:, 0])
 
     def around_sites(self, gap: Gap, site: Site) -> list[Site]:
-        """To the neighbours on the grid."""
+        """Plays up to about halfway to the neighbours on the grid."""
         return near_around(site, FINER)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """It is near the play that the columns were drawn for."""
+        """The play is near the one that the columns were computed for, and admissible as any play."""
         return as_drawn(site, strengths) and super().admissible(gap, site, strengths)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Move the play."""
+        """Change the play, and let the link coast across it."""
         return self.played(robot, site, strengths, coasting=True)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:

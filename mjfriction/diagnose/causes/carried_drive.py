@@ -1,4 +1,4 @@
-"""drive.coupling: a joint's own drive turns with its neighbour too, and so does the friction that is stated of it."""
+"""drive.coupling: a joint's own drive also turns with its neighbour, and so does the friction stated for the joint."""
 
 from __future__ import annotations
 
@@ -27,21 +27,22 @@ from mjfriction.robot.common_drives import with_drive_turned_too
 from mjfriction.robot.friction import stated_levels
 from mjfriction.robot.robot import Robot
 
-RATIOS = (0.06, 1.5)  # by which a joint's drive turns with its neighbour, once with the joint
+RATIOS = (0.06, 1.5)  # search range: how far a joint's drive turns with the neighbour per turn with its own joint
 RATIO = Parameter("ratio", "1", "turns with the neighbour, once with the joint whose drive it is", *RATIOS)
 TRIED = (0.12, 0.25, 0.5, 1.0)
-WHOLE = 1.2  # of what is stated, that the drive may take of it: stated levels are a little off
+WHOLE = 1.2  # share of the stated values that the drive may take; above 1 because these are a little off
 
 
 class CarriedDrive(SharedDrive):
     """C·(sgn u − sgn v) + V·(u − v) at the joint whose drive it is, u = v + ratio·vₖ, and ratio·(C·sgn u + V·u) at its
-    neighbour k: of the friction that is stated of the joint, C and V turn with the drive.
+    neighbour k.
 
-    The site is the neighbour's; the drive is the ``other``'s.
+    C and V are the part of the joint's stated friction that turns with the drive.  The site's joint is the neighbour;
+    the drive belongs to the ``other`` joint.
     """
 
     shape_parameters = (RATIO,)
-    besides: ClassVar[type[SharedDrive]]  # that turns so too, but has friction that is stated of no joint
+    besides: ClassVar[type[SharedDrive]]  # a drive that turns the same way, but whose friction no joint states
 
     def told_at(self, site: Site) -> int:
         """The joint whose drive it is."""
@@ -49,15 +50,15 @@ class CarriedDrive(SharedDrive):
         return site.other
 
     def bounds_beside_stated_levels(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
-        """None: the ratio is searched from the beginning."""
+        """None: the ratio is searched with free levels too."""
         return []
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
-        """From a drive that hardly turns with the neighbour to one that turns with it more than with its own."""
+        """From a drive that hardly turns with the neighbour to one that turns with it more than with its own joint."""
         return [RATIOS]
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Joints next to one of their kind whose friction is stated, either way along the arm, with ratios to try."""
+        """Joints next to one of the same kind that has a stated Coulomb level, on either side, with ratios to try."""
         slides, joints = gap.body.sliding, gap.robot.table.joint
         return [
             Site(joint, (ratio,), other=own)
@@ -68,7 +69,7 @@ class CarriedDrive(SharedDrive):
         ]
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """It takes no more friction than is stated of the joint, slow or fast, and none that drives it."""
+        """The drive takes no more friction than the joint states, slow or fast, and none that would drive it."""
         own = self.told_at(site)
         stated = np.array(stated_levels(gap.robot.table.joint[own]))
         slow, fast = np.quantile(np.abs(gap.motion.velocity[:, own]), SPEEDS)
@@ -76,21 +77,21 @@ class CarriedDrive(SharedDrive):
         return least and all(taken @ (1.0, speed) <= WHOLE * stated @ (1.0, speed) for speed in (slow, fast))
 
     def at_drive(self, gap: Gap, site: Site, joint: int) -> Floats:
-        """Of what turns with the drive, the joint's own motion brought its part before, (n, strengths)."""
+        """The drive's effort per unit strength, less the own joint's part that is stated already, (n, strengths)."""
         takes = super().at_drive(gap, site, joint)
         if joint == site.other:
             takes = takes - np.column_stack([gap.forward(joint), gap.motion.velocity[:, joint]])
         return takes
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
-        """The columns at the joint and at both of its neighbours, none where a site is the other one's."""
+        """The columns at the joint and at both of its neighbours, zero at a neighbour that a site does not involve."""
         blocks = [{joint: own[::every] for joint, own in self.columns(gap, site).items()} for site in sites]
         none = np.zeros_like(blocks[0][sites[0].joint])
         felt = sorted({joint for block in blocks for joint in block})
         return {joint: np.stack([block.get(joint, none) for block in blocks], axis=1) for joint in felt}
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """State the drive, and so much less friction and rotor of the joint's own."""
+        """State the drive, and lower the joint's own friction and rotor inertia by as much."""
         return with_drive_turned_too(robot, robot.joints[self.told_at(site)], self.drive(robot, site, strengths))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
@@ -106,18 +107,18 @@ class CarriedDrive(SharedDrive):
 
 
 class _CarriedRotor(CarriedDrive):
-    """I·ratio·aₖ besides at the joint, and ratio·I·(a + ratio·aₖ) at its neighbour: the stated rotor turns so too."""
+    """In addition I·ratio·aₖ at the joint, and ratio·I·(a + ratio·aₖ) at its neighbour: the stated rotor turns too."""
 
     takes = (COULOMB, VISCOUS, INERTIA)
 
     def at_drive(self, gap: Gap, site: Site, joint: int) -> Floats:
-        """What the friction takes, and the inertia, (n, 3)."""
+        """The effort per unit of the friction's strengths and of the inertia, (n, 3)."""
         hard, own, ratio = gap.motion.acceleration, self.told_at(site), self.ratio(site)
         turns = ratio * hard[:, site.joint] + (0.0 if joint == own else hard[:, own])
         return np.column_stack([super().at_drive(gap, site, joint), turns])
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """Nor more inertia than is stated of the joint's rotor."""
+        """The drive also takes no more inertia than the joint's rotor states."""
         stated = gap.robot.table.joint[self.told_at(site)].actuator.reflected_inertia
         return bool(0.0 <= strengths[2] <= WHOLE * stated) and super().admissible(gap, site, strengths)
 

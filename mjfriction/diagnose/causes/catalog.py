@@ -1,4 +1,4 @@
-"""The causes that compete, by name."""
+"""The causes that compete, one instance of each."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 
 STATED_LEVELS = CoulombViscous()
 
-# Of causes that do equally well the first is the one that is named, the others are its alternatives.
+# The order matters: of causes that fit equally well, the first one is named and the others become its alternatives.
 STRUCTURAL: tuple[Cause, ...] = (
     Stribeck(),
     ViscousNonlinear(),

@@ -1,4 +1,4 @@
-"""What a cause is: one change to the balance of the robot, linear in its strengths, with a few shape parameters.
+"""What a cause is: one change to the robot's torque balance, linear in its strengths, with a few shape parameters.
 
 Adding a cause is one file with one class, and one line in :mod:`~mjfriction.diagnose.causes.catalog`.
 """
@@ -19,8 +19,8 @@ from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 
-SHIFTS = 61  # of all that stated levels may be those of, that are asked
-AROUND_STEPS = 9  # strengths that are tried around one of a grid
+SHIFTS = 61  # moments (or loads) sampled along a cause's course, any of which the stated levels may belong to
+AROUND_STEPS = 9  # number of strengths tried around one of a grid
 
 Shape = tuple[float, ...]
 Picture = Literal["covariate", "turned", "spectrum", "turned_spectrum", "travel", "loop"]
@@ -28,11 +28,12 @@ Picture = Literal["covariate", "turned", "spectrum", "turned_spectrum", "travel"
 
 @dataclass(frozen=True)
 class Site:
-    """A cause at a place: on one joint (its index), with values for its shape parameters.
+    """A place where a cause is tried: one joint (its index), with values for the cause's shape parameters.
 
-    ``other`` is the joint that it comes from, where it comes from one; ``around`` the strength that a curved cause's
-    columns are drawn around, 0 for the stated robot; ``order`` counts those of its kind on the joint, from 0; ``begin``
-    is the moment (s, on the log's clock) from which a course of time is counted, ``end`` that at which it is over.
+    ``other`` is the joint that the effect comes from, where it comes from another one.  ``around`` is the strength
+    around which a curved cause's columns are computed, 0 for the stated robot.  ``order`` numbers the causes of one
+    kind on the joint, from 0.  ``begin`` is the time (s, on the log's clock) at which a course of time starts, and
+    ``end`` the time at which it is over.
     """
 
     joint: int
@@ -44,13 +45,13 @@ class Site:
     end: float = math.inf
 
     def shaped(self, shape: Shape) -> Site:
-        """Return the same place with another shape."""
+        """Return the same site with another shape."""
         return replace(self, shape=shape)
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A fitted quantity as a person reads it: its declaration, and value = ``shift`` + ``factor`` · strength."""
+    """A fitted quantity as it is reported: its declaration, and value = ``shift`` + ``factor`` · strength."""
 
     parameter: Parameter
     factor: float = 1.0
@@ -58,34 +59,37 @@ class Quantity:
 
 
 class Cause(ABC):
-    """One cause.  Concrete causes are final; they hold no state."""
+    """One cause.  Instances hold no state, and most concrete causes are final."""
 
     name: ClassVar[str]
     shape_parameters: ClassVar[tuple[Parameter, ...]] = ()
-    relative_shape: ClassVar[bool] = True  # whether shapes are positive, and searched in steps relative to themselves
+    relative_shape: ClassVar[bool] = True  # whether shape parameters are positive and searched in relative steps
     covariate: ClassVar[str] = "velocity"
-    picture: ClassVar[Picture] = "covariate"  # what shows it best
-    whole_arm: ClassVar[bool] = False  # whether every joint feels it; its site is then where it shows most
-    curved: ClassVar[bool] = False  # whether the effort bends with the strengths: then fitted on the real balance
-    tangent_step: ClassVar[float] = 1e-3  # of a strength, over which what it changes is followed by a line
-    ranked_alone: ClassVar[bool] = False  # whether it is screened by what its own joint feels of it alone
-    of_sensor: ClassVar[bool] = False  # whether it acts on whatever torques there are, those of other causes too
-    of_body: ClassVar[bool] = False  # whether it changes the links' loads, with which effects of others grow
-    least_of_friction: ClassVar[float] = 0.04  # of the joint's friction, that it must be at its most beside levels
-    least_told: ClassVar[float] = 0.0  # the same for it to be told, where that is more: else it is refitted along
-    of_unevenness: ClassVar[bool] = False  # whether machines that are only uneven along their strokes show it too
+    picture: ClassVar[Picture] = "covariate"  # the kind of figure that shows it best
+    # Whether the whole arm feels it.  Its site is then the joint where it shows most or, for links, the moved link's.
+    whole_arm: ClassVar[bool] = False
+    curved: ClassVar[bool] = False  # whether the effort is nonlinear in the strengths: refitted on the full balance
+    tangent_step: ClassVar[float] = 1e-3  # relative step of a strength, for the difference quotient of its tangent
+    ranked_alone: ClassVar[bool] = False  # whether it is screened on the effort of its own joint only
+    of_sensor: ClassVar[bool] = False  # whether it acts on all torques, including those of other causes
+    of_body: ClassVar[bool] = False  # whether it changes the links' loads, on which other causes' effects depend
+    # The least size of its peak effort, beyond what refitted levels can absorb, relative to the joint's friction.
+    least_of_friction: ClassVar[float] = 0.04
+    least_told: ClassVar[float] = 0.0  # the same for it to be reported, if higher: below it is only refitted along
+    of_unevenness: ClassVar[bool] = False  # whether machines that are merely uneven along their strokes show it too
     times: ClassVar[int] = 1  # how many of its kind a joint may have
-    first_order: ClassVar[int] = 0  # from which on they count: others of its name that begin elsewhere count apart
+    first_order: ClassVar[int] = 0  # first value of their order: causes of one name with different ones count apart
     before_sensor: ClassVar[bool] = True  # whether the change passes the effort sensor's scale, as all torques do
-    contains: ClassVar[tuple[str, ...]] = ()  # causes that are this one with a strength at zero: no rivals of theirs
-    fuller: ClassVar[type[Cause] | None] = None  # the same with one strength more, asked for once it is found
-    richer: ClassVar[type[Cause] | None] = None  # the same with more strengths, in place of it and of another beside it
-    kin: ClassVar[
-        tuple[str, ...]
-    ] = ()  # causes that are the other half of the same thing, asked for once this is found
+    # Names of causes that equal this one with some strengths at zero.  This one is then no rival of theirs, unless the
+    # motion leaves its further strengths uncertain.
+    contains: ClassVar[tuple[str, ...]] = ()
+    fuller: ClassVar[type[Cause] | None] = None  # the same cause with one more strength, tried once this is found
+    # The same cause with more strengths: it may replace this one, alone or together with another cause beside it.
+    richer: ClassVar[type[Cause] | None] = None
+    kin: ClassVar[tuple[str, ...]] = ()  # names of causes that are the other half of this one, tried once it is found
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Return where the cause may sit, with a starting grid of shapes: by default every examined joint."""
+        """Return the sites to try, with a starting grid of shapes: by default every examined joint."""
         return [Site(joint) for joint in gap.examined]
 
     @abstractmethod
@@ -105,7 +109,7 @@ class Cause(ABC):
         return True
 
     def told_at(self, site: Site) -> int:
-        """Return the joint that the cause is told of: by default its own."""
+        """Return the joint at which the cause is reported: by default its own."""
         return site.joint
 
     def taken_level(self, strengths: Floats) -> float:
@@ -117,22 +121,22 @@ class Cause(ABC):
         return 0.0
 
     def level_shifts(self, gap: Gap, site: Site, strengths: Floats) -> Floats:
-        """Return what the cause moves Coulomb level and damping by at each of the moments, or loads, that stated levels
-        may be those of, (moments, 2): by default at none.
+        """Return how far the cause shifts Coulomb level and damping at each moment, or load, to which the stated levels
+        may belong, (moments, 2): by default at none.
         """
         return np.empty((0, 2))
 
     def chances(self, sites: Sequence[Site]) -> int:
-        """Return how many of the places the motion tells apart: by default all."""
+        """Return how many of the sites the motion can tell apart, to count candidates: by default all."""
         return len(sites)
 
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """Return whether the cause, once fitted, is a finding; else it is a value refitted along."""
+        """Return whether the cause, once fitted, is a finding; otherwise it is only refitted along."""
         return True
 
     def usual(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """Return whether the change is within what such stated values are off by on any robot that is not stated
-        exactly, and so is no finding there: by default it is not.
+        """Return whether the change is within the usual error of such stated values on a robot that is not stated
+        exactly, so that it is no finding there: by default it is not.
         """
         return False
 
@@ -141,41 +145,41 @@ class Cause(ABC):
         return []
 
     def bounds_beside_stated_levels(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
-        """Return the range of shape parameters that are searched only where friction levels are held as stated: free
-        ones make up for any shape.  By default there are none.
+        """Return the ranges of shape parameters that are searched only while friction levels are held as stated.
+
+        Free levels would make up for any such shape.  By default there are none.
         """
         return []
 
     def own_shape(self, gap: Gap, site: Site) -> bool:
-        """Return whether a shape that was searched is one of the cause: a search that ends at the edge of its range may
-        have found something else.  By default every shape is.
+        """Return whether a shape found by the search still belongs to this cause.
+
+        A search that ends at the edge of its range may have found something else.  By default every shape belongs.
         """
         return True
 
     def apart(self, gap: Gap, site: Site, other: Site) -> bool:
-        """Return whether the motion tells a place and shape from those of another cause of its kind on the joint: by
-        default it does.
+        """Return whether the motion can tell a site from that of another cause of the same name on the joint: by
+        default it can.
         """
         return True
 
     def shape_resolution(self, gap: Gap, site: Site) -> tuple[float, ...]:
-        """Return how finely the rows can tell each shape parameter at best: by default as finely as the fit says."""
+        """Return the least half-width to which the rows can determine each shape parameter: by default 0, no limit."""
         return tuple(0.0 for _ in site.shape)
 
     def around_sites(self, gap: Gap, site: Site) -> list[Site]:
-        """Return the places near one that are tried besides, where columns are drawn around a strength; by default none
-        is.
-        """
+        """Return neighbouring sites to try as well, where columns are computed around a strength: by default none."""
         return []
 
     def shape_steps(self, gap: Gap, site: Site) -> tuple[float, ...]:
-        """Return how far each shape parameter is moved at first when it is searched: by default a tenth of itself."""
+        """Return the first step of each shape parameter when it is searched: by default a tenth of its value."""
         return tuple(0.1 * value for value in site.shape)
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
-        """Return the columns of many shapes on one joint at once, good enough to rank them.
+        """Return the columns of many shapes on one joint at once, accurate enough to rank them.
 
-        Of the rows only each ``every``-th is asked for: (rows/every, shapes, strengths).
+        Only every ``every``-th row is returned: (rows/every, shapes, strengths).
         """
         blocks = [self.columns(gap, site) for site in sites]
         return {joint: np.stack([block[joint][::every] for block in blocks], axis=1) for joint in blocks[0]}
@@ -186,7 +190,7 @@ class Cause(ABC):
 
 
 class JointCause(Cause):
-    """A cause that is a torque at its own joint and at no other."""
+    """A cause that acts as a torque at its own joint only."""
 
     @abstractmethod
     def samples(self, gap: Gap, site: Site) -> Floats:
@@ -203,6 +207,6 @@ def column(values: Floats) -> Floats:
 
 
 def near_around(site: Site, finer: float) -> list[Site]:
-    """Return places whose columns are drawn around strengths up to ``finer`` times smaller and larger."""
+    """Return sites whose columns are computed around strengths up to ``finer`` times smaller and larger."""
     strengths = np.geomspace(site.around / finer, site.around * finer, AROUND_STEPS)
     return [replace(site, around=float(strength)) for strength in strengths]

@@ -37,7 +37,7 @@ class CoulombViscous(JointCause):
         )
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Move the levels of the joint's friction."""
+        """Change the levels of the joint's friction."""
         joint = robot.joints[site.joint]
         return raised_levels(robot, joint, float(strengths[0]), float(strengths[1]))
 

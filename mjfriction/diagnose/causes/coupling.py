@@ -22,24 +22,25 @@ VISCOUS = Parameter("viscous", "{force}·s/{length}", "damping that the other jo
 CARRIED = Parameter("inertia", "{force}·s²/{length}", "inertia that the other joint's acceleration brings")
 INERTIA = Parameter("inertia", "{force}·s²/{length}", "inertia of the rotor that both joints turn", lower=0.0)
 EFFORT = Parameter("effort", "1", "share of the other joint's effort")
-RATIOS = (0.25, 4.0)  # by which a drive that is shared turns with one joint, once with the other
+RATIOS = (0.25, 4.0)  # search range: how far a shared drive turns with the first joint per turn with the other
 RATIO = Parameter("ratio", "1", "turns with the first joint of the two on the arm, once with the other", *RATIOS)
-NEARLY = 0.02  # of a ratio of 1, within which the drive turns with both as far
-MOST_SHARED = 0.9  # of another joint's effort
-SPEEDS = (0.1, 0.9)  # quantiles of a speed, slow and fast, at which friction is asked for its sign
+NEARLY = 0.02  # difference up to which two ratios count as equal; within it of 1, the drive turns equally with both
+MOST_SHARED = 0.9  # largest share of another joint's effort, in size
+SPEEDS = (0.1, 0.9)  # quantiles of a speed, slow and fast, at which the sign of friction is checked
 
-# Of what friction is at one speed, that it may be the other way at another: a level of none comes out a little off.
+# Share of friction at one speed that it may have, with the opposite sign, at another: a level of zero is fitted a
+# little off.
 OTHER_WAY = 0.2
-LITTLE = 0.2  # of what an acceleration brings, that friction with it may be and go either way
+LITTLE = 0.2  # share of the acceleration's effect below which the friction beside it may have any sign
 
 
 class _Coupling(JointCause):
-    """Something of another joint."""
+    """An effect of another joint."""
 
     name = "drive.coupling"
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every examined joint with every other that moves."""
+        """Every examined joint, paired with every other joint that moves."""
         moving = [j for j in range(len(gap.robot.joints)) if gap.motion.moving[j]]
         return [Site(i, other=j) for i in gap.examined for j in moving if j != i]
 
@@ -54,7 +55,7 @@ class _Coupling(JointCause):
 
 
 class _SharedMotion(_Coupling):
-    """What the other joint's motion ``brings``: a part with its direction, one with its velocity, and so on."""
+    """What the other joint's motion ``brings``: a part that follows its direction, one its velocity, and so on."""
 
     brings: ClassVar[tuple[Parameter, ...]]
 
@@ -65,15 +66,15 @@ class _SharedMotion(_Coupling):
         return courses[: len(self.brings)]
 
     def samples(self, gap: Gap, site: Site) -> Floats:
-        """The other joint's courses, (n, strengths)."""
+        """The other joint's direction, velocity and acceleration, as many as it brings, (n, strengths)."""
         return np.column_stack(self.courses(gap, site))
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """What each of them brings."""
+        """The coefficient of each of them."""
         return tuple(Quantity(own) for own in self.brings)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """Friction that enters goes one way with the other joint's motion, slow and fast."""
+        """The friction has one sign relative to the other joint's motion, slow and fast, within :data:`OTHER_WAY`."""
         speeds = np.quantile(np.abs(gap.motion.velocity[:, self.source(gap, site)]), SPEEDS)
         less, more = sorted(strengths[0] + strengths[1] * speeds, key=abs)
         return bool(less * more > -OTHER_WAY * more**2)
@@ -101,12 +102,12 @@ class SharedFriction(_SharedMotion):
 
 @final
 class SharedMotion(_SharedMotion):
-    """C·sgn vₖ + V·vₖ + I·aₖ of the other joint k: a rotor that turns with it too."""
+    """C·sgn vₖ + V·vₖ + I·aₖ of the other joint k, as from a rotor that also turns with it."""
 
     brings = (COULOMB, VISCOUS, CARRIED)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """Friction that is little beside what the other joint's acceleration brings may come out as any."""
+        """The same; friction that is small beside the effect of the other joint's acceleration may have any sign."""
         rubs, turns, carries = (
             abs(one) * float(np.sqrt(np.mean(np.square(course))))
             for one, course in zip(strengths, self.courses(gap, site), strict=True)
@@ -118,7 +119,7 @@ class SharedEffort(_Coupling):
     """A share of the other joint's effort."""
 
     def samples(self, gap: Gap, site: Site) -> Floats:
-        """The other joint's effort, (n, 1)."""
+        """The other joint's effort, as its drive reported it or else as predicted, (n, 1)."""
         other = self.source(gap, site)
         return column(shared_effort(gap.robot, gap.motion, other, gap.known.effort.total[:, other]))
 
@@ -141,7 +142,7 @@ class SharedEffort(_Coupling):
 
 @final
 class LeaningEffort(SharedEffort):
-    """A share of the effort of a drive that turns with both joints: asked for beside that drive, and told with it."""
+    """A share of the effort of a drive that turns with both joints: tried beside that drive and reported with it."""
 
     first_order = 1
 
@@ -149,8 +150,8 @@ class LeaningEffort(SharedEffort):
 class SharedDrive(_Coupling):
     """C·sgn u + V·u of a drive that turns with u = vₖ + ratio·v, felt by both joints.
 
-    What each feels of its own motion is taken for its own damping as well, so that velocities show the ratio only as
-    far as the stated dampings are right.
+    The part that each joint feels of its own motion looks like damping of its own.  Velocities therefore determine the
+    ratio only as far as the stated dampings are right.
     """
 
     takes: ClassVar[tuple[Parameter, ...]] = (COULOMB, VISCOUS)
@@ -158,11 +159,11 @@ class SharedDrive(_Coupling):
     shape_parameters = (RATIO,)
 
     def ratio(self, site: Site) -> float:
-        """Return how far the drive turns with the site's own joint, once with the other: as far, if nothing told."""
+        """Return how far the drive turns with the site's own joint per turn with the other; ±1 without a shape."""
         return self.way * (site.shape[0] if site.shape else 1.0)
 
     def bounds_beside_stated_levels(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
-        """A drive that hardly turns with one of the two is the other's alone."""
+        """The ratio: outside its range, the drive hardly turns with one of the two and is the other's alone."""
         return [RATIOS]
 
     def told_at(self, site: Site) -> int:
@@ -170,8 +171,9 @@ class SharedDrive(_Coupling):
         return site.joint if site.other is None or abs(self.ratio(site)) > 1.0 - NEARLY else site.other
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Neighbouring moving joints of one kind whose efforts were both measured: metres and radians make no sum.  A
-        drive that is stated there turns as it is stated to.
+        """Neighbouring joints of one kind whose efforts were both measured: metres and radians cannot be added.
+
+        Where a drive is stated between the two, its stated ratio is tried as well.
         """
         slides = gap.body.sliding
         sites = [
@@ -182,13 +184,13 @@ class SharedDrive(_Coupling):
         return [one for site in sites for one in (site, *(site.shaped((ratio,)) for ratio in self._stated(gap, site)))]
 
     def _stated(self, gap: Gap, site: Site) -> list[float]:
-        # The ratios of drives that are stated between the two, of this cause's sign and other than 1.
+        # The sizes of the ratios of drives stated between the two, of this cause's sign and other than 1.
         table, name = gap.robot.table.joint[self.source(gap, site)], gap.robot.joints[site.joint]
         ratios = [self.way * own.ratio for own in table.common_drive if own.joint == name]
         return [ratio for ratio in ratios if ratio > 0.0 and abs(ratio - 1.0) > NEARLY]
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """What a drive takes, stated and found, stands against its own motion, slow and fast."""
+        """The drive's friction, stated plus found, opposes its own motion, slow and fast."""
         motion, other = gap.motion, self.source(gap, site)
         ratio = self.ratio(site)
         turn = motion.velocity[:, other] + ratio * motion.velocity[:, site.joint]
@@ -199,7 +201,7 @@ class SharedDrive(_Coupling):
         return all(coulomb + viscous * speed >= 0.0 for speed in np.quantile(np.abs(turn), SPEEDS))
 
     def at_drive(self, gap: Gap, site: Site, joint: int) -> Floats:
-        """Return the drive's effort for a unit of each strength, as far as it is new to one of the two joints,
+        """Return the drive's effort per unit of each strength, less what is already stated at one of the two joints,
         (n, strengths).
         """
         motion, other, ratio = gap.motion, self.source(gap, site), self.ratio(site)
@@ -208,11 +210,11 @@ class SharedDrive(_Coupling):
         return np.column_stack([2.0 * direction(turn, sure)[0] - 1.0, turn])
 
     def samples(self, gap: Gap, site: Site) -> Floats:
-        """What the drive takes, as the site's joint feels it, (n, strengths)."""
+        """The drive's effort per unit strength, as the site's joint feels it, (n, strengths)."""
         return self.ratio(site) * self.at_drive(gap, site, site.joint)
 
     def columns(self, gap: Gap, site: Site) -> Columns:
-        """What the drive takes at both joints."""
+        """The drive's effort at both joints."""
         other = self.source(gap, site)
         return {
             site.joint: gap.reported(site.joint, self.samples(gap, site)),
@@ -220,7 +222,7 @@ class SharedDrive(_Coupling):
         }
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """What the drive takes."""
+        """The drive's coefficients."""
         return tuple(Quantity(own) for own in self.takes)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
@@ -234,7 +236,7 @@ class SharedDrive(_Coupling):
         return CommonDrive(joint=robot.joints[site.joint], ratio=self.ratio(site), **own)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
-        """Name the joints."""
+        """Give the friction at usual speed, and name the joints."""
         how = "sum" if self.way > 0.0 else "difference"
         unit = "N" if gap.body.sliding[site.joint] else "N·m"
         names = gap.robot.joints[site.joint], self.from_name(gap, site)
@@ -253,14 +255,14 @@ class SharedDrive(_Coupling):
 class _SharedRotor(SharedDrive):
     """C·sgn u + V·u + I·u̇: the rotor turns with both joints too.
 
-    Of a rotor that the robot file states at one of the joints, the part that turns with both was stated there already:
-    what is new to that joint is what the other's acceleration brings.
+    Where the robot file states a rotor at a joint, the inertia that follows this joint's own acceleration counts as
+    stated already: only the effect of the other joint's acceleration is new there.
     """
 
     takes = (COULOMB, VISCOUS, INERTIA)
 
     def at_drive(self, gap: Gap, site: Site, joint: int) -> Floats:
-        """What the friction takes, and the inertia, (n, 3)."""
+        """The effort per unit of the friction's strengths and of the inertia, (n, 3)."""
         hard, other = gap.motion.acceleration, self.source(gap, site)
         ratio = self.ratio(site)
         takes = hard[:, other] + ratio * hard[:, site.joint]
@@ -269,11 +271,11 @@ class _SharedRotor(SharedDrive):
         return np.column_stack([super().at_drive(gap, site, joint), takes])
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """Nor has its rotor a negative inertia."""
+        """The drive's rotor also has no negative inertia."""
         return bool(strengths[2] >= 0.0) and super().admissible(gap, site, strengths)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """State the common drive at the joint whose motor it is, its inertia no longer in the rotors of both joints."""
+        """State the common drive at the joint whose motor it is, and take its inertia from both joints' rotors."""
         assert site.other is not None, "sites names another joint"
         for joint, ratio in ((site.joint, self.ratio(site)), (site.other, 1.0)):
             robot = without_rotor(robot, robot.joints[joint], ratio**2 * float(strengths[2]))

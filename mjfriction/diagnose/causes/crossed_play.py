@@ -1,4 +1,4 @@
-"""drive.backlash that is crossed as the load says: at once, or over a range of load."""
+"""drive.backlash whose crossing follows the load: at once where the load changes sign, or over a range of load."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from mjfriction.robot.robot import Robot
 from mjfriction.robot.transmission import crossing, slow_load
 
 CROSSING_LOAD = Parameter("crossing_load", "{force}", "load within which the play is crossed, to 76 %", lower=0.0)
-SHARES = (0.005, 0.01, 0.02, 0.05)  # of the largest load on the joint, within which play may be crossed
+SHARES = (0.005, 0.01, 0.02, 0.05)  # crossing loads to try, as fractions of the largest load on the joint
 
 
 @final
 class CrossedPlay(Play):
-    """The link lags its sensor by half of the play, towards the load: half of tanh(load / crossing load).
+    """The link lags its sensor by half of the play times tanh(load / crossing load).
 
-    The teeth of a strain-wave gear are soft near no load, and many gears lose their play to grease and preload little
-    by little.
+    The teeth of a strain-wave gear are soft near zero load, and in many gears grease and preload take up the play
+    gradually.
     """
 
     shape_parameters = (CROSSING_LOAD,)
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every joint on which the load changes its sign."""
+        """Every joint on which the load changes sign, with crossing loads to try."""
         return [
             Site(site.joint, (share * self._most(gap, site.joint),))
             for site in super().sites(gap)
@@ -39,7 +39,7 @@ class CrossedPlay(Play):
         ]
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
-        """From crossed at once to a transmission that gives."""
+        """From play that is crossed almost at once to play that is like a compliant transmission."""
         most = self._most(gap, site.joint)
         return [(0.5 * SHARES[0] * most, 2.0 * SHARES[-1] * most)]
 
@@ -51,16 +51,16 @@ class CrossedPlay(Play):
         return float(np.max(np.abs(self._load(gap, joint))))
 
     def shift(self, gap: Gap, site: Site) -> list[Floats]:
-        """Half of where the link is in its play, and its derivatives."""
+        """Half the link's relative position in its play, and its two derivatives."""
         (within,) = site.shape or (0.0,)
         return smooth_derivatives(gap.motion, 0.5 * crossing(self._load(gap, site.joint), within))
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Move the play."""
+        """Change the play, and state its crossing load."""
         return self.played(robot, site, strengths, coasting=False, crossing_load=site.shape[0])
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
-        """Give the play, and how often it was crossed."""
+        """Give the play, how often the load crossed it, and the crossing load."""
         crossed = np.count_nonzero(np.diff(np.sign(self._load(gap, site.joint))))
         within = f"{site.shape[0]:.3g} {'N' if gap.body.sliding[site.joint] else 'N·m'}"
         return f"{self.gap_found(gap, site, strengths)} that the load crossed {crossed} times, within {within} of none"

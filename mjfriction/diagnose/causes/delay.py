@@ -16,14 +16,14 @@ from mjfriction.robot.effort import later
 from mjfriction.robot.robot import Robot
 
 DELAY = Parameter("delay", "s", "time by which the reported effort comes after the motion it belongs to")
-LONGEST = 0.25  # s; a longer one is another clock
+LONGEST = 0.25  # s; a longer delay means that the clocks differ
 GRID = (0.0, 0.015, 0.025, 0.04, 0.06, 0.09, 0.13, 0.2, -0.015, -0.03, -0.06, -0.12)  # s
-FINER = 1.6  # a step of the grid
-NEAR = 0.6  # relative, of the delay found to the one its columns were drawn for
+FINER = 1.6  # about one step of the grid, as a ratio
+NEAR = 0.6  # largest relative difference of the fitted delay from the one that its columns were computed for
 
 
 def late(gap: Gap, effort: Floats, delay: float) -> Floats:
-    """Return how an effort (n,) changes per second of delay: its secant, and for none its tangent, pieces apart."""
+    """Return the change of an effort (n,) per second of delay, piece by piece: a secant, for zero delay the tangent."""
     out = np.empty_like(gap.motion.time)
     for own in gap.motion.pieces:
         part, time = effort[own], gap.motion.time[own]
@@ -39,8 +39,9 @@ def _delayed(robot: Robot, joint: str, delay: float) -> Robot:
 
 
 class _Delay(JointCause):
-    """The effort of a time d ago in place of the present one, by the secant of the nearest of a grid of delays; then
-    fitted on the shifted effort itself.
+    """The effort from a time d ago in place of the present one.
+
+    It is first linearised by the secant to the nearest of a grid of delays, then fitted on the shifted effort itself.
     """
 
     name = "sensor.delay"
@@ -51,7 +52,7 @@ class _Delay(JointCause):
     of_sensor = True
 
     def samples(self, gap: Gap, site: Site) -> Floats:
-        """The stated effort's change per second of delay, (n, 1)."""
+        """The predicted effort's change per second of delay, (n, 1)."""
         return column(late(gap, gap.known.effort.total[:, site.joint], site.around))
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
@@ -59,29 +60,32 @@ class _Delay(JointCause):
         return (Quantity(DELAY, shift=gap.robot.table.joint[site.joint].effort_sensor.delay),)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """A shift of a quarter of a second either way at most, and near the delay that the columns were drawn for."""
+        """At most a quarter of a second either way, and near the delay that the columns were computed for."""
         near = site.around == 0.0 or abs(strengths[0] / site.around - 1.0) < NEAR
         return bool(near and abs(strengths[0]) < LONGEST)
 
     def around_sites(self, gap: Gap, site: Site) -> list[Site]:
-        """To the neighbours on the grid."""
+        """Delays up to the neighbours on the grid; none around zero delay."""
         return near_around(site, FINER) if site.around else []
 
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """A shift of less than one sample is how a log is sampled: a command, say, acts over the step that follows."""
+        """At least one sample.
+
+        A smaller shift is an effect of sampling: a command, for example, acts over the step that follows.
+        """
         return bool(abs(strengths[0]) >= gap.motion.clock.step)
 
 
 @final
 class JointDelay(_Delay):
-    """One joint's effort comes late."""
+    """One joint's effort is reported late."""
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every examined joint, around every delay of the grid."""
         return [replace(site, around=delay) for site in super().sites(gap) for delay in GRID]
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Move the delay of the joint's effort sensor."""
+        """Change the delay of the joint's effort sensor."""
         joint = robot.joints[site.joint]
         return _delayed(robot, joint, float(strengths[0]))
 
@@ -92,12 +96,12 @@ class JointDelay(_Delay):
 
 @final
 class LogDelay(_Delay):
-    """All joints' efforts come late alike."""
+    """All joints' efforts are late by the same time."""
 
     whole_arm = True
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Once, where effort changes most; with a single joint there is nothing to share."""
+        """The joint whose effort changes most relative to its noise; none with a single joint, which shares nothing."""
         if len(gap.examined) < 2:
             return []
         felt = {j: float(np.std(self.columns(gap, Site(j))[j]) / max(gap.noise_floor[j], 1e-12)) for j in gap.examined}
@@ -115,7 +119,7 @@ class LogDelay(_Delay):
         return gap.kept.recall(key, made)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Move the delay of every joint's effort sensor."""
+        """Change the delay of every joint's effort sensor."""
         for name in robot.joints:
             robot = _delayed(robot, name, float(strengths[0]))
         return robot

@@ -1,4 +1,4 @@
-"""drive.elasticity: a transmission that gives; its link lags in step with its load, or swings on it."""
+"""drive.elasticity: a compliant transmission, whose link lags in proportion to its load or oscillates on it."""
 
 from __future__ import annotations
 
@@ -30,17 +30,19 @@ from mjfriction.robot.transmission import LEAST_INERTIA, LOAD_BAND, natural_freq
 COMPLIANCE = Parameter("compliance", "{length}/{force}", "how far the transmission gives per load", lower=0.0)
 DAMPING_RATIO = Parameter("damping_ratio", "1", "damping of the link on what gives, over the critical one", lower=0.0)
 RESONANCES = tuple(2.5 * 1.1**k for k in range(-12, 25))  # Hz: from 0.8 to 25 Hz
-RESONANCE_BAND = 0.5  # of the position filter's cutoff, below which a resonance shows
-FINER_RESONANCE, NEIGHBOURS = 1.1, 5  # half of a step of these, as compliances, and what is tried within it
-GIVES = tuple(0.15 * 0.75**k for k in range(20))  # rad or m at the largest load: from 150 mrad to 0.6 mrad
-FINER_GIVE = 1.15  # half of a step of these
-DAMPINGS = (0.025, 0.05, 0.1, 0.2, 0.4)  # of critical
-ROUNDS = 2  # in which where a link is and what it needs there are found
-SCREENED_AT = 0.2  # of critical: a link that swings longer falls out of step with what is not quite its resonance
+RESONANCE_BAND = 0.5  # fraction of the position filter's cutoff below which a resonance is visible
+FINER_RESONANCE, NEIGHBOURS = 1.1, 5  # half a step of these, as a ratio of compliances, and how many are tried there
+GIVES = tuple(0.15 * 0.75**k for k in range(20))  # deflections at the largest load, rad or m: from 0.15 to 0.0006
+FINER_GIVE = 1.15  # half a step of these, as a ratio
+DAMPINGS = (0.025, 0.05, 0.1, 0.2, 0.4)  # damping ratios to try
+ROUNDS = 2  # of a fixed-point iteration between the link's lag and the load it needs there
+# Damping ratio at which resonances are screened: with less, a link oscillates so long that columns for a resonance not
+# quite its own fall out of phase with it.
+SCREENED_AT = 0.2
 
 
 class _Elasticity(MovedLink):
-    """The transmission gives: the link lags its sensor by compliance · load."""
+    """The transmission is compliant: the link lags its sensor by compliance · load."""
 
     name = "drive.elasticity"
     carries_friction: ClassVar[bool]
@@ -52,7 +54,7 @@ class _Elasticity(MovedLink):
         return load + gap.known.effort.friction[:, joint] if self.carries_friction else load
 
     def shift(self, gap: Gap, site: Site) -> list[Floats]:
-        """The load and its derivatives."""
+        """The load, low-passed, and its two derivatives."""
         joint = site.joint
 
         def made() -> Columns:
@@ -65,13 +67,13 @@ class _Elasticity(MovedLink):
         return (Quantity(COMPLIANCE, shift=gap.robot.table.joint[site.joint].transmission.compliance),)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """It gives with the load, and by no more than a part of a turn."""
+        """The total compliance is positive, and the added deflection stays below :data:`WIDEST`."""
         stated = gap.robot.table.joint[site.joint].transmission.compliance
         most = float(np.max(np.abs(self.load(gap, site.joint))))
         return bool(stated + strengths[0] > 0.0 and strengths[0] * most < WIDEST)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Move the compliance."""
+        """Change the compliance, and state on which side of it friction acts."""
         own = robot.table.joint[site.joint].transmission
         compliance = max(0.0, own.compliance + float(strengths[0]))
         where = {"carries_friction": self.carries_friction, "rubs_with_link": self.rubs_with_link}
@@ -79,7 +81,7 @@ class _Elasticity(MovedLink):
         return changed(robot, site, transmission=softer)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
-        """Give how far it gives at the largest load."""
+        """Give the deflection at the largest load."""
         sliding = gap.body.sliding[site.joint]
         most = float(np.max(np.abs(self.load(gap, site.joint))))
         return (
@@ -90,46 +92,47 @@ class _Elasticity(MovedLink):
 
 @final
 class Elasticity(_Elasticity):
-    """Friction acts on the motor's side of what gives."""
+    """Friction acts on the motor's side of the compliance."""
 
     carries_friction = False
 
 
 @final
 class LinkSideElasticity(_Elasticity):
-    """Friction acts on the link's side of what gives, and so belongs to the load."""
+    """Friction acts on the link's side of the compliance, and so belongs to the load."""
 
     carries_friction = True
 
 
 @final
 class SensorElasticity(_Elasticity):
-    """What gives carries no friction, as a sensor's mount does, and friction follows the link.
+    """The compliance carries no friction, as in a sensor's mount, and friction follows the link.
 
-    Between the turn of the link and that of its sensor friction points the other way: of wrists with little to carry
-    that is all that shows.  How long that is no line says: the columns are drawn around a compliance that is searched.
+    Between the reversal of the link and that of its sensor, friction points the other way.  On wrists with little to
+    carry, that is the only visible effect.  How long it lasts is not linear in the compliance, so the columns are
+    computed around a compliance that is searched.
     """
 
     carries_friction = False
     rubs_with_link = True
     curved = True
-    tangent_step = 0.1  # friction goes over to the other side sample by sample
+    tangent_step = 0.1  # large, because friction changes sign sample by sample
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every joint, giving by many ways at its largest load."""
+        """Every joint with a stated Coulomb level, with many deflections at its largest load."""
         sites = [site for site in super().sites(gap) if stated_levels(gap.robot.table.joint[site.joint])[0] > 0.0]
         most = {site.joint: float(np.max(np.abs(self.load(gap, site.joint)))) for site in sites}
         return [replace(site, around=give / most[site.joint]) for site in sites for give in GIVES]
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
-        """What the joint itself feels."""
+        """The torque at the joint itself."""
         joint = sites[0].joint
         felt = [gap.reported(joint, self.samples(gap, site))[::every] for site in sites]
         return {joint: np.stack(felt, axis=1)}
 
     def _beside(self, gap: Gap, site: Site) -> Floats:
         if site.around == 0.0:
-            return super()._beside(gap, site)  # nothing gives: whether any load would be felt
+            return super()._beside(gap, site)  # without a compliance: only tests whether any would be felt
         coulomb, viscous = stated_levels(gap.robot.table.joint[site.joint])
         velocity, sure = gap.motion.velocity[:, site.joint], gap.motion.sure_speed[:, site.joint]
         slower = self.shift(gap, site)[1]
@@ -137,12 +140,14 @@ class SensorElasticity(_Elasticity):
         return np.asarray(coulomb * turned / site.around - viscous * slower)
 
     def around_sites(self, gap: Gap, site: Site) -> list[Site]:
-        """To the neighbours on the grid."""
+        """Compliances up to halfway to the neighbours on the grid."""
         return near_around(site, FINER_GIVE)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """It is near the compliance that the columns were drawn for, and stands out of the noise: at reversals no real
-        machine's friction is quite as its law says, which a turn a little earlier or later makes up for.
+        """The compliance is near the one that the columns were computed for, and its effect exceeds the noise.
+
+        At reversals no real machine's friction follows its law exactly, and a reversal a little earlier or later can
+        make up for that.
         """
         if not (as_drawn(site, strengths) and super().admissible(gap, site, strengths)):
             return False
@@ -152,9 +157,9 @@ class SensorElasticity(_Elasticity):
 
 @final
 class SwingingElasticity(_Elasticity):
-    """The link swings on what gives, at a resonance within the motion's band.
+    """The link oscillates on the compliance, at a resonance within the motion's band.
 
-    The columns are drawn around a compliance that is searched until the strength agrees with it.
+    The columns are computed around a compliance that is searched until the fitted strength agrees with it.
     """
 
     carries_friction = False
@@ -163,7 +168,7 @@ class SwingingElasticity(_Elasticity):
     shape_parameters = (DAMPING_RATIO,)
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every joint, swinging at many frequencies, on what gives by no more than a part of a turn."""
+        """Every examined joint, with the resonances in the visible band that deflect it by less than :data:`WIDEST`."""
         out = []
         for joint in gap.examined:
             inertia = np.maximum(own_slopes(gap, joint)[2], LEAST_INERTIA)
@@ -174,11 +179,11 @@ class SwingingElasticity(_Elasticity):
         return out
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
-        """What the joint itself feels, without the position's filter."""
+        """The torque at the joint itself, without the position filter."""
         return felt_by_itself(gap, sites, self._behind, every)
 
     def _behind(self, gap: Gap, sites: Sequence[Site]) -> Floats:
-        # How far the link is behind per unit of compliance, at many sites of a joint damped alike, (n, sites).
+        # How far the link lags per unit of compliance, at many sites of one joint with equal damping, (n, sites).
         joint, (damped,) = sites[0].joint, sites[0].shape
         compliances = np.array([site.around for site in sites])
         load = self.load(gap, joint)[:, None]
@@ -190,35 +195,39 @@ class SwingingElasticity(_Elasticity):
         return np.asarray(behind / compliances)
 
     def shift(self, gap: Gap, site: Site) -> list[Floats]:
-        """Where the link is, through the position's filter, and its derivatives."""
+        """The link's lag through the position filter, and its two derivatives."""
         return smooth_derivatives(gap.motion, self._behind(gap, [site])[:, 0])
 
     def own_shape(self, gap: Gap, site: Site) -> bool:
-        """What is damped as much as is tried does not swing: a blow, say, that a link gives its neighbours."""
+        """A damping ratio below the largest one tried.
+
+        A link damped that much does not oscillate; the cause may be, for example, a blow that a link gives its
+        neighbours.
+        """
         return site.shape[0] < DAMPINGS[-1]
 
     def around_sites(self, gap: Gap, site: Site) -> list[Site]:
-        """To the neighbours on the grid, damped more and less."""
+        """Compliances up to halfway to the neighbours on the grid, each with every damping ratio."""
         near = np.geomspace(site.around / FINER_RESONANCE, site.around * FINER_RESONANCE, NEIGHBOURS)
         return [replace(site, around=float(c), shape=(damping,)) for c in near for damping in DAMPINGS]
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """It is near the compliance that the columns were drawn for."""
+        """The compliance is near the one that the columns were computed for, and admissible as any compliance."""
         return as_drawn(site, strengths) and super().admissible(gap, site, strengths)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Move the compliance, and let the link swing on it."""
+        """Change the compliance, and let the link oscillate on it."""
         robot = super().extend(robot, site, strengths)
         own = robot.table.joint[site.joint].transmission
         return changed(robot, site, transmission=own.model_copy(update={"damping_ratio": site.shape[0]}))
 
     def resonances(self, gap: Gap, site: Site, strengths: Floats) -> Floats:
-        """Return the frequency (Hz) that the link swings at on what gives, wherever the arm is, (n,)."""
+        """Return the link's resonance frequency (Hz) on the compliance along the motion, in each pose, (n,)."""
         compliance = gap.robot.table.joint[site.joint].transmission.compliance + float(strengths[0])
         inertia = np.maximum(own_slopes(gap, site.joint)[2], LEAST_INERTIA)
         return np.asarray(natural_frequency(inertia, compliance) / (2.0 * np.pi))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
-        """Give the resonance too."""
+        """Give the deflection, and the resonance too."""
         usual = float(np.median(self.resonances(gap, site, strengths)))
         return f"{super().evidence(gap, site, strengths)}, and swings on it at about {usual:.3g} Hz"

@@ -17,7 +17,7 @@ from mjfriction.robot.spots import spot_slopes_along
 from mjfriction.robot.spring import spring_slope_along
 
 OFFSET = Parameter("offset", "{length}", "what the sensor reads where the joint is at zero")
-FARTHEST = 0.5  # rad or m that a zero may be off
+FARTHEST = 0.5  # rad or m, largest error of a zero
 
 
 @final
@@ -30,12 +30,12 @@ class EncoderOffset(MovedLink):
     of_body = True
 
     def shift(self, gap: Gap, site: Site) -> list[Floats]:
-        """One, at rest."""
+        """Ones, with zero derivatives."""
         one = np.ones_like(gap.motion.time)
         return [one, 0.0 * one, 0.0 * one]
 
     def _beside(self, gap: Gap, site: Site) -> Floats:
-        # What goes along the stroke, springs and waves, stands elsewhere too; the motor is where its link is.
+        # Springs, waves and spots along the stroke shift too.  The motor is taken to be where its link is.
         joint, position = gap.robot.table.joint[site.joint], gap.linked.position[:, site.joint]
         level = wave_slopes_along(joint.friction_waves, position) + spot_slopes_along(joint.friction_spots, position)
         along = spring_slope_along(joint.spring, position) + wave_slopes_along(joint.cogging, position)
@@ -46,11 +46,11 @@ class EncoderOffset(MovedLink):
         return (Quantity(OFFSET, shift=gap.robot.table.joint[site.joint].position_sensor.offset),)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """Half a radian or metre either way."""
+        """At most half a radian or metre either way."""
         return bool(abs(strengths[0]) < FARTHEST)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Move the sensor's offset."""
+        """Change the sensor's offset."""
         sensor = robot.table.joint[site.joint].position_sensor
         moved = sensor.model_copy(update={"offset": sensor.offset + float(strengths[0])})
         return changed(robot, site, position_sensor=moved)

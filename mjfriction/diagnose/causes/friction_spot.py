@@ -22,10 +22,10 @@ from mjfriction.robot.table import Spot
 CENTRE = Parameter("position", "{length}", "what the sensor reads where friction is another")
 WIDTH = Parameter("width", "{length}", "how far from there the change has fallen to three fifths", lower=1e-9)
 HEIGHT = Parameter("coulomb", "{force}", "how much higher the friction level is there")
-WIDTHS = (0.03, 0.06, 0.12, 0.18)  # of the stroke
-NARROWEST, WIDEST = 0.02, 0.2  # of it; a wider one is hardly told from a level
-PASSES = 4  # of a place, at least, one of them the other way: else it may be anything that happened there
-PLACES = 256  # of a stroke, that are looked at
+WIDTHS = (0.03, 0.06, 0.12, 0.18)  # widths to try, as fractions of the stroke
+NARROWEST, WIDEST = 0.02, 0.2  # range of the width, as fractions of the stroke; a wider spot is almost a level
+PASSES = 4  # least number of passes over a place, in both directions: fewer may show a chance event there
+PLACES = 256  # number of positions along the stroke at which passes are counted
 
 
 @final
@@ -39,10 +39,10 @@ class FrictionSpot(JointCause):
     picture = "turned"
     of_unevenness = True
     least_of_friction = PositionFriction.least_of_friction
-    first_order = PositionFriction.times  # it counts apart from waves
+    first_order = PositionFriction.times  # counted apart from waves
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every moving joint, spots of a few widths at every width along the stroke that the joint passes often."""
+        """Every examined joint, with spots of a few widths, spaced by their width, where the joint passes often."""
         out = []
         for site in super().sites(gap):
             position = gap.motion.position[:, site.joint]
@@ -55,31 +55,34 @@ class FrictionSpot(JointCause):
         return out
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
-        """Within the stroke."""
+        """A centre within the stroke, and a width that is a fraction of it."""
         position = gap.motion.position[:, site.joint]
         stroke = float(np.ptp(position))
         return [(float(np.min(position)), float(np.max(position))), (NARROWEST * stroke, WIDEST * stroke)]
 
     def shape_steps(self, gap: Gap, site: Site) -> tuple[float, ...]:
-        """A third of its width."""
+        """A third of the width, for centre and width."""
         return (site.shape[1] / 3.0, site.shape[1] / 3.0)
 
     def own_shape(self, gap: Gap, site: Site) -> bool:
-        """A place that the joint passes often, or a flank of it."""
+        """A spot whose centre is within its width of a place that the joint passes often."""
         joint, (centre, width) = site.joint, site.shape
         often = gap.kept.recall(f"places passed {joint}", lambda: {joint: _often(gap.motion, joint)})[joint]
         return bool(often.size and np.min(np.abs(often - centre)) <= width)
 
     def apart(self, gap: Gap, site: Site, other: Site) -> bool:
-        """A wave is no spot."""
+        """A spot can be told from a wave, but not from another cause with as many shape parameters."""
         return len(other.shape) != len(site.shape)
 
     def samples(self, gap: Gap, site: Site) -> Floats:
-        """The spot in the direction of motion, (n, 1)."""
+        """The spot times the direction of motion, (n, 1)."""
         return column(_bump(gap.motion.position[:, site.joint], site) * gap.forward(site.joint))
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
-        """The spots at the rows, with no filtering: what is passed in less than a row is lower and wider there."""
+        """The spots at the rows, without filtering.
+
+        In the filtered rows, a spot that is passed in less than one row is really lower and wider.
+        """
         joint = sites[0].joint
         position, forward = (gap.at_rows(name)[::every, joint] for name in ("position", "forward"))
         return {joint: np.stack([column(_bump(position, site) * forward) for site in sites], axis=1)}
@@ -89,14 +92,14 @@ class FrictionSpot(JointCause):
         return (Quantity(HEIGHT),)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Add a spot to the joint's friction level: where the joint is, not what its sensor reads."""
+        """Add a spot to the joint's friction level, at the joint's position rather than the sensor's reading."""
         name = robot.joints[site.joint]
         offset = robot.joint(name).position_sensor.offset
         spot = Spot(position=site.shape[0] - offset, width=site.shape[1], coulomb=float(strengths[0]))
         return with_friction_spot(robot, name, spot)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
-        """Give place and size."""
+        """Give the spot's position and size."""
         force, length = ("N", "m") if gap.body.sliding[site.joint] else ("N·m", "rad")
         more = "higher" if strengths[0] > 0.0 else "lower"
         return (
@@ -111,7 +114,7 @@ def _bump(position: Floats, site: Site) -> Floats:
 
 
 def _often(motion: Motion, joint: int) -> Floats:
-    # The places along its stroke that a joint passes often, both ways.
+    # The positions along its stroke that a joint passes often enough, and in both directions.
     position, joined = motion.position[:, joint], np.diff(motion.piece) == 0
     places = np.linspace(np.min(position), np.max(position), PLACES)
     before, after = (np.searchsorted(places, own[joined]) for own in (position[:-1], position[1:]))

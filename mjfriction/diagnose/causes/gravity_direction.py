@@ -14,12 +14,12 @@ from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 
-STEEPEST = 0.7  # of gravity, across its stated direction
+STEEPEST = 0.7  # largest component across the stated direction, relative to gravity
 
 
 @final
 class GravityDirection(WholeArm):
-    """Gravity across its stated direction: the base is tilted."""
+    """Gravity has a component across its stated direction: the base is tilted."""
 
     name = "body.gravity_direction"
 
@@ -32,7 +32,7 @@ class GravityDirection(WholeArm):
         return gravity_torques(gap.body, gap.motion.position, _across(gap.body.gravity))
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """Gravity along the two directions, in which none is stated."""
+        """Gravity along the two directions across the stated one, where zero is stated."""
         words = [", ".join(f"{part:.3g}" for part in direction) for direction in _across(gap.body.gravity)]
         return tuple(
             Quantity(Parameter(f"gravity_across_{i}", "m/s²", f"gravity along ({word}) of the base"))

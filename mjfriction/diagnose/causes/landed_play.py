@@ -1,4 +1,4 @@
-"""drive.backlash that shows in landings: blows of the link, each after a flight of the same length."""
+"""drive.backlash that shows in landings: blows of the link, each after a free flight over the same distance."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from mjfriction.record.log import Floats
 from mjfriction.record.motion import smooth_derivatives
 from mjfriction.robot.robot import Robot
 
-FLOWN = (0.5, 2.0)  # of what the landings say, between which the play that effort tells must lie
+FLOWN = (0.5, 2.0)  # range of the play estimated from effort, relative to the play estimated from landings
 
 
 @final
 class LandedPlay(Play):
-    """The link coasts across its play and lands when the log has a blow.
+    """The link coasts across its play and lands where the log has a blow.
 
-    Effort tells how far the link was off in flight, and the landings how far it flew: both must agree.
+    The effort shows how far the link was off in flight, and the landings how far it flew: both must agree.
     """
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every joint with blows of its own."""
+        """Every joint with enough blows of its own, except where play was already seen in the position itself."""
         rows = {j: gap.derivatives[2][:, j] for j in gap.examined if j not in gap.motion.jump_free}
         return [Site(j) for j, inertia in rows.items() if struck(gap.blown, gap.motion, inertia, j).size >= FEWEST]
 
@@ -34,13 +34,13 @@ class LandedPlay(Play):
         return find_landings(gap.motion, load, inertia, gap.blown, joint)
 
     def shift(self, gap: Gap, site: Site) -> list[Floats]:
-        """Half of where the link is in its play, and its derivatives; nothing where its flights differ."""
+        """Half the link's relative position in its play, and its two derivatives; zero where its flights differ."""
         landings = self._landings(gap, site.joint)
         course = np.zeros_like(gap.motion.time) if landings is None else 0.5 * landings.course
         return smooth_derivatives(gap.motion, course)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """The play is about as far as the link flew."""
+        """The play is about the distance that the link flew."""
         landings = self._landings(gap, site.joint)
         if landings is None:
             return False
@@ -48,7 +48,7 @@ class LandedPlay(Play):
         return FLOWN[0] < far < FLOWN[1] and super().admissible(gap, site, strengths)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Move the play."""
+        """Change the play, and let the link coast across it."""
         return self.played(robot, site, strengths, coasting=True)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:

@@ -14,22 +14,22 @@ from mjfriction.record.log import Floats
 from mjfriction.robot.links import link_scale, link_shift, scaled_link, shifted_link
 from mjfriction.robot.robot import Robot
 
-LEAST_NOTED = 0.08  # of a link's mass, from which on it is a finding: no stated mass is better than that
-LEAST_ALONE = 0.02  # the same where all else is stated exactly
-LEAST_MOVED = 0.01  # m that its centre of mass must lie off: cables and covers are left out of most models
-LEAST_MOVED_ALONE = 0.004  # the same where all else is stated exactly
-FARTHEST = 0.3  # m by which a centre of mass may be off
-FELT = 1e-6  # of the effort, below which a link is not felt
+LEAST_NOTED = 0.08  # relative change of a link's mass above which it is a finding: stated masses are no better
+LEAST_ALONE = 0.02  # the same where everything else is stated exactly
+LEAST_MOVED = 0.01  # m, shift of a centre of mass above which it is a finding: most models omit cables and covers
+LEAST_MOVED_ALONE = 0.004  # the same where everything else is stated exactly
+FARTHEST = 0.3  # m, largest shift of a centre of mass
+FELT = 1e-6  # fraction of the RMS effort up to which a link counts as not felt
 
 
 class _Link(Cause):
-    """A change of one link; its site is the joint that moves the link, though all joints before it feel it."""
+    """A change of one link.  Its site is the joint that moves the link, although all joints before it feel it too."""
 
     name = "body.link_inertia"
     covariate = "effort"
     whole_arm = True
     of_body = True
-    part: ClassVar[slice]  # of a gap's link rows, that is the cause's own
+    part: ClassVar[slice]  # the cause's own columns among the four of each link in a gap's link rows
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every link of the robot's own joints that any examined joint feels."""
@@ -38,16 +38,16 @@ class _Link(Cause):
         return [s for s in sites if any(np.max(np.abs(c)) > least for c in self.columns(gap, s).values())]
 
     def columns(self, gap: Gap, site: Site) -> Columns:
-        """The efforts at every examined joint, through the chain."""
+        """The efforts at every examined joint, through the measurement chain."""
         link = gap.body.links.index(gap.robot.joints[site.joint])
         return {joint: rows[:, link, self.part] for joint, rows in gap.link_rows.items()}
 
 
 class _ScaledLink(_Link):
-    """Mass and inertia of one link are a factor off."""
+    """Mass and inertia of one link are off by a factor."""
 
     part = slice(0, 1)
-    least: ClassVar[float]  # of the link's mass, from which on it is a finding
+    least: ClassVar[float]  # relative change of the link's mass above which it is a finding
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The factor, stated times change."""
@@ -57,11 +57,11 @@ class _ScaledLink(_Link):
         return (Quantity(Parameter(f"link_scale.{name}", "1", meaning, lower=0.0), factor=stated, shift=stated),)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """A link has mass, and not many times what is stated."""
+        """A link has at least some of its stated mass, and not many times as much."""
         return bool(-0.95 < strengths[0] < 9.0)
 
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """A few percent are what stated masses are off by."""
+        """More than the few percent by which stated masses are off."""
         return bool(abs(strengths[0]) > self.least)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
@@ -83,7 +83,7 @@ class LinkScale(_ScaledLink):
 
 @final
 class LoneLink(_ScaledLink):
-    """One link, where all else is stated exactly."""
+    """One link, where everything else is stated exactly."""
 
     least = LEAST_ALONE
 
@@ -93,7 +93,7 @@ class _MovedLink(_Link):
 
     curved = True
     part = slice(1, 4)
-    least_moved: ClassVar[float] = LEAST_MOVED  # m, from which on it is a finding
+    least_moved: ClassVar[float] = LEAST_MOVED  # m, shift above which it is a finding
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The shift, stated plus change."""
@@ -103,11 +103,11 @@ class _MovedLink(_Link):
         return tuple(Quantity(axis, shift=shift) for axis, shift in zip(axes, stated, strict=True))
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """Within the reach of a link."""
+        """A shift within the size of a link."""
         return bool(np.linalg.norm(strengths) < FARTHEST)
 
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """Some millimetres are what stated centres are off by."""
+        """More than the few millimetres by which stated centres are off."""
         return bool(np.linalg.norm(strengths) > self.least_moved)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
@@ -122,13 +122,13 @@ class _MovedLink(_Link):
 
 @final
 class LinkCentre(_MovedLink):
-    """The centre alone."""
+    """Only the centre of mass is off."""
 
 
 @final
 class LoneWholeLink(_MovedLink):
-    """Mass and inertia are a factor off, and the centre of mass lies elsewhere, of one link where all else is stated
-    exactly.
+    """Mass and inertia of one link are off by a factor and its centre of mass is shifted, where everything else is
+    stated exactly.
     """
 
     part = slice(0, 4)
@@ -140,11 +140,11 @@ class LoneWholeLink(_MovedLink):
         return (*self.scaled.quantities(gap, site), *super().quantities(gap, site))
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """What both may be."""
+        """Both the factor and the shift are admissible."""
         return self.scaled.admissible(gap, site, strengths[:1]) and super().admissible(gap, site, strengths[1:])
 
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """Either is enough."""
+        """The factor or the shift is large enough."""
         return self.scaled.noteworthy(gap, site, strengths[:1]) or super().noteworthy(gap, site, strengths[1:])
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
@@ -152,6 +152,6 @@ class LoneWholeLink(_MovedLink):
         return super().extend(self.scaled.extend(robot, site, strengths[:1]), site, strengths[1:])
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
-        """Give both."""
+        """Give the factor and the shift."""
         scaled = self.scaled.evidence(gap, site, strengths[:1])
         return f"{scaled}; {super().evidence(gap, site, strengths[1:])}"

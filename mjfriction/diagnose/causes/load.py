@@ -15,8 +15,8 @@ from mjfriction.robot.friction import with_term
 from mjfriction.robot.load_friction import stated_load, stated_loads, with_less_load, with_more_load
 from mjfriction.robot.robot import Robot
 
-BELOW = 0.1  # of the larger coefficient, by which the smaller may come out below none
-LEAST_ROTOR = 0.05  # of the links' load, that a rotor must take for the two loads to differ
+BELOW = 0.1  # fraction of the larger coefficient by which the smaller one may be negative
+LEAST_ROTOR = 0.05  # least rotor torque, as a fraction of the links' load, for the two kinds of load to differ
 
 
 class _Load(JointCause):
@@ -32,7 +32,7 @@ class _Load(JointCause):
         return (effort.rigid if self.includes_rotor else effort.load)[:, joint]
 
     def samples(self, gap: Gap, site: Site) -> Floats:
-        """The size of the load in the direction of motion, (n, 1)."""
+        """The size of the load times the direction of motion, (n, 1)."""
         return column(gap.forward(site.joint) * np.abs(self.load(gap, site.joint)))
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
@@ -40,11 +40,11 @@ class _Load(JointCause):
         return (Quantity(LOAD_DEPENDENT.parameter("load"), shift=self._stated(gap, site)),)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """Load presses gears together; it never lowers their friction below what is stated without it."""
+        """The total coefficient is positive: load presses gears together and never lowers their friction."""
         return bool(self._stated(gap, site) + strengths[0] > 0.0)
 
     def level_shifts(self, gap: Gap, site: Site, strengths: Floats) -> Floats:
-        """At the loads that were there, driving and braking alike."""
+        """At loads from zero to the largest in the log, by the mean of driving and braking."""
         most = float(np.max(np.abs(self.load(gap, site.joint))))
         return np.outer(np.linspace(0.0, most, SHIFTS), [float(np.mean(strengths)), 0.0])
 
@@ -52,7 +52,7 @@ class _Load(JointCause):
         return stated_load(gap.robot.table.joint[site.joint], includes_rotor=self.includes_rotor)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Add a law that holds only the load's part, or lower the stated ones."""
+        """Add a law with the load-dependent part only or, where the change is negative, lower the stated laws."""
         parameters = {"coulomb": 0.0, "load": float(strengths[0]), "viscous": 0.0}
         joint = robot.joints[site.joint]
         if strengths[0] < 0.0:
@@ -60,7 +60,7 @@ class _Load(JointCause):
         return with_term(robot, joint, LOAD_DEPENDENT.name, parameters, load_includes_rotor=self.includes_rotor)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
-        """Say what the load adds between light and heavy."""
+        """Say how much friction rises from light to heavy load."""
         unit = "N" if gap.body.sliding[site.joint] else "N·m"
         light, heavy = np.quantile(np.abs(self.load(gap, site.joint)), [0.05, 0.95])
         return (
@@ -73,12 +73,12 @@ class _Load(JointCause):
 class _GearedLoad(_Load):
     """μ_d·|τ|·sgn v where the drive works against the load, τ·v > 0, and μ_b·|τ|·sgn v where the load drives it.
 
-    The mean of the two is what plain friction of the load takes, half of their difference a factor on the load: as a
-    torque constant that is off would be, beside friction levels that are off the other way.
+    The mean of the two acts like plain load friction.  Half of their difference is a factor on the load, as a torque
+    constant would be that is off together with friction levels that are off in the opposite direction.
     """
 
     def samples(self, gap: Gap, site: Site) -> Floats:
-        """The size of the load in the direction of motion, where it is driven and where it drives, (n, 2)."""
+        """The size of the load times the direction of motion, where it is driven and where it drives, (n, 2)."""
         forward, load = gap.forward(site.joint), self.load(gap, site.joint)
         driving = load * forward > 0.0
         whole = forward * np.abs(load)
@@ -90,12 +90,12 @@ class _GearedLoad(_Load):
         return tuple(Quantity(GEARED_LOAD.parameter(f"load_{way}"), shift=stated) for way, stated in ways)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """Neither of the two drives the joint."""
+        """Neither total coefficient makes friction drive the joint, within :data:`BELOW`; the larger is positive."""
         less, more = np.sort(self._both(gap, site) + strengths)
         return bool(more > 0.0 and less > -BELOW * more)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Put a law with both coefficients in the place of what is stated of the load."""
+        """Replace the stated load friction by a law with both coefficients."""
         joint, (driving, braking) = robot.joints[site.joint], strengths.tolist()
         return with_more_load(robot, joint, (driving, braking), includes_rotor=self.includes_rotor)
 
@@ -103,7 +103,7 @@ class _GearedLoad(_Load):
         return np.array(stated_loads(gap.robot.table.joint[site.joint], includes_rotor=self.includes_rotor))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
-        """Say what the load adds, either way."""
+        """Say how much friction a heavy load adds, driven and driving."""
         unit = "N" if gap.body.sliding[site.joint] else "N·m"
         heavy = float(np.quantile(np.abs(self.load(gap, site.joint)), 0.95))
         driving, braking = (strengths * heavy).tolist()
@@ -116,21 +116,21 @@ class _GearedLoad(_Load):
 
 @final
 class GearedLoad(_GearedLoad):
-    """The load being what passes the transmission to the links."""
+    """Friction grows with the load that passes through the transmission to the links."""
 
     includes_rotor = False
 
 
 @final
 class GearedDriveLoad(_GearedLoad):
-    """The load being all that the drive moves."""
+    """Friction grows with everything that the drive moves, its own rotor included."""
 
     includes_rotor = True
 
 
 @final
 class Load(_Load):
-    """The load being what passes the transmission to the links."""
+    """Friction grows with the load that passes through the transmission to the links."""
 
     includes_rotor = False
     geared = GearedLoad
@@ -138,13 +138,15 @@ class Load(_Load):
 
 @final
 class DriveLoad(_Load):
-    """The load being all that the drive moves, its own rotor included: not every contact lies behind that."""
+    """Friction grows with everything that the drive moves, its own rotor included: not all contacts lie behind the
+    rotor.
+    """
 
     includes_rotor = True
     geared = GearedDriveLoad
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every moving joint whose rotor takes enough to tell."""
+        """Every examined joint whose rotor takes enough torque for the two kinds of load to differ."""
         effort = gap.known.effort
         rotor, load = (np.sqrt(np.mean(np.square(own), axis=0)) for own in (effort.rotor, effort.load))
         return [site for site in super().sites(gap) if rotor[site.joint] > LEAST_ROTOR * load[site.joint]]

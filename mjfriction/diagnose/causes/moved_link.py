@@ -1,5 +1,5 @@
-"""What puts a link elsewhere than its sensor says: the base of a zero that is off, and of a transmission that gives or
-has play.
+"""Base of the causes that put a link elsewhere than its sensor says: a zero that is off, and a transmission that is
+compliant or has play.
 """
 
 from __future__ import annotations
@@ -15,20 +15,20 @@ from mjfriction.identify.regression import Columns
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 
-WIDEST = 0.2  # rad or m of play or of give
-NEAR = (0.6, 1.6)  # times the strength that the columns were drawn around
-AT_A_TIME = 1_000_000  # samples of many sites that are drawn at a time
-FELT = 1e-6  # of the noise floor, below which a shift is felt by no joint
+WIDEST = 0.2  # rad or m, largest play, or deflection under load
+NEAR = (0.6, 1.6)  # range of a fitted strength, relative to the one that its columns were computed around
+AT_A_TIME = 1_000_000  # samples, over all sites, that are computed at a time to bound memory
+FELT = 1e-6  # fraction of the RMS effort up to which a shift counts as not felt
 
 
 class MovedLink(Cause):
-    """The link is ``shift`` behind its sensor per unit strength; every joint feels what that changes in the torques."""
+    """The link lags its sensor by ``shift`` per unit strength; every joint feels the resulting change of torque."""
 
     covariate = "effort"
 
     @abstractmethod
     def shift(self, gap: Gap, site: Site) -> list[Floats]:
-        """Return how far the sensor is ahead of the link, and its two derivatives, each (n,)."""
+        """Return how far the sensor is ahead of the link per unit strength, and the two derivatives, each (n,)."""
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The torque at the joint itself, (n, 1)."""
@@ -38,7 +38,7 @@ class MovedLink(Cause):
         return column(torque)
 
     def columns(self, gap: Gap, site: Site) -> Columns:
-        """The torques at all joints that the shifted link changes, through the chain."""
+        """The change of torque at every examined joint, through the measurement chain."""
         key = f"{type(self).__name__} {site.joint} {site.around} {site.shape}"
 
         def made() -> Columns:
@@ -67,7 +67,7 @@ class MovedLink(Cause):
         return out.T
 
     def _beside(self, gap: Gap, site: Site) -> Floats:
-        # What changes at the joint itself besides weight and inertia, (n,) per unit strength: by default nothing.
+        # What else changes at the joint itself, beyond gravity and inertia, (n,) per unit strength: by default nothing.
         return np.zeros(gap.motion.time.size)
 
 
@@ -79,10 +79,11 @@ def own_slopes(gap: Gap, joint: int) -> tuple[Floats, ...]:
 def felt_by_itself(
     gap: Gap, sites: Sequence[Site], behind: Callable[[Gap, Sequence[Site]], Floats], every: int
 ) -> Columns:
-    """Return what the joint itself feels of its link being ``behind``, at many sites of it (n, sites), without the
-    position's filter, of each ``every``-th row: good enough to rank them.
+    """Return the torque at the joint itself where its link is ``behind``, at every ``every``-th row, for many sites.
 
-    Of a long log few sites are drawn at a time, so that a minute takes no more memory than of a short one.
+    ``behind`` returns the lag at some sites of the joint, (n, sites).  The position filter is left out; the columns are
+    accurate enough to rank the sites.  On a long log, fewer sites are computed at a time, so that it needs no more
+    memory for them than a short one.
     """
     joint, count = sites[0].joint, max(1, AT_A_TIME // gap.motion.time.size)
     stiffness, damping, inertia = (slope[:, None] for slope in own_slopes(gap, joint))
@@ -101,5 +102,5 @@ def changed(robot: Robot, site: Site, **changes: object) -> Robot:
 
 
 def as_drawn(site: Site, strengths: Floats) -> bool:
-    """Return whether a strength is near the one that its columns were drawn around, if they were."""
+    """Return whether a strength is near the one that its columns were computed around, if there is one."""
     return site.around == 0.0 or NEAR[0] < float(strengths[0]) / site.around < NEAR[1]

@@ -18,14 +18,14 @@ OFFSET = Parameter("offset", "{force}", "constant in the reported effort")
 
 @final
 class Offset(Cause):
-    """A constant; Coulomb levels that differ between the directions are the same change."""
+    """A constant.  Coulomb levels that differ between the directions have the same effect."""
 
     name = "drive.offset"
     before_sensor = False
     covariate = "time"
 
     def columns(self, gap: Gap, site: Site) -> Columns:
-        """One, behind all that the sensor does to efforts."""
+        """Ones, added after everything that the sensor does to efforts."""
         return {site.joint: np.ones((gap.chain.time.size, 1))}
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
@@ -33,7 +33,7 @@ class Offset(Cause):
         return (Quantity(OFFSET, shift=gap.robot.table.joint[site.joint].effort_sensor.offset),)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Move the effort sensor's offset."""
+        """Change the effort sensor's offset."""
         joint = robot.joints[site.joint]
         table = robot.joint(joint)
         offset = table.effort_sensor.offset + float(strengths[0])

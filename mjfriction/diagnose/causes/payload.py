@@ -22,8 +22,8 @@ from mjfriction.robot.links_torque import is_held
 from mjfriction.robot.robot import Robot
 
 FARTHEST = 1.0  # m; a payload's centre lies nearer to the flange
-MOSTLY = 0.5  # of what is stated, from which on it is held elsewhere, or with more, rather than put down
-NOTHING = 0.05  # of what is set down, by which what is left may seem to weigh less than nothing
+MOSTLY = 0.5  # fraction of the stated mass above which what is held counts as another payload, below as put down
+NOTHING = 0.05  # fraction of the mass put down by which the remaining mass may be negative
 HELD = (
     Parameter("mass", "kg", "mass held at the flange", lower=0.0),
     *(Parameter(f"moment_{axis}", "kg·m", f"its first moment along {axis} of the flange") for axis in "xyz"),
@@ -41,7 +41,7 @@ class Payload(WholeArm):
     name = "body.payload"
 
     def sites(self, gap: Gap) -> list[Site]:
-        """The whole arm, unless a payload is stated on another link already."""
+        """The whole arm, unless a payload is already stated on another link."""
         return [] if _elsewhere(gap) else self.felt_most(gap, Site(0))
 
     def torques(self, gap: Gap) -> Floats:
@@ -62,7 +62,7 @@ class Payload(WholeArm):
         return bool(total > 0.0 and np.linalg.norm(moment + strengths[1:]) < FARTHEST * total)
 
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """More than the last link's own mass and centre are off by where all else is stated exactly."""
+        """More than the last link's own mass and centre are off where everything else is stated exactly."""
         mass, centre = tip_mass(gap.body)
         held, moment = _stated(gap.robot, gap.body)
         link = mass - held
@@ -70,11 +70,11 @@ class Payload(WholeArm):
         return _beyond(alone, strengths, LEAST_ALONE, LEAST_MOVED_ALONE)
 
     def usual(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """What the last link's mass and centre, with the load that is stated, are off by."""
+        """No more than the mass and centre of the last link, with its stated payload, are usually off."""
         return not _beyond(tip_mass(gap.body), strengths, LEAST_NOTED, LEAST_MOVED)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Put the payload into the robot, or change the one that is there."""
+        """State the payload, or change the stated one."""
         body = robot.body()
         mass, moment = _stated(robot, body)
         total = float(mass + strengths[0])
@@ -99,11 +99,11 @@ class PayloadForAWhile(WholeArm):
 
     name = "body.payload"
     covariate = "time"
-    times = 2  # in one log another than in all
+    times = 2  # e.g. another payload in several logs, and yet another in one of them
     first_order = 1
 
     def sites(self, gap: Gap) -> list[Site]:
-        """From every log on, up to every log and in every log alone, unless a payload is stated on another link."""
+        """From each log on, up to each log, and in each log alone, unless a payload is stated on another link."""
         spans = [span for _, span in gap.log.logs]
         if len(spans) < 2 or _elsewhere(gap):
             return []
@@ -113,37 +113,37 @@ class PayloadForAWhile(WholeArm):
         return [own for begin, end in sorted(whiles) for own in self.felt_most(gap, Site(0, begin=begin, end=end))]
 
     def torques(self, gap: Gap) -> Floats:
-        """Torques per mass and first moment, held throughout."""
+        """Torques per mass and first moment, as if held throughout."""
         return Payload().torques(gap)
 
     def columns(self, gap: Gap, site: Site) -> Columns:
-        """The effort in those logs: nothing is filtered from one into the next."""
+        """The effort in those logs only; no filter leaks from one log into the next."""
         held = is_held(site.begin, site.end, gap.chain.time)
         return {joint: values * held[:, None] for joint, values in super().columns(gap, site).items()}
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """What mass and first moments are more than in the other logs."""
+        """Mass and first moments beyond those in the other logs."""
         return tuple(Quantity(parameter) for parameter in BESIDES)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """A payload has mass, or none is left of what is stated, and its centre near the flange."""
+        """The payload has mass, or nothing is left of the stated one, and its centre is near the flange."""
         mass, moment = _stated(gap.robot, gap.body)
         total, nothing = mass + strengths[0], NOTHING * abs(strengths[0])
         near = np.linalg.norm(moment + strengths[1:]) < FARTHEST * max(total, nothing)
         return bool(total >= -nothing and near)
 
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """As of one that is held throughout."""
+        """As for a payload that is held throughout."""
         return Payload().noteworthy(gap, site, strengths)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Let the robot put down what is stated, for that while, and take up what is held instead."""
+        """Let the robot put down the stated payload in that interval and take up another, or add the change alone."""
         body = robot.body()
         mass, moment = _stated(robot, body)
         change, total = float(strengths[0]), mass + float(strengths[0])
         if mass > 0.0 and total > MOSTLY * mass:
             held = [(-mass, moment / mass), (total, (moment + strengths[1:]) / total)]
-        else:  # what little is left of it has its centre anywhere
+        else:  # nothing is stated, or too little of it is left to have a definite centre
             held = [(change, strengths[1:] / change)]
         loads = [
             TakenUp(
@@ -158,7 +158,7 @@ class PayloadForAWhile(WholeArm):
         return Robot(robot.table.model_copy(update={"taken_up": (*robot.table.taken_up, *loads)}), robot.folder)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
-        """Give the logs and what differs in them."""
+        """Name the logs, and give what differs in them."""
         logs = " and ".join(name for name, begin in gap.log.joined if site.begin <= begin < site.end)
         moment = ", ".join(f"{value:+.3g}" for value in strengths[1:])
         return (
@@ -174,7 +174,8 @@ def _elsewhere(gap: Gap) -> bool:
 
 
 def _beyond(link: tuple[float, Floats], strengths: Floats, heavier: float, farther: float) -> bool:
-    # Whether a link (its mass and centre), with the load as its own, is heavier by more, or has its centre farther off.
+    # Whether the load, added to a link (mass and centre), changes its mass by more than the share ``heavier``, or moves
+    # its centre by more than ``farther`` m.
     mass, centre = link
     if mass + strengths[0] <= 0.0:
         return True

@@ -1,4 +1,4 @@
-"""drive.backlash: what all ways to cross the play of a transmission have in common."""
+"""drive.backlash: base of the causes that differ in how the play of a transmission is crossed."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ BACKLASH = Parameter("backlash", "{length}", "play of the transmission, from sto
 
 
 class Play(MovedLink):
-    """The transmission has play: the link lags its sensor by half of it, towards the load."""
+    """The transmission has play: the link lags its sensor by half of it, with the sign of the load."""
 
     name = "drive.backlash"
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every joint whose shift any would feel, but for those whose play was seen in the position itself."""
+        """Every joint whose shift any joint would feel, except where play was already seen in the position itself."""
         return [site for site in super().sites(gap) if site.joint not in gap.motion.jump_free]
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
@@ -26,7 +26,7 @@ class Play(MovedLink):
         return (Quantity(BACKLASH, shift=_stated(gap.robot, site)),)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """There is no negative play, and none of a part of a turn."""
+        """The play is positive and below :data:`WIDEST`; it is no part of a turn."""
         return bool(0.0 < self.play(gap, site, strengths) < WIDEST)
 
     def play(self, gap: Gap, site: Site, strengths: Floats) -> float:
@@ -34,7 +34,7 @@ class Play(MovedLink):
         return _stated(gap.robot, site) + float(strengths[0])
 
     def played(self, robot: Robot, site: Site, strengths: Floats, **crossed: bool | float) -> Robot:
-        """Return the robot with its play moved, and how it is crossed."""
+        """Return the robot with its play changed, and with how it is ``crossed``."""
         play = max(0.0, _stated(robot, site) + float(strengths[0]))
         own = robot.table.joint[site.joint].transmission
         return changed(robot, site, transmission=own.model_copy(update={"backlash": play, **crossed}))

@@ -1,4 +1,4 @@
-"""hydraulic.pressure: friction grows with the pressures in the chambers, or with what the piston's seal holds."""
+"""hydraulic.pressure: friction grows with the chambers' pressures, or with their difference at the piston's seal."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from mjfriction.robot.robot import Robot
 
 
 class ChamberPressure(JointCause):
-    """Pressures p(t) that seals hold: Σ kᵢ·pᵢ·sgn v."""
+    """Friction under the pressures p(t) that the seals hold: Σ kᵢ·pᵢ·sgn v."""
 
     name = "hydraulic.pressure"
     covariate = "velocity"
@@ -24,10 +24,10 @@ class ChamberPressure(JointCause):
 
     @abstractmethod
     def held(self, head: Floats, rod: Floats) -> tuple[Floats, ...]:
-        """Return the pressures that seals hold, (n,) each, from those of the chambers, (n,)."""
+        """Return the pressures that the seals hold, (n,) each, from those of the chambers, (n,)."""
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every moving joint whose chamber pressures were logged."""
+        """Every examined joint whose chamber pressures were logged."""
         return [site for site in super().sites(gap) if all(p is not None for p in self._chambers(gap, site))]
 
     def _chambers(self, gap: Gap, site: Site) -> list[Floats | None]:
@@ -35,27 +35,27 @@ class ChamberPressure(JointCause):
         return [gap.motion.columns.get(f"{name}.{joint}") for name in (HEAD_PRESSURE, ROD_PRESSURE)]
 
     def samples(self, gap: Gap, site: Site) -> Floats:
-        """Pressures in the direction of motion, (n, m)."""
+        """The pressures times the direction of motion, (n, m)."""
         return gap.forward(site.joint)[:, None] * self.course(gap, site)
 
     def course(self, gap: Gap, site: Site) -> Floats:
-        """Return the pressures that seals hold along the log, (n, m)."""
+        """Return the pressures that the seals hold along the log, (n, m)."""
         head, rod = map(np.asarray, self._chambers(gap, site))
         return np.column_stack(self.held(head, rod))
 
     def level_shifts(self, gap: Gap, site: Site, strengths: Floats) -> Floats:
-        """At the pressures that were there."""
+        """At pressures sampled along the log."""
         pressures = self.course(gap, site)
         levels = pressures[:: max(1, pressures.shape[0] // SHIFTS)] @ strengths
         return np.column_stack([levels, np.zeros_like(levels)])
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """Growth with each pressure, stated plus change."""
+        """The growth of friction with each pressure, stated plus change."""
         stated = gap.robot.table.joint[site.joint].pressure_friction.model_dump()
         return tuple(Quantity(PRESSED_SEALS.parameter(name), shift=stated[name]) for name in self.grows)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Move the joint's growth with pressure."""
+        """Change the growth of the joint's friction with pressure."""
         joint = robot.joints[site.joint]
         table = robot.joint(joint)
         stated = table.pressure_friction.model_dump()
@@ -71,7 +71,7 @@ class Pressure(ChamberPressure):
     grows = ("head", "rod")
 
     def held(self, head: Floats, rod: Floats) -> tuple[Floats, ...]:
-        """Either chamber's own."""
+        """The pressure of each chamber."""
         return head, rod
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
@@ -83,12 +83,12 @@ class Pressure(ChamberPressure):
 
 @final
 class PistonPressure(ChamberPressure):
-    """d·|p₁ − p₂|·sgn v: the piston's seal stands between the chambers and presses whichever of them is higher."""
+    """d·|p₁ − p₂|·sgn v: the piston's seal lies between the chambers and is pressed by whichever of them is higher."""
 
     grows = ("difference",)
 
     def held(self, head: Floats, rod: Floats) -> tuple[Floats, ...]:
-        """The difference of the chambers'."""
+        """The absolute difference of the chambers' pressures."""
         return (np.abs(head - rod),)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:

@@ -1,4 +1,4 @@
-"""drive.rotor_inertia: a term in the acceleration of one joint alone."""
+"""drive.rotor_inertia: a torque that follows the acceleration of one joint alone."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 
-LEAST_NOTED = 0.04  # of the stated inertia, from which on it is a finding
-USUALLY_OFF = 0.08  # of it, that a stated one is off by where all else is off too
-LEAST_STATED = 1e-12  # kg·m² or kg
+LEAST_NOTED = 0.04  # change relative to the stated inertia above which it is a finding
+USUALLY_OFF = 0.08  # usual relative error of a stated inertia where everything else is off too
+LEAST_STATED = 1e-12  # kg·m² or kg, floor of the stated inertia in relative changes
 
 ROTOR_INERTIA = Parameter("rotor_inertia", "kg·m²", "inertia of the rotor, at the motor", lower=0.0)
 
@@ -41,20 +41,20 @@ class RotorInertia(JointCause):
         return bool(actuator.rotor_inertia + strengths[0] / actuator.gear_ratio**2 >= 0.0)
 
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """From a few percent of the stated inertia on."""
+        """More than a few percent of the stated inertia."""
         return self._change(gap, site, strengths) > LEAST_NOTED
 
     def usual(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """As far as a data sheet, which knows of no coupling and no gear, is off."""
+        """No more than a data sheet is off, which does not include the coupling and the gear."""
         return self._change(gap, site, strengths) < USUALLY_OFF
 
     def _change(self, gap: Gap, site: Site, strengths: Floats) -> float:
-        # Relative to what is stated.
+        # The size of the change, relative to what is stated.
         stated = gap.robot.table.joint[site.joint].actuator.reflected_inertia
         return abs(float(strengths[0])) / max(stated, LEAST_STATED)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Move the rotor inertia of the joint's actuator."""
+        """Change the rotor inertia of the joint's actuator."""
         joint = robot.joints[site.joint]
         table = robot.joint(joint)
         inertia = table.actuator.rotor_inertia + float(strengths[0]) / table.actuator.gear_ratio**2
@@ -62,7 +62,7 @@ class RotorInertia(JointCause):
         return robot.with_joint(table.model_copy(update={"actuator": actuator}))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
-        """Give the effort that goes with hard acceleration."""
+        """Give the effort at hard acceleration."""
         hard = float(np.quantile(np.abs(gap.motion.acceleration[:, site.joint]), 0.99))
         sliding = gap.body.sliding[site.joint]
         return (

@@ -1,4 +1,4 @@
-"""friction.viscous_nonlinear: damping that levels off with speed, as greases thin."""
+"""friction.viscous_nonlinear: damping that levels off with speed, as grease thins."""
 
 from __future__ import annotations
 
@@ -13,9 +13,11 @@ from mjfriction.record.log import Floats
 from mjfriction.robot.friction import with_term
 from mjfriction.robot.robot import Robot
 
-HALF_VELOCITIES = (0.2, 1.5)  # of the top speed; slower is a level, faster the same bend as a quadratic term
+# Range of the half velocity, as fractions of the top speed: a slower one is like a level, a faster one bends the curve
+# as a quadratic term does.
+HALF_VELOCITIES = (0.2, 1.5)
 OFF_EDGE = 1.1
-DOUBTED = 4.0  # times the speed below which friction's direction is in doubt, that damping must halve above
+DOUBTED = 4.0  # least half velocity, in multiples of the speed below which the direction of friction is in doubt
 
 
 @final
@@ -26,7 +28,7 @@ class SaturatingViscous(JointCause):
     shape_parameters = (SATURATING_VISCOUS.parameter("half_velocity"),)
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every moving joint, with half velocities spaced evenly in logarithm over what its motion can show."""
+        """Every examined joint, with half velocities spaced logarithmically over what its motion can show."""
         out = []
         for site in super().sites(gap):
             slow, fast = self.shape_bounds(gap, site)[0]
@@ -35,17 +37,17 @@ class SaturatingViscous(JointCause):
         return out
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
-        """The speeds between which damping that levels off is told from a level and from a quadratic bend."""
+        """The half velocities at which damping can be told from a level and from a quadratic term."""
         top = float(gap.motion.top_speed[site.joint])
         slow, fast = (share * top for share in HALF_VELOCITIES)
         return [(max(slow, DOUBTED * float(gap.doubt_speed[site.joint])), fast)]
 
     def own_shape(self, gap: Gap, site: Site) -> bool:
-        """What levels off at the slowest speeds is no damping but a level that rises from rest."""
+        """A half velocity above the lower bound: what levels off there is a level that rises from rest, not damping."""
         return bool(site.shape[0] > OFF_EDGE * self.shape_bounds(gap, site)[0][0])
 
     def samples(self, gap: Gap, site: Site) -> Floats:
-        """The damping's share, (n, 1)."""
+        """The velocity over 1 + |v|/v_h, (n, 1)."""
         velocity = gap.motion.velocity[:, site.joint]
         return column(velocity / (1.0 + np.abs(velocity) / site.shape[0]))
 
@@ -54,7 +56,7 @@ class SaturatingViscous(JointCause):
         return (Quantity(SATURATING_VISCOUS.parameter("viscous")),)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """Damping that thins still stands against the motion."""
+        """Damping that levels off still opposes the motion."""
         return bool(strengths[0] > 0.0)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:

@@ -1,4 +1,4 @@
-"""body.spring: a torque that goes with position, from a balancer, a hose or a cable."""
+"""body.spring: a torque that depends on position, from a balancer, a hose or a cable."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ class _Spring(JointCause):
     name = "body.spring"
     covariate = "position"
     contains = ("drive.offset",)
-    least_told = 0.08  # what hoses, cables and a base that is not quite level make on any machine is less
-    parameters: ClassVar[tuple[tuple[int, Parameter], ...]]  # each power's, in the order of the strengths
+    least_told = 0.08  # on any machine, hoses, cables and a base that is not quite level make less than this
+    parameters: ClassVar[tuple[tuple[int, Parameter], ...]]  # (power, its coefficient), in the order of the strengths
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The powers of position, (n, strengths)."""
@@ -51,7 +51,7 @@ class _Spring(JointCause):
         return robot.with_joint(joint.model_copy(update={"spring": joint.spring.model_copy(update=added)}))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
-        """Give the torque over the stroke that was travelled."""
+        """Give the torque over the travelled part of the stroke."""
         position = gap.motion.position[:, site.joint]
         low, high = np.quantile(position, [0.02, 0.98])
         powers = np.zeros(1 + max(power for power, _ in self.parameters))
@@ -61,7 +61,7 @@ class _Spring(JointCause):
 
     @abstractmethod
     def told(self, powers: Floats, low: float, high: float, force: str, length: str) -> str:
-        """Say how a polynomial goes between two positions."""
+        """Describe the torque, a polynomial in position, between two positions."""
 
 
 @final
@@ -71,7 +71,7 @@ class BentSpring(_Spring):
     parameters = (*LINEAR, (2, QUADRATIC), (3, CUBIC))
 
     def told(self, powers: Floats, low: float, high: float, force: str, length: str) -> str:
-        """Give its ends and its middle."""
+        """Give the torque at both ends and in the middle."""
         places = np.array([low, 0.5 * (low + high), high])
         first, middle, last = polynomial.polyval(places, powers)
         return (
@@ -89,7 +89,7 @@ class Spring(_Spring):
     richer = BentSpring
 
     def told(self, powers: Floats, low: float, high: float, force: str, length: str) -> str:
-        """Give its ends."""
+        """Give the torque at both ends."""
         ends = polynomial.polyval(np.array([low, high]), powers)
         return (
             f"a torque that follows position alone goes from {ends[0]:+.3g} to {ends[1]:+.3g} {force} between "

@@ -1,4 +1,4 @@
-"""friction.viscous_nonlinear: damping that grows with another power of speed than its square."""
+"""friction.viscous_nonlinear: friction that grows with a higher power of speed than the square."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mjfriction.record.log import Floats
 from mjfriction.robot.friction import with_term
 from mjfriction.robot.robot import Robot
 
-POWERS = (2.2, 4.0)  # below, a quadratic term says it
+POWERS = (2.2, 4.0)  # range of the power; below it a quadratic term does as well
 GRID = (2.5, 3.0, 3.5)
 
 
@@ -25,15 +25,15 @@ class SteepeningViscous(JointCause):
     shape_parameters = (POWER_VISCOUS.parameter("power"),)
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every moving joint, at some powers."""
+        """Every examined joint, with some powers."""
         return [site.shaped((power,)) for site in super().sites(gap) for power in GRID]
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
-        """Powers that damping goes with."""
+        """The range of the power."""
         return [POWERS]
 
     def samples(self, gap: Gap, site: Site) -> Floats:
-        """The power of speed in the direction of motion, (n, 1)."""
+        """The power of speed times the direction of motion, (n, 1)."""
         velocity = gap.motion.velocity[:, site.joint]
         return column(np.sign(velocity) * np.abs(velocity) ** site.shape[0])
 
@@ -42,7 +42,7 @@ class SteepeningViscous(JointCause):
         return (Quantity(POWER_VISCOUS.parameter("power_coefficient")),)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """It stands against the motion."""
+        """It opposes the motion."""
         return bool(strengths[0] > 0.0)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
@@ -51,7 +51,7 @@ class SteepeningViscous(JointCause):
         return with_term(robot, robot.joints[site.joint], POWER_VISCOUS.name, parameters)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
-        """Give the power, and what it makes at top speed."""
+        """Give the power, and the friction that it adds at top speed."""
         speed, sliding = float(gap.motion.top_speed[site.joint]), gap.body.sliding[site.joint]
         return (
             f"friction grows with the power {site.shape[0]:.3g} of speed besides: at {speed:.3g} "

@@ -17,12 +17,16 @@ from mjfriction.robot.robot import Robot
 EXCESS = Parameter("stribeck_excess", "{force}", "friction near rest above the Coulomb level", lower=0.0)
 EXPONENTS = (1.0, 2.0)
 EXPONENT_RANGE = (0.5, 4.0)
-SLOWEST = 2.0  # times the speed below which the direction is in doubt: what fades faster looks like a blurred reversal
-GONE_BY = 0.7  # of the top speed, by which a twentieth may be left: else it is the viscous curve that bends
-ALL_OF_IT = 1.25  # of a stated extra level, that a fit may take away where there is none
-FASTEST = 0.6  # of the top speed: what fades slower is a bent viscous curve
-OF_STEP = 0.97  # of the highest exponent, from which on a level falls like a step
-UNFINISHED = 2.0  # of the top speed: what fades slower than that falls in a straight line, as less damping does
+# Least Stribeck velocity, in multiples of the speed below which the direction is in doubt: what fades within less looks
+# like a blurred reversal.
+SLOWEST = 2.0
+GONE_BY = 0.7  # fraction of the top speed by which all but a twentieth must have faded: else it is a bent viscous curve
+ALL_OF_IT = 1.25  # multiple of a stated extra level that a fit may take away where there really is none
+FASTEST = 0.6  # largest Stribeck velocity, as a fraction of the top speed: what fades later is a bent viscous curve
+OF_STEP = 0.97  # fraction of the highest exponent from which on a level falls like a step
+# The same as FASTEST where the end of the curve is not seen: what fades later still falls in a straight line, as lower
+# damping does.
+UNFINISHED = 2.0
 
 
 class Stribeck(JointCause):
@@ -33,8 +37,8 @@ class Stribeck(JointCause):
     shape_parameters = (STRIBECK.parameter("stribeck_velocity"), STRIBECK.parameter("stribeck_exponent"))
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every moving joint, with Stribeck velocities spaced evenly in logarithm over what its motion can show, and
-        what is stated.
+        """Every examined joint, with Stribeck velocities spaced logarithmically over what its motion can show, and the
+        stated shapes.
         """
         out = []
         for site in super().sites(gap):
@@ -47,43 +51,46 @@ class Stribeck(JointCause):
         return out
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
-        """The speeds between which a fading level is told from a blurred reversal and from damping."""
+        """The velocities at which a fading level differs from a blurred reversal and from damping; the exponents."""
         top = float(gap.motion.top_speed[site.joint])
         return [(SLOWEST * gap.doubt_speed[site.joint], self.fastest * top), EXPONENT_RANGE]
 
     def own_shape(self, gap: Gap, site: Site) -> bool:
-        """A level that stays and then falls like a step is no Stribeck curve (published exponents end at 2), nor is one
-        that falls over all speeds.
+        """A level that neither stays and then falls like a step nor falls over the whole range of speeds.
+
+        Such levels are no Stribeck curves; published exponents end at 2.
         """
         velocity, exponent = site.shape
         top = float(gap.motion.top_speed[site.joint])
         return exponent < OF_STEP * EXPONENT_RANGE[1] and velocity * 3.0 ** (1.0 / exponent) < GONE_BY * top
 
     def samples(self, gap: Gap, site: Site) -> Floats:
-        """The fading level in the direction of motion, (n, 1)."""
+        """The fading level times the direction of motion, (n, 1)."""
         velocity, exponent = site.shape
         fading = np.exp(-((np.abs(gap.motion.velocity[:, site.joint]) / velocity) ** exponent))
         return column(gap.forward(site.joint) * fading)
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """The extra level; with the shape that is stated, all there is of it."""
+        """The extra level; with a stated shape, the stated level plus the change."""
         stated = gap.robot.table.joint[site.joint]
         return (Quantity(EXCESS, shift=stribeck_excess(stated) if site.shape in stribeck_shapes(stated) else 0.0),)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """Friction may not grow from rest; of the extra level that is stated there may be less, down to none or, within
-        what a fit can be off by, a little below.
+        """The extra level is positive: friction does not grow from rest.
+
+        With a stated shape it may lower the stated extra level, down to zero or, within the error of a fit, a little
+        below.
         """
         stated = gap.robot.table.joint[site.joint]
         least = -ALL_OF_IT * stribeck_excess(stated) if site.shape in stribeck_shapes(stated) else 0.0
         return bool(strengths[0] > least)
 
     def brought_level(self, strengths: Floats) -> float:
-        """All of the extra level."""
+        """The whole extra level."""
         return float(strengths[0])
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Add a Stribeck law that holds only the extra level, or lower what is stated."""
+        """Add a Stribeck law that holds only the extra level or, where it is negative, lower the stated one."""
         joint = robot.joints[site.joint]
         if strengths[0] < 0.0:
             return with_less_stribeck(robot, joint, -float(strengths[0]))
@@ -97,7 +104,7 @@ class Stribeck(JointCause):
         return with_term(robot, joint, STRIBECK.name, parameters)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
-        """Give the extra level and the speed by which it has gone."""
+        """Give the extra level and the speed by which it has faded."""
         velocity, exponent = site.shape
         sliding = gap.body.sliding[site.joint]
         faded = velocity * 3.0 ** (1.0 / exponent)
@@ -113,8 +120,10 @@ class Stribeck(JointCause):
 
 @final
 class UnfinishedStribeck(Stribeck):
-    """A Stribeck curve of which the motion sees no end: beside refitted levels it is none, for a higher level and less
-    damping do nearly as well; with the levels as stated it may be what they seem to be off by.
+    """A Stribeck curve whose end the motion does not reach.
+
+    Beside refitted levels it cannot be identified, because a higher level with less damping does nearly as well.  With
+    the levels as stated, it may explain by how much these seem to be off.
     """
 
     fastest = UNFINISHED

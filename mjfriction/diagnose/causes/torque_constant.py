@@ -13,19 +13,19 @@ from mjfriction.robot.robot import Robot
 FACTOR = Parameter("factor", "1", "measured effort over the effort the model says", lower=0.0)
 
 MOST_OFF = 3.0
-USUALLY_OFF = 0.04  # by which a data sheet's constant is off: magnets spread, and weaken as they warm
+USUALLY_OFF = 0.04  # usual relative error of a data sheet's constant: magnets vary, and weaken as they warm
 
 
 @final
 class TorqueConstant(JointCause):
-    """ε·(everything the robot is stated to need): the reading is 1 + ε times the effort."""
+    """ε·(the whole effort that is predicted): the reading is 1 + ε times the effort."""
 
     name = "drive.torque_constant"
     before_sensor = False
     covariate = "effort"
 
     def samples(self, gap: Gap, site: Site) -> Floats:
-        """The stated effort of the joint, (n, 1)."""
+        """The predicted effort of the joint, (n, 1)."""
         return column(gap.known.effort.total[:, site.joint])
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
@@ -37,14 +37,14 @@ class TorqueConstant(JointCause):
         return bool(1.0 / MOST_OFF < 1.0 + strengths[0] < MOST_OFF)
 
     def usual(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """A few percent, as any motor's constant is off."""
+        """No more than the few percent that any motor's constant is off."""
         return bool(abs(strengths[0]) < USUALLY_OFF)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Scale the effort sensor.
 
-        A reading in amperes says the same of the torque constant, which is the stated one divided by the factor; the
-        robot file keeps the stated constant and carries the factor, so that it holds for either kind of log.
+        For a reading in amperes the factor is the torque constant's: the true one is the stated one divided by it.  The
+        robot file keeps the stated constant and stores the factor, so that it holds for either kind of log.
         """
         joint = robot.joints[site.joint]
         table = robot.joint(joint)

@@ -1,5 +1,5 @@
-"""Friction that varies with what surrounds it: temperature or running time (friction.temperature), a moment at which it
-steps (event.change).
+"""Friction that varies over the log: with temperature or running time (friction.temperature), or in a step at one
+moment (event.change).
 """
 
 from __future__ import annotations
@@ -29,24 +29,25 @@ VISCOUS_PER_KELVIN = Parameter("viscous_per_kelvin", "{force}·s/({length}·K)",
 TIME_CONSTANT = Parameter("time_constant", "s", "time after which 63 % of the change is over", lower=1e-3)
 MOMENT = Parameter("time", "s", "moment of the step, on the log's clock")
 
-LEAST_WARMING = 1.0  # K over a log, below which nothing is seen of it
-SPEEDS = (0.1, 0.9)  # quantiles of a joint's speed, between which friction rises or falls as a whole
-OPPOSITE = 0.5  # of its change when slow, that it may change the other way when fast: damping is hardly known
+LEAST_WARMING = 1.0  # K, least range of temperature over a log for its effect to show
+SPEEDS = (0.1, 0.9)  # quantiles of a joint's speed, slow and fast, at which the changes of friction are compared
+# Fraction of its change when slow by which friction may change the other way when fast: damping is hardly known.
+OPPOSITE = 0.5
 MOMENTS = 60
-EDGE = 0.06  # of the joint's motion at both ends, in which a step is not looked for
-SLOWEST = 3.0  # of the log's length: what is slower is a straight line
-FASTEST = 3.0  # s: in less nothing of a drive's weight warms
-OFF_EDGE = 1.05  # times the fastest, up to which it is something at the log's beginning
-APART = 2.5  # from one time constant that is tried to the next, at most
+EDGE = 0.06  # fraction of the joint's motion at each end where no step is looked for
+SLOWEST = 3.0  # longest time constant, in multiples of the log's length: a longer one makes a straight line
+FASTEST = 3.0  # s, shortest time constant: nothing of a drive's weight warms in less
+OFF_EDGE = 1.05  # multiple of the shortest time constant up to which it is some event at the log's beginning
+APART = 2.5  # largest ratio of one time constant that is tried to the next
 
 
 class Varying(JointCause):
-    """One course of time c(t): (C·sgn v + V·v)·c."""
+    """Friction that follows one course of time c(t): (C·sgn v + V·v)·c."""
 
     covariate = "time"
     picture = "turned"
-    beyond: ClassVar[float] = 1.0  # lengths of its course, that it may have gone on for before and after the log
-    least_of_friction = 0.0175  # a step of twice that, half of which levels take
+    beyond: ClassVar[float] = 1.0  # how far c may extend before and after the log, in multiples of its range in it
+    least_of_friction = 0.0175  # for a step of twice this, since refitted levels absorb half of it
 
     @abstractmethod
     def course(self, gap: Gap, site: Site) -> Floats:
@@ -58,21 +59,23 @@ class Varying(JointCause):
         return np.column_stack([gap.forward(site.joint) * course, gap.motion.velocity[:, site.joint] * course])
 
     def level_shifts(self, gap: Gap, site: Site, strengths: Floats) -> Floats:
-        """As the course goes, and before the log and after it by as much."""
+        """Along the range of the course, extended on both sides by how far it may go on before and after the log."""
         course = self.course(gap, site)
         beyond = self.beyond * np.ptp(course)
         return np.outer(np.linspace(np.min(course) - beyond, np.max(course) + beyond, SHIFTS), strengths)
 
     def one_way(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """Return whether friction rises or falls as a whole: less when slow and more when fast is another curve over
-        speed, and no course.
+        """Return whether friction rises or falls as a whole.
+
+        A change that lowers it when slow and raises it when fast, or the reverse, is another curve over speed and no
+        course of time.
         """
         speed = np.abs(gap.at_rows("velocity")[gap.clear[:, site.joint], site.joint])
         slow, fast = (strengths[0] + strengths[1] * float(one) for one in np.quantile(speed, SPEEDS))
         return bool(slow * fast >= 0.0 or abs(fast) < OPPOSITE * abs(slow))
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """Changes of level and damping."""
+        """The changes of Coulomb level and damping."""
         return (Quantity(COULOMB), Quantity(VISCOUS))
 
 
@@ -97,17 +100,17 @@ class Warming(Varying):
     name = "friction.temperature"
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every moving joint whose temperature was logged and changed."""
+        """Every examined joint whose temperature was logged and changed."""
         return [site for site in super().sites(gap) if _temperature(gap, site.joint) is not None]
 
     def course(self, gap: Gap, site: Site) -> Floats:
-        """Temperature above the room's."""
+        """The logged temperature above room temperature, K."""
         logged = _temperature(gap, site.joint)
         assert logged is not None, "sites lets no joint without a temperature pass"
         return logged - ROOM_TEMPERATURE
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """Growth per kelvin, stated plus change."""
+        """The growth per kelvin, stated plus change."""
         stated = gap.robot.table.joint[site.joint].thermal
         return (
             Quantity(COULOMB_PER_KELVIN, shift=stated.coulomb_per_kelvin),
@@ -115,7 +118,7 @@ class Warming(Varying):
         )
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Move the joint's growth per kelvin."""
+        """Change the growth of the joint's friction per kelvin."""
         joint = robot.joints[site.joint]
         table = robot.joint(joint)
         stated = table.thermal
@@ -127,7 +130,7 @@ class Warming(Varying):
         return robot.with_joint(table.model_copy(update={"thermal": changed}))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
-        """Give what the log's warming adds."""
+        """Give the change over the log's range of temperature."""
         logged = _temperature(gap, site.joint)
         assert logged is not None, "sites lets no joint without a temperature pass"
         span = float(np.ptp(logged))
@@ -137,13 +140,13 @@ class Warming(Varying):
 
 @final
 class WarmUpDrift(Varying):
-    """Friction settles with running time, be it that no temperature was logged or that it follows none that was."""
+    """Friction settles with running time, where no temperature was logged or friction does not follow it."""
 
     name = "friction.temperature"
     shape_parameters = (TIME_CONSTANT,)
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every moving joint of a log whose clock runs on, with time constants from what warms fastest on."""
+        """Every examined joint, with time constants from the shortest on; none where the log's clock jumps back."""
         low, high = _time_constants(gap)
         if np.any(np.diff(gap.motion.time) < 0.0) or low >= high:
             return []
@@ -152,15 +155,15 @@ class WarmUpDrift(Varying):
         return [replace(site, shape=(float(tau),), begin=begin) for site in super().sites(gap) for tau in grid]
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
-        """From what warms fastest to a straight line."""
+        """From the fastest warm-up to one that is a straight line over the log."""
         return [_time_constants(gap)]
 
     def own_shape(self, gap: Gap, site: Site) -> bool:
-        """The fastest that is asked for is what happened as the log began."""
+        """A time constant above the lower bound: at the bound, it is some event as the log began."""
         return site.shape[0] > OFF_EDGE * FASTEST
 
     def course(self, gap: Gap, site: Site) -> Floats:
-        """The share of the warm-up that is over, begun with the log."""
+        """The completed share of a warm-up that began with the log."""
         return warmed(gap.motion.time - site.begin, site.shape[0])
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
@@ -177,7 +180,7 @@ class WarmUpDrift(Varying):
 
 
 def _clear(gap: Gap, site: Site) -> Floats:
-    # When the joint moves: what happens while it rests cannot be told from friction held.
+    # The times of clear rows, at which the joint moves: at rest, a change cannot be told from friction that holds it.
     return np.asarray(gap.chain.time[gap.clear[:, site.joint]])
 
 
@@ -191,7 +194,7 @@ class Step(Varying):
     relative_shape = False
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every moving joint, with moments spread over the time it moves."""
+        """Every examined joint, with moments spread over the time it moves; none where the log's clock jumps back."""
         if np.any(np.diff(gap.motion.time) < 0.0):
             return []
         spread = np.linspace(EDGE, 1.0 - EDGE, MOMENTS)
@@ -203,28 +206,31 @@ class Step(Varying):
         return [(float(low), float(high))]
 
     def shape_steps(self, gap: Gap, site: Site) -> tuple[float, ...]:
-        """Half of the distance between two moments."""
+        """About half of the time between two of the moments that are tried."""
         return (0.5 * float(np.ptp(_clear(gap, site))) / MOMENTS,)
 
     def own_shape(self, gap: Gap, site: Site) -> bool:
-        """A step at the very edge of the search is a level that is off, less what happened at the start or end."""
+        """A step away from the edges of the search range.
+
+        A step at an edge is a level that is off, except for what happened at that end of the log.
+        """
         low, high = self.shape_bounds(gap, site)[0]
         margin = (high - low) / MOMENTS
         return bool(low + margin < site.shape[0] < high - margin)
 
     def shape_resolution(self, gap: Gap, site: Site) -> tuple[float, ...]:
-        """Half of the time from row to row: a step lies somewhere between two."""
+        """Half of the time from row to row: a step lies somewhere between two rows."""
         return (0.5 * float(np.median(np.diff(gap.chain.time))),)
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
-        """Rows cut at the moments; what the filter does to the edge matters little."""
+        """Direction and velocity at the rows, zero before each moment: the filter's effect on the edge is neglected."""
         joint, time = sites[0].joint, gap.chain.time[::every, None]
         after = time >= np.array([site.shape[0] for site in sites])
         sources = (gap.at_rows("forward"), gap.at_rows("velocity"))
         return {joint: np.stack([after * source[::every, [joint]] for source in sources], axis=2)}
 
     def course(self, gap: Gap, site: Site) -> Floats:
-        """Nothing before, one after."""
+        """Zero before the moment, one after."""
         return np.asarray((gap.motion.time >= site.shape[0]).astype(np.float64))
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:

@@ -1,4 +1,4 @@
-"""friction.viscous_nonlinear: the viscous curve bends."""
+"""friction.viscous_nonlinear: the viscous curve bends, by a quadratic term."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""What repeats along the stroke: cogging (drive.cogging) and friction that varies with position (friction.position)."""
+"""Effects that repeat along the stroke: cogging (drive.cogging), and friction that varies with position
+(friction.position).
+"""
 
 from __future__ import annotations
 
@@ -30,24 +32,24 @@ SINE = Parameter("sine", "{force}", "amplitude of the sine of wavenumber times p
 
 
 class _Waves(JointCause):
-    """Cosine and sine of a searched wavenumber, as a torque of their own or in the direction of motion."""
+    """Cosine and sine of a searched wavenumber, as a torque of their own or times the direction of motion."""
 
     shape_parameters = (WAVENUMBER,)
     covariate = "position"
     of_unevenness = True
-    turns: ClassVar[bool] = False  # whether the waves turn with the direction of motion
+    turns: ClassVar[bool] = False  # whether the waves change sign with the direction of motion
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every moving joint, with wavenumbers as fine as its stroke can tell apart."""
+        """Every examined joint, with wavenumbers as close as its stroke can resolve."""
         own = {site: wavenumbers(gap, site.joint, turns=self.turns) for site in super().sites(gap)}
         return [Site(site.joint, (k,)) for site, numbers in own.items() for k in numbers.tolist()]
 
     def chances(self, sites: Sequence[Site]) -> int:
-        """As many as differ by a period over the stroke."""
+        """The number of wavenumbers that differ by a whole period over the stroke."""
         return int(np.ceil(len(sites) / STEPS_PER_LOBE))
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
-        """What the motion shows."""
+        """The wavenumbers that the motion can show."""
         return [wavenumber_bounds(gap, site.joint, turns=self.turns)]
 
     def shape_steps(self, gap: Gap, site: Site) -> tuple[float, ...]:
@@ -55,8 +57,8 @@ class _Waves(JointCause):
         return (wavenumber_step(gap, site.joint) / 3.0,)
 
     def apart(self, gap: Gap, site: Site, other: Site) -> bool:
-        """Two that differ by less than the grid are one, drawn twice so that each can be large against the other."""
-        waves = len(site.shape) == len(other.shape)  # a spot along the stroke is none
+        """Two waves within one step of the grid are one, fitted twice with large amplitudes that cancel."""
+        waves = len(site.shape) == len(other.shape)  # a spot along the stroke, with two shape parameters, is no wave
         return not waves or bool(abs(site.shape[0] - other.shape[0]) > wavenumber_step(gap, site.joint))
 
     def samples(self, gap: Gap, site: Site) -> Floats:
@@ -66,7 +68,7 @@ class _Waves(JointCause):
         return np.asarray(np.column_stack([np.cos(phase), np.sin(phase)]) * forward)
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
-        """The waves at the rows, weakened as the chain weakens the frequency they have there; no filtering needed."""
+        """The waves at the rows, attenuated as the chain does at their frequency there, so that no filter is needed."""
         joint = sites[0].joint
         wavenumber = np.array([site.shape[0] for site in sites])
         return {joint: waves_at_rows(gap, joint, wavenumber, every, turns=self.turns)}
@@ -77,8 +79,9 @@ class _Waves(JointCause):
 
 
 def as_stated(table: Joint, wavenumber: float, read: complex) -> Wave:
-    """Return a wave along what a joint's sensor reads, cosine and sine ``read``'s real and imaginary part, as it is
-    stated along where the joint is.
+    """Return a wave over a joint's sensor reading as a robot file states it, over the joint's position.
+
+    The real and imaginary part of ``read`` are the amplitudes of its cosine and sine over the reading.
     """
     there = read * np.exp(-1j * wavenumber * table.position_sensor.offset)
     return Wave(wavenumber=wavenumber, cosine=float(there.real), sine=float(there.imag))
@@ -92,7 +95,7 @@ def _period(gap: Gap, site: Site) -> str:
 
 @final
 class Cogging(_Waves):
-    """C·cos(k q) + S·sin(k q), whichever way the joint moves."""
+    """C·cos(k q) + S·sin(k q), in whichever direction the joint moves."""
 
     name = "drive.cogging"
     picture = "spectrum"

@@ -1,4 +1,4 @@
-"""Causes that all joints feel in one consistent way."""
+"""Base of the causes that all joints feel in one consistent way."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mjfriction.record.log import Floats
 
 
 class WholeArm(Cause):
-    """A change that enters every joint; its site is the joint where it shows most."""
+    """A change that every joint feels; its site is the joint where it shows most."""
 
     whole_arm = True
     of_body = True
@@ -26,7 +26,7 @@ class WholeArm(Cause):
         """Return effort per unit strength at every joint, (n, joints, strengths)."""
 
     def columns(self, gap: Gap, site: Site) -> Columns:
-        """The effort at every examined joint, through the chain."""
+        """The effort at every examined joint, through the measurement chain."""
 
         def made() -> Columns:
             torques = self.torques(gap)
@@ -35,7 +35,7 @@ class WholeArm(Cause):
         return gap.kept.recall(self.name, made)
 
     def felt_most(self, gap: Gap, site: Site) -> list[Site]:
-        """Return the site at the joint whose effort the cause moves most, relative to its noise."""
+        """Return the site at the joint whose effort the cause changes most, relative to its noise, if any feels it."""
         columns = self.columns(gap, site)
         felt = {
             joint: float(np.mean(np.square(values))) / max(float(gap.noise_floor[joint]), 1e-12) ** 2
