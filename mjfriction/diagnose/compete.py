@@ -81,13 +81,14 @@ def compete(
             nuisance, heard = nuisance.along(gap, (*nuisance.sources, *sources)), True
             continue
         no_causes = refused(model)
-        asked = _narrowed(asked, no_causes)
-        if hopeless or not no_causes:
+        asked, asked_before = _narrowed(asked, no_causes), asked
+        begin, began = tuple(choice for choice in begin if choice.key not in {one.key for one in no_causes}), begin
+        # What is refused may be a form that does not compete, such as a richer one: the search would find it again.
+        if hopeless or (asked == asked_before and begin == began):
             for choice in no_causes:
                 model = model.without(choice)
             model = geared(as_courses(by_temperature(enriched(fulfilled(model), field), field)))
             return straightened(with_kin(_pruned(model, chances), field)), asked
-        begin = tuple(choice for choice in begin if choice.key not in {one.key for one in no_causes})
 
 
 def _with_found(gap: Gap, nuisance: Nuisance, begin: tuple[Chosen, ...]) -> Model:

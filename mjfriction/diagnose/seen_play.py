@@ -49,13 +49,16 @@ def see_play(stated: Gap, highest: float) -> SeenPlay:
     """Look for jumps that the stated robot does not explain; without any, the gap stays as it is.
 
     ``highest`` is the upper limit of the position filter's cutoff (Hz).  Joints whose stated play is not crossed at
-    once, such as coasting play, are skipped.
+    once, such as coasting play, are skipped, and so are joints that are not examined: no effort shows what the play
+    would explain.
     """
     robot, found = stated.robot, {}
     motion = stated.motion
     if motion.jump_free:
-        motion = estimate_motion(stated.log, motion.joints, motion.cutoff)
+        motion = estimate_motion(stated.log, motion.joints, motion.cutoff, motion.sliding)
     for joint, jumps in seen_jumps(stated.log, robot, stated.body, motion).items():
+        if joint not in stated.examined:
+            continue
         transmission = robot.table.joint[joint].transmission
         off = abs(jumps.size - transmission.jump) > max(OFF * transmission.jump, jumps.half_width)
         if transmission.backlash == transmission.jump and off:
@@ -63,7 +66,7 @@ def see_play(stated: Gap, highest: float) -> SeenPlay:
     if not found:
         return unseen(stated)
     whole = measure_gap(stated.log, _with_play(robot, found), highest=highest)
-    jumping = estimate_motion(stated.log, whole.motion.joints, whole.motion.cutoff)
+    jumping = estimate_motion(stated.log, motion.joints, whole.motion.cutoff, motion.sliding)
     gap = thinned(whole)
     return SeenPlay(whole, gap, gap_along(robot, jumping.thinned(thinning(whole.motion)), gap).residual, found)
 

@@ -19,11 +19,12 @@ from mjfriction.identify.doubt import WITHIN, YIELDING, doubt_speeds, rows_of_re
 from mjfriction.identify.effort_band import filtered_from, whole_below
 from mjfriction.identify.kept import Kept, Lately
 from mjfriction.identify.rows import Chain, make_chain
-from mjfriction.identify.turning import travel_since_turn, turning_speeds
+from mjfriction.identify.turning import turning_speeds
 from mjfriction.record.log import Floats, Log, check_joints
 from mjfriction.record.motion import Motion
 from mjfriction.record.noise import raw_noise
 from mjfriction.record.resample import SHORTEST_PIECE
+from mjfriction.record.reversals import travel_since_turn
 from mjfriction.robot.bandwidth import HIGHEST, choose_cutoff
 from mjfriction.robot.effort import (
     Carried,
@@ -347,7 +348,7 @@ def _held_against(
     # Leave out drives that say nothing.  One that reports a constant has measured nothing.  One that holds its joint
     # still may report anything within the joint's friction.  One that hardly moves its joint says nothing about the
     # joint's laws.  One that clipped, or stuck, whenever its joint moved is of no use.
-    still = ~motion.moving | motion.dawdling(body.sliding)
+    still = ~motion.moving | motion.dawdling
     unusable = unusable_rows(log, motion, chain)
     still |= _wholly_spoilt(unusable, chain.rows(motion.velocity))
     told = np.where((np.ptp(motion.torque, axis=0) == 0.0) | still, np.nan, motion.torque)
@@ -361,7 +362,7 @@ def _held_against(
     unsettled = unsettled_along(robot, motion, effort.load, effort.rotor)
     touched = share_in_doubt(robot, motion, chain, slow, yielding, unsettled)
     resting = resting_level(robot, motion, effort.load, effort.rotor, slow)
-    travel = chain.rows(travel_since_turn(motion.velocity, motion.position))
+    travel = chain.rows(travel_since_turn(motion.velocity, motion.position, motion.pieces)[0])
     velocity = chain.rows(motion.velocity)
     turning = turning_speeds(velocity, travel, residual, touched < CLEAR, resting, motion.top_speed)
     if np.any(turning > slow):

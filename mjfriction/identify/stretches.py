@@ -109,7 +109,7 @@ def stretches_at(gap: Gap, robot: Robot, cuts: Cuts) -> Stretches:
     Raises :class:`RobotError` where a joint that moves has no effort.
     """
     held = [i for i in range(len(robot.joints)) if i not in gap.examined]
-    turning = gap.motion.moving & ~gap.motion.dawdling(gap.body.sliding)
+    turning = gap.motion.moving & ~gap.motion.dawdling
     lacking = [robot.joints[i] for i in held if turning[i]]
     if lacking:
         raise RobotError(f"simulated motion needs the efforts of all joints, and {', '.join(lacking)} has none")

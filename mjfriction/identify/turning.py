@@ -123,14 +123,3 @@ def _slow_rows(speed: Floats, error: Floats, clear: NDArray[np.bool_]) -> _SlowR
     if np.sum(rows) < FEWEST_ROWS:
         return None
     return _SlowRows(rows, np.abs(speed[rows]), error[rows] * np.sign(speed[rows]))
-
-
-def travel_since_turn(velocity: Floats, position: Floats) -> Floats:
-    """Return how far each joint is from where it last turned back, (n, joints)."""
-    out = np.empty_like(position)
-    for joint in range(position.shape[1]):
-        turned = np.diff(np.sign(velocity[:, joint]), prepend=0.0) != 0.0
-        turned[0] = True
-        last = np.maximum.accumulate(np.where(turned, np.arange(turned.size), 0))
-        out[:, joint] = np.abs(position[:, joint] - position[last, joint])
-    return out

@@ -28,7 +28,7 @@ def without_jumps(log: Log, motion: Motion, plays: Mapping[int, tuple[float, Flo
         columns[position] = columns[position] - np.nan_to_num(back_to_log(motion, log, jumped))
         if velocity in columns and _jumps_too(on_clock(log, motion, velocity), motion, joint, jumped):
             del columns[velocity]
-    cleared = estimate_motion(replace(log, columns=columns), motion.joints, motion.cutoff)
+    cleared = estimate_motion(replace(log, columns=columns), motion.joints, motion.cutoff, motion.sliding)
     return replace(cleared, jump_free=frozenset(plays))
 
 

@@ -25,10 +25,12 @@ TEMPERATURE, HEAD_PRESSURE, ROD_PRESSURE, VOLTAGE = "temperature", "pressure_hea
 PUSH = "push"
 HELD_MASS = "held_mass"
 JOINED = " + "  # between the sources of logs that were joined
-KNOWN = (
-    *(POSITION, VELOCITY, EFFORT, CURRENT),
-    *(TEMPERATURE, "position_ref", "velocity_ref", HEAD_PRESSURE, ROD_PRESSURE),
-)
+MEASURED = (POSITION, VELOCITY, EFFORT, CURRENT, TEMPERATURE, HEAD_PRESSURE, ROD_PRESSURE)
+KNOWN = (*MEASURED, "position_ref", "velocity_ref")
+OF_JOINTS = (*KNOWN, VOLTAGE, PUSH)
+OF_MACHINE = (SUPPLY_PRESSURE, HELD_MASS)
+# Words by which a column holds what was asked for and not what was measured.
+SET_WORDS = {"ref", "reference", "target", "desired", "des", "cmd", "command", "commanded", "setpoint", "error", "goal"}
 LIKE = 0.8  # of likeness to a known quantity, from which on a column's name is taken for misspelt
 
 
@@ -86,7 +88,12 @@ class Log:
         return out
 
     def holding(self, mass: float) -> Log:
-        """Return the log of a robot that held a mass (kg) all the while."""
+        """Return the log of a robot that held a mass (kg) all the while.
+
+        Raises :class:`LogError` for a mass below zero.
+        """
+        if not mass >= 0.0:
+            raise LogError(f"{self.source}: held mass {mass:g}; a mass is 0 kg or more")
         return replace(self, columns={**self.columns, HELD_MASS: np.full(self.time.size, mass)})
 
     def torque_quantity(self, joint: str) -> str | None:
@@ -126,14 +133,25 @@ def check_joints(log: Log, robot_name: str, robot_joints: tuple[str, ...]) -> No
         )
     for name in log.columns:
         quantity, dot, joint = name.partition(".")
-        meant = difflib.get_close_matches(quantity, KNOWN, n=1, cutoff=LIKE)
-        if dot and joint in robot_joints and quantity not in KNOWN and meant:
+        meant = _misspelt(log, quantity, joint) if dot and joint in robot_joints else None
+        if meant is not None:
             raise LogError(
-                f"{log.source}: column '{name}' is not of the format, and would be left out; did you mean "
-                f"'{meant[0]}.{joint}'?"
+                f"{log.source}: column '{name}' is not of the format, and would be left out; did you mean '{meant}'?"
             )
         if dot and quantity in (VELOCITY, EFFORT, CURRENT) and joint not in robot_joints:
             raise LogError(
                 f"{log.source}: column '{name}': robot '{robot_name}' has no joint "
                 f"'{joint}'{suggestion(joint, robot_joints)} Its joints are {listed}"
             )
+
+
+def _misspelt(log: Log, quantity: str, joint: str) -> str | None:
+    # The measurement that a log lacks and that an unknown column was probably meant to be.  What was asked of a drive is
+    # no measurement, and a log that has an effort needs no current.
+    if quantity in OF_JOINTS or SET_WORDS & set(quantity.split("_")):
+        return None
+    for meant in difflib.get_close_matches(quantity, MEASURED, n=1, cutoff=LIKE):
+        torque = meant in (EFFORT, CURRENT) and log.torque_quantity(joint) is not None
+        if f"{meant}.{joint}" not in log.columns and not torque:
+            return f"{meant}.{joint}"
+    return None

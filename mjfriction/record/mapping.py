@@ -17,7 +17,7 @@ import tomli_w
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from mjfriction.errors import LogError, suggestion
-from mjfriction.record.log import CURRENT, EFFORT, KNOWN, POSITION, SUPPLY_PRESSURE, TEMPERATURE, VELOCITY
+from mjfriction.record.log import CURRENT, EFFORT, KNOWN, POSITION, SET_WORDS, SUPPLY_PRESSURE, TEMPERATURE, VELOCITY
 from mjfriction.record.ticks import TICKS, tick_of
 
 TIME, SEGMENT = "time", "segment"
@@ -32,7 +32,6 @@ QUANTITIES = {
     CURRENT: {"current", "cur", "amp", "amps", "ampere", "iq"},
     TEMPERATURE: {"temperature", "temp"},
 }
-SET = {"ref", "reference", "target", "desired", "des", "cmd", "command", "commanded", "setpoint", "error", "goal"}
 TURN = math.pi / 180.0
 SCALES: dict[str, dict[str, float]] = {
     TIME: {"ms": 1e-3, "msec": 1e-3, "us": 1e-6, "ns": 1e-9, "nsec": 1e-9},
@@ -141,7 +140,7 @@ def guess_mapping(names: Sequence[str], joints: Sequence[str]) -> Mapping:
     for name in names:
         words = _words(name)
         plain = [word for word in words if word not in UNITS or len(words) == 1]
-        if set(words) & SET:
+        if set(words) & SET_WORDS:
             continue
         if len(plain) == 1 and plain[0] in TIMES:
             found.setdefault(TIME, Source(column=name, scale=_scale(TIME, words)))

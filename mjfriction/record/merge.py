@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from mjfriction.errors import LogError
+from mjfriction.record.clock_restarts import PAUSE
 from mjfriction.record.log import JOINED, Log
 from mjfriction.record.resample import read_clock
 
-PAUSE = 1.0  # s between two logs
 APART = 1.25  # of a step, up to which two logs count as sampled at one rate
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
 from mjfriction.errors import LogError
+from mjfriction.record.fault import moment
 from mjfriction.record.log import CURRENT, EFFORT, POSITION, VELOCITY, Floats, Integers, Log
 from mjfriction.record.low_pass import ORDER, LowPass, butterworth, low_passed
 from mjfriction.record.noise import raw_noise
@@ -21,7 +22,10 @@ from mjfriction.record.resample import SHORTEST_PIECE, Clock, Grid, grid_segment
 EDGE_PERIODS = 3  # periods of the cutoff by which a piece is continued at both ends before it is filtered
 SETTLING_PERIODS = 3.0  # periods of the cutoff at each end of a piece that the filter's start and end touch
 STILL = 1e-5  # rad or m; a joint that travels less does not move to speak of
-HELD = 0.01  # of the fastest joint's speed and of the farthest one's travel: what stays below both is held, and gives
+# A joint is held, and only gives a little, where its travel and its speed are both below this share of the largest
+# among joints of its kind (sliding or turning); and, since it may be the only one of its kind, below a smaller share of
+# the largest of all, 1 m counting as 1 rad.
+HELD, HELD_BESIDE_ANOTHER_KIND = 0.01, 0.001
 DAWDLING = 0.04  # of both, among joints of its kind, below which friction never leaves what every law has near rest
 USUALLY = 0.98  # of the time, for a controller that takes hold may let a joint drop
 SURE = 3.0  # deviations of the velocity's noise beyond which the direction of motion is known
@@ -41,7 +45,8 @@ class Motion:
     ``torque`` is what the drives reported, unfiltered, NaN where a joint has none; ``quantity`` says whether that is
     ``"effort"`` (N·m, N) or ``"current"`` (A).  ``velocity_noise`` (joints,) is the standard deviation of the
     estimated velocity.  ``settled`` (n,) is False near the ends of pieces.  ``columns`` are the log's other columns on
-    the same clock.  ``jump_free`` are the joints, as indices, whose sensors' jumps across play have been taken off.
+    the same clock.  ``sliding`` (joints,) says which joints slide.  ``jump_free`` are the joints, as indices, whose
+    sensors' jumps across play have been taken off.
     """
 
     joints: tuple[str, ...]
@@ -59,6 +64,7 @@ class Motion:
     columns: dict[str, Floats]
     clock: Clock
     grids: tuple[Grid, ...]
+    sliding: tuple[bool, ...]
     jump_free: frozenset[int] = frozenset()
 
     @functools.cached_property
@@ -99,22 +105,27 @@ class Motion:
         """
         least = np.maximum(20.0 * self.velocity_noise / max(self.cutoff, 1.0), STILL)
         travel, speed = self._usual_reach
-        held = (travel < HELD * np.max(travel)) & (speed < HELD * np.max(speed))
-        return np.asarray((travel > least) & ~held)
+        slack = HELD_BESIDE_ANOTHER_KIND
+        lone = (travel < slack * np.max(travel)) & (speed < slack * np.max(speed))
+        return np.asarray((travel > least) & ~self._below(HELD) & ~lone)
 
-    def dawdling(self, sliding: Sequence[bool]) -> NDArray[np.bool_]:
-        """Return whether each joint hardly moves beside others of its kind, shape (joints,), ``sliding`` (joints,) or
-        not.
+    @property
+    def dawdling(self) -> NDArray[np.bool_]:
+        """Whether each joint hardly moves beside others of its kind, sliding or turning, shape (joints,).
 
         It is then all the time as slow as others are while they turn, and within the travel in which contacts yield:
         what its friction does there is no word on its law.
         """
+        return self._below(DAWDLING)
+
+    def _below(self, share: float) -> NDArray[np.bool_]:
+        # Whether both travel and speed are below a share of the largest among joints of a joint's kind, (joints,).
         travel, speed = self._usual_reach
         out = np.zeros(travel.size, dtype=bool)
-        for slides in (True, False):
-            kind = np.array(sliding) == slides
+        slides = np.array(self.sliding, dtype=bool)
+        for kind in (slides, ~slides):
             most = [np.max(own[kind], initial=0.0) for own in (travel, speed)]
-            out |= kind & (travel < DAWDLING * most[0]) & (speed < DAWDLING * most[1])
+            out |= kind & (travel < share * most[0]) & (speed < share * most[1])
         return out
 
     @functools.cached_property
@@ -161,16 +172,24 @@ class Motion:
         return out
 
 
-def estimate_motion(log: Log, joints: Sequence[str], cutoff: float) -> Motion:
+def estimate_motion(log: Log, joints: Sequence[str], cutoff: float, sliding: Sequence[bool] | None = None) -> Motion:
     """Estimate velocity and acceleration of every joint by a filter that shifts nothing in time.
 
     Position is filtered forward and backward by a Butterworth low-pass of fourth order at ``cutoff`` (Hz) and
     differentiated by central differences of fourth order, piece by piece, so that nothing leaks across a gap or from
     one segment into the next.  Where the log has a measured velocity that is quieter than the derivative of position
-    and agrees with it, velocity and acceleration come from that instead, as early as position tells.
+    and agrees with it, velocity and acceleration come from that instead, as early as position tells.  ``sliding``
+    (joints,) says which joints slide; without it all count as turning.
 
-    Raises :class:`LogError` when no piece of the log is long enough.
+    Raises :class:`LogError` when no piece of the log is long enough, or where time does not increase from one segment
+    to the next.
     """
+    back = np.flatnonzero(np.diff(log.time) <= 0.0)
+    if back.size:
+        raise LogError(
+            f"{log.source}: row {back[0] + 2}: time {moment(log.time[back[0] + 1])} s is not later than the "
+            "row before; let the clock run on from segment to segment"
+        )
     clock = read_clock(log)
     grids = long_grids(log, clock)
     if not grids:
@@ -239,6 +258,7 @@ def estimate_motion(log: Log, joints: Sequence[str], cutoff: float) -> Motion:
         columns=others,
         clock=clock,
         grids=tuple(grids),
+        sliding=tuple(sliding) if sliding is not None else (False,) * len(joints),
     )
 
 

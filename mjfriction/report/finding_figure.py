@@ -14,6 +14,7 @@ from mjfriction.diagnose.outcome import Diagnosis, Finding
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import covariate_rows
 from mjfriction.record.log import Floats
+from mjfriction.record.reversals import travel_since_turn
 from mjfriction.report.figures import AFTER, BEFORE, INK, joint_unit, styled, thinned
 
 SIDES = (("as stated", BEFORE), ("extended", AFTER))
@@ -102,20 +103,12 @@ def _travel(seen: _Seen) -> go.Figure:
 
 
 def _since_the_turn(gap: Gap, joint: int) -> tuple[Floats, Floats]:
-    # How far the joint has gone since its last reversal, 0 before the first one, and which way, at the rows.
-    motion, rows = gap.motion, gap.chain.time
-    travel, way = np.zeros(motion.time.size), np.zeros(motion.time.size)
-    position, velocity = motion.position[:, joint], motion.velocity[:, joint]
-    for piece in motion.pieces:
-        sign = np.sign(velocity[piece])
-        turns = np.flatnonzero(np.diff(sign) != 0)
-        if not turns.size:
-            continue
-        last = np.searchsorted(turns, np.arange(sign.size), side="left") - 1
-        own = np.where(last >= 0, np.abs(position[piece] - position[piece][turns[last]]), 0.0)
-        travel[piece], way[piece] = own, sign
-    sample = np.clip(np.searchsorted(motion.time, rows), 0, motion.time.size - 1)
-    return travel[sample], way[sample]
+    # How far the joint has gone since its last reversal, and which way, at the rows; 0 before a piece's first reversal.
+    motion = gap.motion
+    velocity, position = motion.velocity[:, [joint]], motion.position[:, [joint]]
+    travel, known = travel_since_turn(velocity, position, motion.pieces)
+    sample = np.clip(np.searchsorted(motion.time, gap.chain.time), 0, motion.time.size - 1)
+    return (known * travel)[sample, 0], (known * np.sign(velocity))[sample, 0]
 
 
 def _spectrum(seen: _Seen, left: Floats, finding: Finding) -> go.Figure:

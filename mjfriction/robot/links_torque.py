@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.body.model import Body, Load
-from mjfriction.errors import LogError, RobotError
+from mjfriction.errors import RobotError
 from mjfriction.laws.law import Floats
 from mjfriction.record.log import HELD_MASS
 from mjfriction.record.motion import Motion
@@ -19,15 +19,8 @@ from mjfriction.robot.robot import Robot
 def held_mass(robot: Robot, motion: Motion) -> Floats | None:
     """Return the mass (n,), kg, that the motion's log says was held where the robot holds one; None where either is
     silent.
-
-    Raises :class:`LogError` for a mass below zero.
     """
-    mass = motion.columns.get(HELD_MASS)
-    if mass is None or robot.table.held is None:
-        return None
-    if np.any(mass < 0.0):
-        raise LogError(f"column '{HELD_MASS}' holds {np.min(mass):g}; a mass is 0 kg or more")
-    return mass
+    return None if robot.table.held is None else motion.columns.get(HELD_MASS)
 
 
 def held_torque(robot: Robot, body: Body, motion: Motion) -> Floats:

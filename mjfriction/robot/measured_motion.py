@@ -21,7 +21,7 @@ def measured_motion(log: Log, robot: Robot, body: Body, cutoff: float) -> Motion
 
     Raises what :func:`~mjfriction.record.motion.estimate_motion` raises.
     """
-    motion = estimate_motion(log, robot.joints, cutoff)
+    motion = estimate_motion(log, robot.joints, cutoff, body.sliding)
     stated = {i: joint.transmission.jump for i, joint in enumerate(robot.table.joint) if joint.transmission.jump > 0.0}
     if not stated:
         return motion

@@ -8,6 +8,9 @@ import pytest
 
 from mjfriction.diagnose import compete as compete_module
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.presliding import SlippingElements
+from mjfriction.diagnose.causes.spring import Spring
 from mjfriction.diagnose.compete import compete
 from mjfriction.diagnose.exact import usual_nuisance
 from mjfriction.diagnose.field import make_field
@@ -50,3 +53,25 @@ def test_it_is_made_anew_once_beside_what_is_heard(
     model, _ = compete(gap, usual_nuisance(gap), make_field(gap, STRUCTURAL))
     assert len(made) == searches
     assert most > 1 or model.chosen == (), "what is refused is dropped, and none looked for in its place"
+
+
+def test_a_form_that_does_not_compete_is_dropped_and_not_refused_for_ever(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A field that does not name it cannot be narrowed by it: the same search would find it, and refuse it, again."""
+    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: two_springs()[ELBOW]}), seed=4, seconds=15.0)
+    gap = measure_gap(read_log(log), read_robot(robot), highest=60.0)
+    field = make_field(gap, (Spring(),))
+    slipping = Chosen(SlippingElements(), Site(WRIST, (1e-3, 3e-3)))
+    made = 0
+
+    def refuse_it(_: Model) -> list[Chosen]:
+        nonlocal made
+        made += 1
+        assert made < 3, "the same search is made again and again"
+        return [slipping]
+
+    monkeypatch.setattr(compete_module, "refused", refuse_it)
+    model, left = compete(gap, usual_nuisance(gap), field)
+    assert left == field
+    assert [choice.cause.name for choice in model.chosen] == ["body.spring"]

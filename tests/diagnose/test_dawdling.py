@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,8 @@ from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Diagnosis, Verdict
 from mjfriction.plant.motions import excitation
-from mjfriction.record.motion import Motion
+from mjfriction.record.log import Log
+from mjfriction.record.motion import Motion, estimate_motion
 from mjfriction.record.readers.table import log_from_table
 from tests.diagnose.test_planar_arm import planar
 
@@ -39,7 +41,7 @@ def test_a_joint_that_hardly_moves_is_not_examined(tmp_path: Path, monkeypatch: 
     found = diagnosed(tmp_path)
     assert found.not_examined == ("wrist",)
     assert (found.findings, found.verdict) == ((), Verdict.CONSISTENT)
-    monkeypatch.setattr(Motion, "dawdling", lambda *_: np.zeros(3, dtype=bool))
+    monkeypatch.setattr(Motion, "dawdling", np.zeros(3, dtype=bool))
     monkeypatch.setattr("mjfriction.identify.gap.turning_speeds", lambda velocity, *_: np.zeros(velocity.shape[1]))
     assert {finding.joint for finding in diagnosed(tmp_path).findings} == {"wrist"}
 
@@ -47,5 +49,16 @@ def test_a_joint_that_hardly_moves_is_not_examined(tmp_path: Path, monkeypatch: 
 def test_joints_are_held_against_others_of_their_kind(tmp_path: Path) -> None:
     """A slide of some centimetres beside an arm that turns by radians moves as far as slides do."""
     motion = diagnosed(tmp_path).gap.motion
-    assert motion.dawdling((False, False, False)).tolist() == [False, False, True]
-    assert motion.dawdling((False, False, True)).tolist() == [False, False, False]
+    assert motion.dawdling.tolist() == [False, False, True]
+    sliding = replace(motion, sliding=(False, False, True))
+    assert sliding.dawdling.tolist() == [False, False, False]
+
+
+def test_a_slide_that_moves_by_centimetres_beside_turning_joints_is_moving() -> None:
+    """One that its drive holds, and that gives by a tenth of a millimetre, is not."""
+    time = np.arange(0.0, 20.0, 0.005)
+    turning = 3.0 * np.sin(2.0 * np.pi * 0.5 * time)
+    for stroke, moves in ((0.02, True), (1e-4, False)):
+        columns = {"position.arm": turning, "position.slide": stroke * np.sin(2.0 * np.pi * 0.2 * time)}
+        log = Log("test", time, np.zeros(time.size, dtype=np.int64), ("arm", "slide"), columns)
+        assert estimate_motion(log, log.joints, 10.0, (False, True)).moving.tolist() == [True, moves]

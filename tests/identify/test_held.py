@@ -107,7 +107,7 @@ def test_passes_at_one_mass_do_not() -> None:
 
 def test_what_was_held_is_no_less_than_nothing() -> None:
     with pytest.raises(LogError, match="0 kg or more"):
-        measure_gap(logs()[0].holding(-1.0), stated())
+        logs()[0].holding(-1.0)
 
 
 def test_a_place_that_there_is_not_is_named() -> None:

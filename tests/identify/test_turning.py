@@ -11,8 +11,9 @@ from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Verdict
 from mjfriction.identify import gap
 from mjfriction.identify.gap import measure_gap
-from mjfriction.identify.turning import TURNED, travel_since_turn, turning_speeds
+from mjfriction.identify.turning import TURNED, turning_speeds
 from mjfriction.record.readers import read_log
+from mjfriction.record.reversals import travel_since_turn
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Machine, write_case
 
@@ -42,7 +43,7 @@ def found(lost: np.ndarray, velocity: np.ndarray, rings: float = 0.0) -> np.ndar
 
 def travel_of(velocity: np.ndarray) -> np.ndarray:
     """Return how far joints are from where they last turned, (rows, joints)."""
-    return travel_since_turn(velocity, np.cumsum(velocity, axis=0) / 50.0)
+    return travel_since_turn(velocity, np.cumsum(velocity, axis=0) / 50.0, [slice(None)])[0]
 
 
 @pytest.mark.parametrize("share", [0.004, 0.01, 0.02])

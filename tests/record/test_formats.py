@@ -311,6 +311,13 @@ def test_matrices_by_other_names_can_be_guessed(tmp_path: Path) -> None:
     np.testing.assert_allclose(log.columns["effort.elbow"], columns()["effort.elbow"])
 
 
+def test_a_comma_in_a_name_does_not_make_decimals_commas(tmp_path: Path) -> None:
+    rows = "\n".join(f"{0.01 * k:.2f};{0.1 * k:.2f};{0.2 * k:.2f};left, then right" for k in range(200))
+    path = tmp_path / "log.csv"
+    path.write_text(f"time;position.a;effort.a;note (where, how)\n{rows}\n")
+    np.testing.assert_allclose(read_log(path).columns["effort.a"], 0.2 * np.arange(200), atol=1e-9)
+
+
 @pytest.mark.parametrize(("mark", "point"), [(";", "."), (";", ","), ("\t", ".")])
 def test_tables_parted_otherwise(mark: str, point: str, tmp_path: Path) -> None:
     rows = [mark.join(columns())]

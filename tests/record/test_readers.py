@@ -72,12 +72,42 @@ def doubled(row: int) -> dict[str, np.ndarray]:
         (nan_at_row(7), "row 8, column 'position.a' is nan"),
         (columns() | {"effort.a": ["12 Nm"] * 200}, "column 'effort.a' holds '12 Nm', which is not a number"),
         (columns() | {"segment": np.full(200, 0.5)}, "'segment' must hold whole numbers"),
+        (columns() | {"held_mass": np.full(200, -1.0)}, "row 1, column 'held_mass' is -1; a mass is 0 kg or more"),
+        (columns() | {"temperature.a": np.full(200, np.nan)}, "row 1, column 'temperature.a' is nan"),
     ],
 )
 def test_a_wrong_table_is_named(tmp_path: Path, table: dict[str, np.ndarray], message: str) -> None:
     with pytest.raises(LogError, match=message) as caught:
         read_log(write(tmp_path, table))
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("gripper_width", np.where(np.arange(200) < 5, np.nan, 0.02)),
+        ("gripper.open", np.arange(200) < 100),
+        ("robot.mode", ["running"] * 200),
+        ("position_cmd.a", np.sin(np.arange(200))),
+        ("position_raw.a", np.sin(np.arange(200))),
+        ("velocity_des.a", np.sin(np.arange(200))),
+        ("current_q.a", np.sin(np.arange(200))),
+    ],
+)
+def test_columns_of_which_the_format_does_not_speak_do_no_harm(
+    tmp_path: Path, name: str, values: np.ndarray | list[str]
+) -> None:
+    log = read_log(write(tmp_path, columns() | {name: values}))
+    check_joints(log, "robot", ("a",))
+    assert (name in log.columns) == (
+        isinstance(values, np.ndarray) and values.dtype == float and values[0] == values[0]
+    )
+
+
+def test_a_misspelt_column_that_the_log_lacks_is_named(tmp_path: Path) -> None:
+    log = read_log(write(tmp_path, columns() | {"velocty.a": np.cos(np.arange(200))}))
+    with pytest.raises(LogError, match=r"column 'velocty.a' is not of the format.*did you mean 'velocity.a'"):
+        check_joints(log, "robot", ("a",))
 
 
 def test_a_wrong_file_is_named(tmp_path: Path) -> None:

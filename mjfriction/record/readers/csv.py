@@ -13,16 +13,27 @@ from mjfriction.errors import LogError
 def read_table(path: Path) -> pa.Table:
     """Read a CSV file with one header line, its columns parted by commas, semicolons or tabs.
 
+    Where they are not parted by commas, decimals are after a point or a comma, whichever makes numbers of more columns.
+
     Raises :class:`LogError` when it cannot be parsed.
     """
     try:
         with path.open("rb") as stream:
             head = stream.readline()
         mark = max((b",", b";", b"\t"), key=head.count).decode()
-        options = pyarrow.csv.ParseOptions(delimiter=mark)
-        decimal = pyarrow.csv.ConvertOptions(
-            decimal_point="," if mark != "," and b"," in path.read_bytes()[:4096] else "."
-        )
-        return pyarrow.csv.read_csv(path, parse_options=options, convert_options=decimal)
+        tables = [_read(path, mark, point) for point in ("." if mark == "," else ".,")]
+        return max(tables, key=_numeric)
     except (pa.ArrowInvalid, OSError) as error:
         raise LogError(f"{path}: not a readable CSV table: {str(error).splitlines()[0]}") from None
+
+
+def _read(path: Path, mark: str, decimal_point: str) -> pa.Table:
+    return pyarrow.csv.read_csv(
+        path,
+        parse_options=pyarrow.csv.ParseOptions(delimiter=mark),
+        convert_options=pyarrow.csv.ConvertOptions(decimal_point=decimal_point),
+    )
+
+
+def _numeric(table: pa.Table) -> int:
+    return sum(pa.types.is_floating(column.type) or pa.types.is_integer(column.type) for column in table.columns)

@@ -9,9 +9,10 @@ from mjfriction.errors import LogError, suggestion
 from mjfriction.record.clock_bursts import without_bursts
 from mjfriction.record.clock_rate import without_clock_drift
 from mjfriction.record.clock_resolution import without_coarse_clock
+from mjfriction.record.clock_restarts import with_running_clock
 from mjfriction.record.clock_steps import without_clock_steps
 from mjfriction.record.fault import moment
-from mjfriction.record.log import Floats, Integers, Log
+from mjfriction.record.log import CURRENT, EFFORT, HELD_MASS, OF_JOINTS, OF_MACHINE, VELOCITY, Floats, Integers, Log
 from mjfriction.record.repair import in_seconds, repaired, without_repeats
 
 FEWEST_ROWS = 100
@@ -21,8 +22,8 @@ def log_from_table(table: pa.Table, source: str) -> Log:
     """Check a table against the log format and return it as a :class:`Log`.
 
     Raises :class:`LogError` for an empty table, a table too short to differentiate, a missing or non-numeric time or
-    position column, NaN or infinite values, and time that does not increase within a segment.  Columns that are not
-    numbers are left out when the format does not speak of them.
+    position column, NaN or infinite values, a held mass below zero, and time that does not increase within a segment.
+    Columns of which the format does not speak are kept where they hold finite numbers, and left out where they do not.
     """
     table = table.rename_columns([name.strip() for name in table.schema.names])
     names = table.schema.names
@@ -40,34 +41,49 @@ def log_from_table(table: pa.Table, source: str) -> Log:
         )
     columns = {}
     for name in names:
-        values = _numbers(table, name, source)
-        if values is not None:
+        values = _numbers(table[name])
+        wrong = _of_format(name, joints) and _wrong(table[name], values, name)
+        if wrong:
+            raise LogError(f"{source}: {wrong}")
+        if values is not None and np.all(np.isfinite(values)):
             columns[name] = values
     time = columns.pop("time")
     segment = _segment(columns.pop("segment", None), time, source)
     log = in_seconds(Log(source=source, time=time, segment=segment, joints=joints, columns=columns))
-    log = without_coarse_clock(log)
+    log = without_coarse_clock(with_running_clock(log))
     whole = without_clock_drift(without_clock_steps(without_bursts(without_repeats(log))))
     _check_time(whole.time, whole.segment, source)
     return repaired(whole)
 
 
-def _numbers(table: pa.Table, name: str, source: str) -> Floats | None:
-    column = table[name]
-    numeric = pa.types.is_floating(column.type) or pa.types.is_integer(column.type)
-    if not numeric:
-        if name in {"time", "segment"} or "." in name:
-            text = next((value for value in column.to_pylist() if not _is_number(value)), None)
-            raise LogError(f"{source}: column '{name}' holds {text!r}, which is not a number")
+def _of_format(name: str, joints: tuple[str, ...]) -> bool:
+    quantity, dot, joint = name.partition(".")
+    if not dot:
+        return name in {"time", "segment", *OF_MACHINE}
+    return quantity in (VELOCITY, EFFORT, CURRENT) or (quantity in OF_JOINTS and joint in joints)
+
+
+def _numbers(column: pa.ChunkedArray) -> Floats | None:
+    if not (pa.types.is_floating(column.type) or pa.types.is_integer(column.type)):
         return None
-    values = np.array(column.to_numpy(), dtype=np.float64)
+    return np.array(column.to_numpy(), dtype=np.float64)
+
+
+def _wrong(column: pa.ChunkedArray, values: Floats | None, name: str) -> str:
+    # What is wrong with a column of the format, "" where nothing is.
+    if values is None:
+        text = next((value for value in column.to_pylist() if not _is_number(value)), None)
+        return f"column '{name}' holds {text!r}, which is not a number"
     bad = np.flatnonzero(~np.isfinite(values))
     if bad.size:
-        raise LogError(
-            f"{source}: row {bad[0] + 1}, column '{name}' is {values[bad[0]]} ({bad.size} such rows); "
+        return (
+            f"row {bad[0] + 1}, column '{name}' is {values[bad[0]]} ({bad.size} such rows); "
             "drop those rows, or fill them if the gap is short"
         )
-    return values
+    light = np.flatnonzero(values < 0.0) if name == HELD_MASS else bad
+    if light.size:
+        return f"row {light[0] + 1}, column '{name}' is {values[light[0]]:g}; a mass is 0 kg or more"
+    return ""
 
 
 def _is_number(value: object) -> bool:
