@@ -10,7 +10,7 @@
     │   ├── SimulationError   a MuJoCo model or simulation that cannot carry friction
     │   ├── ControlError      an observer or a controller that cannot work as it is set
     │   ├── OutputError       a place where results cannot be written
-    │   └── BenchmarkError    a tool that the benchmark was to score and that failed
+    │   └── BenchmarkError    a tool under benchmark that failed
     └── InternalError         a failure of our own (exit status 1)
 
 Every message is one line: what was given, what is allowed, what to do.
@@ -27,7 +27,7 @@ class MjfrictionError(Exception):
 
 
 class InputError(MjfrictionError):
-    """Something the user gave is wrong; the message says what and how to mend it."""
+    """Something the user gave is wrong; the message says what is wrong and how to fix it."""
 
 
 class LogError(InputError):
@@ -55,7 +55,7 @@ class OutputError(InputError):
 
 
 class BenchmarkError(InputError):
-    """A tool that was to be scored failed."""
+    """A tool under benchmark failed."""
 
 
 class InternalError(MjfrictionError):

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 class Parameter:
     """One named physical quantity.
 
-    ``unit`` speaks of a revolute joint; ``{force}`` and ``{length}`` in it become N·m and rad there, N and m on a
+    ``unit`` may contain ``{force}`` and ``{length}``, which become N·m and rad on a revolute joint, N and m on a
     sliding joint.  ``lower`` and ``upper`` are inclusive bounds; ``typical`` is the range seen on real machines, from
-    which tests draw.  ``default`` stands in where a user gives nothing; None says the parameter must be given.
+    which tests draw.  ``default`` is used where a user gives no value; None means that the parameter is required.
     """
 
     name: str
@@ -24,7 +24,7 @@ class Parameter:
     default: float | None = None
 
     def unit_for(self, *, sliding: bool) -> str:
-        """Return the unit as it reads on a sliding (N, m) or a revolute (N·m, rad) joint."""
+        """Return the unit for a sliding (N, m) or a revolute (N·m, rad) joint."""
         force, length = ("N", "m") if sliding else ("N·m", "rad")
         return self.unit.format(force=force, length=length)
 

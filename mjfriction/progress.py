@@ -1,4 +1,4 @@
-"""How long work tells what it is at; nobody hears it unless someone watches."""
+"""Progress reports of long computations; they are dropped unless a caller passes a callback."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from typing import Protocol
 
 
 class Tell(Protocol):
-    """Hears what is going on: ``step`` in a few words, and how much of the whole is ``done``, 0 to 1, where known."""
+    """Progress callback: ``step`` names the current step, ``done`` is the finished fraction, 0 to 1, where known."""
 
     def __call__(self, step: str, done: float | None = None) -> None:
-        """Hear it."""
+        """Receive a progress report."""
         ...
 
 
 def silently(step: str, done: float | None = None) -> None:
-    """Tell nobody."""
+    """Ignore a progress report."""
 
 
 def counting(tell: Tell, steps: int) -> Callable[[str], None]:
-    """Return what is told each of so many steps as it begins, and tells with it what share of them is over."""
+    """Return a function to call as each of ``steps`` steps begins; it reports the step and the finished fraction."""
     begun = itertools.count()
 
     def begin(step: str) -> None:

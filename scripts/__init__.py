@@ -1,1 +1,1 @@
-"""Chores that regenerate what the project ships."""
+"""Scripts that regenerate files of the project, run its benchmarks and show its use."""

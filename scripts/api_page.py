@@ -46,7 +46,7 @@ HELD = (Verdict, Fitted, Gain, JointError, Structure, Adjustment, Fault, Experim
 """What the fields of the classes hold, for reading: these are made by the package alone."""
 READ = (property, functools.cached_property)
 ANNOTATION = re.compile(r"(: |-> )'([^']*)'")
-FUNCTION = re.compile(r"<function (\w+) at 0x[0-9a-f]+>")  # a default that is one
+FUNCTION = re.compile(r"<function (\w+) at 0x[0-9a-f]+>")  # a default value that is a function
 ROLE = re.compile(r":[a-z]+:`~?(?:[\w.]+\.)?(\w+)`")
 
 
@@ -70,7 +70,7 @@ def class_entry(name: str) -> str:
 
 
 def entry_of(own: type) -> str:
-    """Return the entry of a class that is at hand."""
+    """Return the entry of a class object."""
     lines = [f"### `{own.__name__}`", "", told(own.__doc__ or ""), ""]
     if issubclass(own, enum.Enum):
         lines += [f"- `{one.name}`: `{one.value!r}`" for one in own]

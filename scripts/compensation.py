@@ -31,7 +31,7 @@ CONTROLLERS = {
 
 
 def course(joints: tuple[str, ...]) -> Trajectory:
-    """Slow sines of all joints, each at its own phase, that swell and die down."""
+    """Return slow sines of all joints, each at its own phase, that fade in and out."""
     time = np.arange(0.0, 8.0, 0.004)
     swell = np.clip(np.minimum(time, 8.0 - time), 0.0, 1.0) ** 2
     phases = 2.0 * np.pi * (0.25 * time[:, None] + np.arange(len(joints)) / len(joints))
@@ -39,7 +39,7 @@ def course(joints: tuple[str, ...]) -> Trajectory:
 
 
 def strays(run: Run) -> np.ndarray:
-    """RMS of what every joint strays from its course, mrad."""
+    """Return the RMS deviation of every joint from its course, mrad."""
     return 1e3 * np.sqrt(np.mean(np.square(run.wanted - run.played.position), axis=0))
 
 

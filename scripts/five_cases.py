@@ -89,7 +89,7 @@ FIVE = (
 
 
 def section(number: int, told: Told) -> str:
-    """Return the section of a case, its picture drawn beside."""
+    """Return the section of a case and draw the pictures of its findings."""
     case = make_case(told.seed, told.setting, (draw_of(told.cause),), SEVERITY["large"])
     (hidden,) = case.hidden
     diagnosis = diagnose_log(log_from_table(pa.table(case.log), "the log"), case.stated)

@@ -2,7 +2,7 @@
 
 Run: python -m scripts.hidden_effects --cases 200 --beside 60
 Any command with the verbs ``diagnose`` and ``predict`` can be scored: --command "other-tool".
-Every case that is done stands in the results file, so that a run that was broken off can go on: --resume.
+The results file has every finished case, so that an interrupted run can continue: --resume.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ TOOLS = {
 
 
 def run_case(seed: int, tools: dict[str, str]) -> Row:
-    """Make one case, run the tools on it, and say what came of it."""
+    """Make one case, run the tools on it, and return the outcomes."""
     drawn = draw_case(seed)
     case = drawn.case()
     outcomes = {}
@@ -45,7 +45,7 @@ def run_case(seed: int, tools: dict[str, str]) -> Row:
 
 
 def done_before(results: Path, asked: dict[int, dict[str, str]]) -> dict[int, Row]:
-    """Return the rows of a results file that a run need not make again; ``asked`` are the tools of every seed."""
+    """Return the rows of a results file that need not be made again; ``asked`` are the tools to run by seed."""
     if not results.is_file():
         return {}
     rows = map(Row.read, results.read_text(encoding="utf-8").splitlines())

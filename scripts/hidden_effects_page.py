@@ -1,4 +1,4 @@
-"""The page of the hidden-effect benchmark: its tables, and the picture of who was taken for whom."""
+"""The page of the hidden-effect benchmark: its tables, and the picture of the confusion between causes."""
 
 from __future__ import annotations
 
@@ -63,14 +63,14 @@ folder: `log.parquet` and `robot.toml` for the tool; what was hidden, the machin
 
 
 def told_as(one: Outcome, named: Named) -> str:
-    """Return how a tool told a cause that was hidden."""
+    """Return how a tool reported a hidden cause."""
     if named in [(f.cause, f.joint) for f in one.found]:
         return FOUND
     return ALTERNATIVE if any(f.names(*named) for f in one.found) else MISSED
 
 
 def picture(outcomes: list[Outcome], target: Path) -> None:
-    """Draw who was taken for whom, and how far confidence can be trusted."""
+    """Draw the confusion between causes, and the reliability of the confidence."""
     causes = sorted(
         {cause for one in outcomes for cause, _ in (*one.hidden, *one.outside)}
         | {f.cause for o in outcomes for f in o.found}
@@ -128,7 +128,7 @@ def scores(first: str, groups: Iterable[tuple[str, Sequence[Outcome]]]) -> str:
 
 
 def grouped(rows: list[Row]) -> Iterable[tuple[str, list[Outcome]]]:
-    """Return the groups of cases that the page tells apart, by name."""
+    """Return the groups of cases that the page distinguishes, by name."""
 
     def those(holds: Callable[[Row], bool]) -> list[Outcome]:
         return [row.ours for row in rows if holds(row)]

@@ -1,9 +1,9 @@
-"""Identification beside two peers, MuJoCo's sysid toolbox on EMPS and BAM on the XL330: docs/identification.md.
+"""Identification compared with two peers, MuJoCo's sysid toolbox on EMPS and BAM on the XL330: docs/identification.md.
 
 MJFRICTION_DATA=folder-of-the-measured-logs python -m scripts.identify_peers
 
-Both fits of a pair run here, one after the other in one process, but BAM's: it is a search by simulation, whose default
-is a number of trials, and what one trial costs was measured by its users.
+Both fits of a pair run here, one after the other in one process, except BAM's.  BAM searches by simulation with a
+default number of trials, and the time of one trial was measured by its users.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ from scripts.real_runs.emps import open_loop_error
 from scripts.real_runs.xl330 import PUBLISHED, xl330, xl330_error, xl330_log
 from scripts.sysid_baseline import fit, fitted_robot
 
-ROUNDS = 3  # of every fit, the quickest counts
+ROUNDS = 3  # runs of every fit, of which the fastest counts
 EMPS_KINDS = ("damping", "frictionloss", "mass", "zero")
-TRIALS, TRIAL = 100_000, 0.033  # BAM's default, and the least seconds that one trial was measured to take
-EMPS_TIMES, BAM_TIMES, PROTOCOL_SECONDS = 10.0, 100.0, 10.0  # held to, of the peers' seconds and in seconds
-SPEEDS, PROTOCOL_RATE = 12, 125.0  # of every joint's passes, and Hz of their log
+TRIALS, TRIAL = 100_000, 0.033  # BAM's default, and the shortest time measured for one trial (s)
+EMPS_TIMES, BAM_TIMES, PROTOCOL_SECONDS = 10.0, 100.0, 10.0  # required speed-ups over the peers, and largest s
+SPEEDS, PROTOCOL_RATE = 12, 125.0  # number of speeds of every joint's passes, and Hz of their log
 
 
 @dataclass(frozen=True)
@@ -51,8 +51,9 @@ class Fit:
 
 
 def emps(data: Path) -> list[Fit]:
-    """Fit four parameters (mass, damping, dry friction, zero) to one run of the axis and hold them against the other:
-    RMS position (m) in open loop, and force while the axis moves, as a share of the measured.
+    """Fit four parameters (mass, damping, dry friction, zero) to one run of the axis and evaluate them on the other.
+
+    The errors are RMS position (m) in open loop, and force while the axis moves, relative to the measured force.
     """
     stated = read_robot(data / "emps/robot.toml")
     log, other = (read_log(data / f"emps/{run}.parquet") for run in ("estimation", "pulses"))
@@ -82,7 +83,7 @@ def emps(data: Path) -> list[Fit]:
 def bam(data: Path) -> list[Fit]:
     """Fit friction that grows with the load to the XL330's runs at a gain of 400, and simulate those at 100.
 
-    The pendulum is taken as its authors weighed it, as BAM takes it.
+    The pendulum's mass properties are held as its authors measured them, as in BAM.
     """
     with tempfile.TemporaryDirectory() as folder:
         stated = xl330(Path(folder))
@@ -97,8 +98,10 @@ def bam(data: Path) -> list[Fit]:
 
 @dataclass(frozen=True)
 class Protocol:
-    """Passes of all joints of an arm: how long the log is, s, and the seconds of its identification ``by`` law; how far
-    the Coulomb-viscous levels are off at most, relative.
+    """Passes of all joints of an arm.
+
+    ``length`` of the log is in s, ``by`` has the seconds of its identification by law, and ``missed`` is the largest
+    relative error of the Coulomb levels of the Coulomb-viscous law.
     """
 
     length: float
@@ -134,7 +137,7 @@ def _quickest(way: Callable[[], Robot]) -> tuple[float, Robot]:
 
 
 def words(axis: list[Fit], servo: list[Fit], passes: Protocol) -> str:
-    """Return what came out, as a section of a page."""
+    """Return the results as a section of a page."""
     lines = ["| tool | fit | position error | force error |", "|---|---:|---:|---:|"]
     lines += [
         f"| {one.tool} | {one.seconds / axis[0].seconds:.3g} times | {1e3 * one.position:.2f} mm | "
@@ -159,7 +162,7 @@ needs."""
 
 
 def fallen_short(axis: list[Fit], servo: list[Fit], passes: Protocol) -> list[str]:
-    """Return in what the fits are slower or worse than they are held to be."""
+    """Return the requirements on speed and error that the fits do not meet."""
     own, toolbox = axis[0], axis[1:]
     short = []
     if min(other.seconds for other in toolbox) < EMPS_TIMES * own.seconds:

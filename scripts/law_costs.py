@@ -29,7 +29,7 @@ REPEATS = 5
 
 
 class Counting(float):
-    """A number that counts what is done with it."""
+    """A number that counts the operations done with it."""
 
     counts: ClassVar[Counter[str]] = Counter()
 
@@ -66,7 +66,7 @@ class CountingMath:
 
 
 def plain(law: Law, name: str, **replaced: Any) -> Any:
-    """Return a kernel of a law as plain Python, with every kernel it calls; ``replaced`` are globals put in its way."""
+    """Return a kernel of a law as plain Python, with every kernel it calls; ``replaced`` overrides their globals."""
 
     def opened(function: Any) -> Any:
         scope = dict(vars(sys.modules[function.__module__]))

@@ -29,7 +29,7 @@ MINUTES = (70.0 / 60.0, 10.0, 60.0)
 RATE = 500.0
 HOME = np.array([0.0, -1.2, 1.0, 0.0, 0.6, 0.0])
 NOISE = 0.3  # N·m
-LOADED = 0.015  # of the Coulomb level, that a newton metre of load adds
+LOADED = 0.015  # share of the Coulomb level that each newton metre of load adds
 DIAGNOSE = "from mjfriction.cli.main import run; run()"
 
 TEXT = """# Long logs
@@ -47,7 +47,7 @@ minute. Only the load's part of the friction was hidden: what else is named is a
 
 @dataclass(frozen=True)
 class Cost:
-    """What the diagnosis of a log of so many minutes took: s, MB at its peak, and what it found, in words."""
+    """The cost of diagnosing a log of some minutes: seconds, peak memory in MB, and what it found, in words."""
 
     minutes: float
     seconds: float
@@ -56,7 +56,7 @@ class Cost:
 
 
 def write_log(robot: Robot, minutes: float, folder: Path) -> Path:
-    """Simulate a machine with something hidden in it, and write what its drives report."""
+    """Simulate a machine with something hidden in it, and write its log."""
     elbow = robot.joint("elbow_joint")
     (term,) = elbow.friction or ()
     loaded = term.model_copy(update={"level": term.level.model_copy(update={"per_load": LOADED})})
@@ -72,7 +72,7 @@ def write_log(robot: Robot, minutes: float, folder: Path) -> Path:
 
 
 def diagnosed(minutes: float) -> Cost:
-    """Return what one diagnosis in a process of its own costs."""
+    """Return the cost of one diagnosis in a process of its own."""
     with tempfile.TemporaryDirectory() as folder:
         log, out = write_log(read_robot("ur5"), minutes, Path(folder)), Path(folder) / "out"
         command = [sys.executable, "-c", DIAGNOSE, "diagnose", str(log), "--robot", "ur5", "--out", str(out)]

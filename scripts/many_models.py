@@ -1,8 +1,9 @@
 """From a log to hundreds of plausible models: laws drawn from their intervals, run in one MuJoCo Batch.
 
-A policy is tried on all of them at once.  Here the elbow of a UR5, whose law is identified on the bundled log, coasts
-from a swing; what is printed is how far it goes as stated, as identified, and between what bounds nine in ten plausible
-arms stop.  Parameters are drawn one by one; where the log ties two together, that is wider than what it leaves open.
+A policy can be tried on all of them at once.  Here the elbow of a UR5, whose law is identified on the bundled log,
+coasts from a given speed.  The script prints how far it goes as stated and as identified, and the bounds between which
+nine in ten plausible arms stop.  Parameters are drawn independently: where the log correlates two of them, the bounds
+are wider than the log allows.
 
 Run: python -m scripts.many_models [--count 256]
 """

@@ -1,4 +1,4 @@
-"""The parts of hand-written pages that scripts write: between a comment that begins them and one that ends them."""
+"""The parts of hand-written pages that scripts write, between a begin comment and an end comment."""
 
 from __future__ import annotations
 

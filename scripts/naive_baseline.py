@@ -1,12 +1,12 @@
-"""A naive tool beside mjfriction's: every term at once by least squares, causes by t-test.
+"""A naive tool to compare mjfriction with: all terms at once by least squares, causes by t-test.
 
-It has the verbs that the benchmark asks of a tool:
+It has the verbs that the benchmark requires of a tool:
 
 python -m scripts.naive_baseline diagnose LOG --robot R --out DIR
 python -m scripts.naive_baseline predict LOG --robot DIR/robot.toml --out P.parquet
 
-Log, rigid bodies and the filter that both sides pass are mjfriction's own, so that what differs is how causes are
-chosen: all terms of a joint are fitted together, and what is significant is a finding.
+Log, rigid bodies and the filter that both sides pass are mjfriction's own, so that only the choice of causes differs:
+all terms of a joint are fitted together, and every significant one is a finding.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.robot import Robot
 from scripts.verbs import run_verbs
 
-LEVEL = 1e-3  # two-sided, of the t-test
-WAVES = 10  # periods over the stroke
+LEVEL = 1e-3  # two-sided significance level of the t-test
+WAVES = 10  # largest number of periods over the stroke
 COEFFICIENTS = "coefficients.json"
 WHOLE_ARM = ("body.payload", "body.link_inertia", "body.gravity_direction")
 
@@ -39,7 +39,7 @@ Terms = dict[str, Floats]  # "cause/which": (n,)
 
 
 def frame_of(gap: Gap, joint: int) -> dict[str, float]:
-    """Return what the terms of a joint are measured by: fixed on the log, and the same when another is predicted."""
+    """Return the scales of a joint's terms: fixed on the fitted log, and reused when another log is predicted."""
     motion = gap.motion
     q = motion.position[:, joint]
     temperature = motion.columns.get(f"temperature.{motion.joints[joint]}", np.zeros(1))
@@ -54,7 +54,7 @@ def frame_of(gap: Gap, joint: int) -> dict[str, float]:
 
 
 def terms(gap: Gap, joint: int, wide: dict[str, Floats], frame: dict[str, float]) -> Terms:
-    """Return every term of a joint, (n,) each, named by the cause it speaks for."""
+    """Return every term of a joint, (n,) each, named by the cause that it stands for."""
     motion, effort = gap.motion, gap.effort
     q, v, a = (course[:, joint] for course in (motion.position, motion.velocity, motion.acceleration))
     sign = gap.forward(joint)
@@ -98,7 +98,7 @@ def terms(gap: Gap, joint: int, wide: dict[str, Floats], frame: dict[str, float]
 
 
 def wide_terms(gap: Gap) -> dict[str, Floats]:
-    """Return the terms that all joints feel, (n, joints) each: what a little of each cause adds."""
+    """Return the terms that act on all joints, (n, joints) each: the effort that a small change of each cause adds."""
     robot, now = gap.robot, gap.effort.rigid
     tip = tip_link(robot.body())
     gravity = np.array(robot.body().gravity)
@@ -124,7 +124,7 @@ def wide_terms(gap: Gap) -> dict[str, Floats]:
 
 
 def fitted(rows: Floats, target: Floats) -> tuple[Floats, Floats]:
-    """Return coefficients and their two-sided p-values, as a textbook has them."""
+    """Return coefficients and their two-sided p-values, as in a textbook."""
     size = np.maximum(np.sqrt(np.mean(np.square(rows), axis=0)), 1e-12)
     inverse = np.linalg.pinv(rows / size, rcond=1e-8)
     found = inverse @ target
@@ -135,7 +135,7 @@ def fitted(rows: Floats, target: Floats) -> tuple[Floats, Floats]:
 
 
 def said_of(name: str, joint: str) -> tuple[str, str | None]:
-    """Return the cause and the joint that a term of a joint's balance speaks for."""
+    """Return the cause and the joint that a term of a joint's balance stands for."""
     cause, _, which = name.partition("/")
     if cause in WHOLE_ARM:
         return cause, None

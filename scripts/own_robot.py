@@ -34,14 +34,14 @@ def main() -> None:
     path.write_text(draft_robot(URDF, asked.folder, JOINTS), encoding="utf-8")
     robot = mjf.read_robot(path)
 
-    # A machine that nobody described: its third joint's friction grows with the load that it carries.
+    # A machine that differs from its robot file: its third joint's friction grows with the load that it carries.
     rubbing = {"coulomb": 0.0, "viscous": 0.0, "load": 0.1}
     machine = with_term(robot.with_stated_friction(robot.body()), "joint3", "load_dependent", rubbing)
     for joint in machine.table.joint:
         sensor = joint.effort_sensor.model_copy(update={"noise": SENSOR_NOISE})
         machine = machine.with_joint(joint.model_copy(update={"effort_sensor": sensor}))
 
-    # In place of this, your arm runs the motion and you write the log.
+    # With a real arm, run the motion on it and record its log instead.
     motion = plan_excitation(robot, asked.seconds, seed=1).trajectory
     columns = mjf.simulate(machine, motion, recorder=Recorder(500.0), controller_robot=robot, seed=2)
     pyarrow.parquet.write_table(pa.table(columns), asked.folder / "run.parquet")

@@ -1,4 +1,4 @@
-"""The README's case of a real machine: the linear axis EMPS, diagnosed from one run and proved on the other.
+"""The README's case of a real machine: the linear axis EMPS, diagnosed from one run and validated on the other.
 
 MJFRICTION_DATA=folder-of-the-measured-logs python -m scripts.real_case
 """

@@ -1,4 +1,4 @@
-"""What identification and diagnosis come to on six real machines, beside what was published: docs/real_machines.md.
+"""Results of identification and diagnosis on six real machines, beside the published ones: docs/real_machines.md.
 
 MJFRICTION_DATA=folder-of-the-measured-logs python -m scripts.real_machines
 """
@@ -21,7 +21,7 @@ from mjfriction.record.merge import merge_logs
 from scripts.real_runs import emps, screw_drives, tx40, ur10, xl330
 
 PAGE = Path(__file__).resolve().parent.parent / "docs/real_machines.md"
-SWING = 1.0  # s that the pendulum is driven freely at a time
+SWING = 1.0  # s; length of each simulation of the pendulum under its measured efforts
 
 
 def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -92,7 +92,7 @@ curve that one speed alone decides.
 
 
 def servo(data: Path, folder: Path) -> str:
-    """Position errors of gains that were not fitted."""
+    """Position errors at gains that were not fitted."""
     stated, rows = xl330.xl330(folder), []
     for fitted, simulated, seconds in (("400", "100", None), ("100", "400", 1.5)):
         logs = [xl330.xl330_log(path) for path in sorted((data / "xl330").glob(f"*kp{fitted}.json"))]
@@ -113,7 +113,7 @@ Diagnosed: {told(mjf.diagnose_log(merge_logs(whole), stated))}."""
 
 
 def staubli(data: Path, folder: Path) -> str:
-    """What is found of the wrist's shared drive."""
+    """What is found about the wrist's shared drive."""
     diagnosis = mjf.diagnose_log(tx40.tx40_log(data), tx40.tx40(data, folder))
     coupling = next(one for one in diagnosis.findings if one.cause == "drive.coupling")
     published = {"coulomb": 1.95, "viscous": 0.616, "inertia": 0.00964}

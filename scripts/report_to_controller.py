@@ -1,7 +1,7 @@
 """From a report to a controller: the friction of the extended robot fed forward, on the machine that the log came from.
 
 A UR5 whose elbow sticks harder than its robot file says is recorded, diagnosed, and then made to follow another
-motion: with the friction as stated, and with that of the extended robot.  Printed is how far every joint strays.
+motion: with the friction as stated, and with that of the extended robot.  The script prints each joint's deviation.
 
 Run: python -m scripts.report_to_controller [--seconds 60]
 """

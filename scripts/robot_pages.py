@@ -95,7 +95,7 @@ def row(name: str) -> str:
 
 
 def section(name: str, path: Path) -> str:
-    """Return what the head of a robot's file says of its numbers."""
+    """Return the section of a robot: the comment at the head of its file, which explains its numbers."""
     lines = itertools.takewhile(lambda line: line.startswith("#"), path.read_text(encoding="utf-8").splitlines())
     return f"## {name}\n\n" + "\n".join(line.removeprefix("#").strip() for line in lines) + "\n"
 

@@ -1,4 +1,4 @@
-"""How far friction in MuJoCo strays from the same law at very small steps: ours, injected explicitly, native elements.
+"""Error of friction in MuJoCo against the same law at very small steps: ours, explicit injection, native elements.
 
 Two cases: one rotor with the NS12's joint-1 bristles under PD control, and a six-axis arm (UR5) with laws of that
 stiffness under computed torque and PD.  Controllers run at 1 kHz whatever the step.
@@ -114,7 +114,7 @@ def ours(case: Case) -> mujoco.MjModel:
 
 
 def native(case: Case, element: Callable[[dict[str, float]], Native]) -> mujoco.MjModel:
-    """Return the model with MuJoCo's own elements on every joint, under the integrator they are most stable with."""
+    """Return the model with MuJoCo's own elements on every joint, under the integrator where they are most stable."""
     spec = case.spec.copy()
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     for name, law in case.laws.items():
@@ -134,7 +134,7 @@ def native_lugre(case: Case) -> mujoco.MjModel:
 
 
 def native_frictionloss(case: Case) -> mujoco.MjModel:
-    """Return the model with MuJoCo's dry friction and damping, its solver as stiff as it goes."""
+    """Return the model with MuJoCo's dry friction and damping, with the solver as stiff as possible."""
     return native(case, lambda law: Native(damping=(law["viscous"], 0.0, 0.0), frictionloss=law["coulomb"]))
 
 
@@ -164,7 +164,7 @@ def home(case: Case) -> np.ndarray:
 
 
 def run_explicit(case: Case, h: float) -> np.ndarray:
-    """Return the same with each law stepped at the present velocity and added as a force, as one would by hand."""
+    """Return what :func:`run` does, with each law stepped at the present velocity and added as a force, as by hand."""
     model = case.spec.compile()
     model.opt.timestep = h
     data = mujoco.MjData(model)
@@ -202,7 +202,7 @@ def reference(case: Case) -> np.ndarray:
 
 
 def table(case: Case, steps: tuple[float, ...] = STEPS) -> dict[str, list[np.ndarray]]:
-    """Return the RMS errors of every way at every step."""
+    """Return the RMS errors of every method at every step."""
     truth = reference(case)
     with friction_active():
         own = [error(run(case, ours(case), h), truth) for h in steps]

@@ -27,13 +27,13 @@ def integrated(model: mujoco.MjModel, integrator: mujoco.mjtIntegrator) -> mujoc
 
 
 def batch_run(model: mujoco.MjModel, threads: int, steps: int) -> Callable[[], float]:
-    """Return a function that runs the batch once and says how many steps it made in a second."""
+    """Return a function that runs the batch once and returns its steps per second."""
     batch = mujoco.batch.Batch(model, SIMULATIONS, nthread=threads)
     t = np.arange(steps)[:, None] * 1e-3
     control = np.tile(10.0 * np.sin(10.0 * t + np.arange(6)), (SIMULATIONS, 1, 1))
 
     def run() -> float:
-        batch.reset()  # every turn the same motion, away from the joints' limits
+        batch.reset()  # every turn has the same motion, away from the joints' limits
         begin = time.perf_counter()
         batch.rollout(steps, control=control)
         return SIMULATIONS * steps / (time.perf_counter() - begin)
@@ -42,7 +42,7 @@ def batch_run(model: mujoco.MjModel, threads: int, steps: int) -> Callable[[], f
 
 
 def python_run(case: Case, steps: int) -> Callable[[], float]:
-    """Return the same for laws called from a Python control callback, one simulation."""
+    """Return such a function for laws called from a Python control callback, one simulation."""
     model = integrated(case.spec.compile(), mujoco.mjtIntegrator.mjINT_EULER)
     data = mujoco.MjData(model)
     law, room = LAWS["lugre"], ambient(1)[0]

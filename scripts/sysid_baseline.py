@@ -1,11 +1,12 @@
-"""MuJoCo's own identification toolbox as a tool beside mjfriction: it fits, and names nothing.
+"""MuJoCo's own identification toolbox as a tool to compare mjfriction with: it fits parameters and names no causes.
 
 python -m scripts.sysid_baseline diagnose LOG --robot R --out DIR
 python -m scripts.sysid_baseline predict LOG --robot DIR/robot.toml --out P.parquet
 
 Damping, dry friction and rotor inertia of every joint and a scale of every link's mass, fitted as one would with
-`mujoco.sysid`: stretches of the log, each simulated from its measured state under the measured efforts, its states held
-against the measured ones.  The fit is written as a robot file.  Needs the packages of requirements-bench.lock.
+`mujoco.sysid`: the log is cut into stretches, each is simulated from its measured state under the measured efforts, and
+its states are compared with the measured ones.  The fit is written as a robot file.  Needs the packages of
+requirements-bench.lock.
 """
 
 from __future__ import annotations
@@ -34,11 +35,12 @@ from mjfriction.robot.robot import Robot
 from mjfriction.robot.simulation import robot_spec
 from scripts.verbs import run_verbs
 
-LONGEST_STEP, STRETCH = 0.01, 0.5  # s; finer steps and other stretches came to the same errors within a percent
+LONGEST_STEP, STRETCH = 0.01, 0.5  # s; finer steps and other stretches gave the same errors within 1 %
 ROUNDS = 8
 KINDS = ("damping", "frictionloss", "armature", "mass")
-WIDE = {"mass": (0.7, 1.3), "armature": (0.2, 3.0), "damping": (0.0, 5.0), "frictionloss": (0.0, 5.0)}  # of the stated
-LEAST = {"armature": 1e-3, "damping": 1e-3, "frictionloss": 1e-3}  # added to the highest, for what is stated as 0
+# Bounds of the fit, as multiples of the stated values.
+WIDE = {"mass": (0.7, 1.3), "armature": (0.2, 3.0), "damping": (0.0, 5.0), "frictionloss": (0.0, 5.0)}
+LEAST = {"armature": 1e-3, "damping": 1e-3, "frictionloss": 1e-3}  # added to the upper bound, for values stated as 0
 
 
 def prepared(robot: Robot, step: float) -> mujoco.MjSpec:
@@ -54,7 +56,7 @@ def prepared(robot: Robot, step: float) -> mujoco.MjSpec:
         joint.solimp_friction = [0.99, 0.99, 0.001, 0.5, 2.0]
         motor = spec.add_actuator(name=table.name, target=table.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         motor.set_to_motor()
-        motor.biastype = mujoco.mjtBias.mjBIAS_AFFINE  # whose constant may stand for the effort's zero
+        motor.biastype = mujoco.mjtBias.mjBIAS_AFFINE  # its constant can represent the effort's offset
     spec.option.timestep = step
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
@@ -62,7 +64,7 @@ def prepared(robot: Robot, step: float) -> mujoco.MjSpec:
 
 
 def parameters(spec: mujoco.MjSpec, joints: tuple[str, ...], kinds: tuple[str, ...] = KINDS) -> sysid.ParameterDict:
-    """Return what is fitted: three numbers a joint and one a link, or those of the ``kinds`` that are given."""
+    """Return the parameters to fit: three per joint and one per link, or only those of the given ``kinds``."""
     out, model = sysid.ParameterDict(), spec.compile()
     for name in joints:
         joint = spec.joint(name)
@@ -108,7 +110,7 @@ def _inertial(model: mujoco.MjModel, name: str) -> dict[str, Any]:
 
 
 def _set_mass(stated: dict[str, Any], spec: mujoco.MjSpec, parameter: sysid.Parameter) -> None:
-    # The toolbox's own modifier of masses hands an array to a number, which MuJoCo 4.0 refuses.
+    # The toolbox's own modifier of masses assigns an array to a scalar, which MuJoCo 4.0 refuses.
     link, share = spec.body(stated["name"]), parameter.value[0]
     link.explicitinertial, link.fullinertia = True, np.full((6, 1), np.nan)
     link.mass, link.inertia = stated["mass"] * share, stated["inertia"] * share
@@ -116,10 +118,9 @@ def _set_mass(stated: dict[str, Any], spec: mujoco.MjSpec, parameter: sysid.Para
 
 
 def stretches(gap: Gap, model: mujoco.MjModel, every: int, seconds: float = STRETCH) -> list[sysid.SystemTrajectory]:
-    """Return the log in stretches of ``seconds``, each beginning at its measured state; efforts are means over the
-    model's steps.
+    """Return the log in stretches of ``seconds``, each beginning at its measured state.
 
-    A step of the model takes ``every`` samples of the log.
+    A step of the model covers ``every`` samples of the log; efforts are means over the model's steps.
     """
     motion, step = gap.motion, model.opt.timestep
     longest = min(own.stop - 1 - own.start for own in motion.pieces) / motion.rate - 1.0
@@ -142,7 +143,7 @@ def stretches(gap: Gap, model: mujoco.MjModel, every: int, seconds: float = STRE
                 sysid.SystemTrajectory(
                     model=model,
                     control=sysid.TimeSeries.from_control_names(times, control, model),
-                    # States, not sensors: those of a rollout lag a step behind the instant they are stamped with.
+                    # States, not sensors: sensors of a rollout lag one step behind their time stamps.
                     sensordata=sysid.TimeSeries.from_names(times, course, model, names=names),
                     initial_state=sysid.create_initial_state(
                         model, motion.position[start, q_order], motion.velocity[start, q_order]
@@ -154,7 +155,7 @@ def stretches(gap: Gap, model: mujoco.MjModel, every: int, seconds: float = STRE
 
 
 def residual_of(spec: mujoco.MjSpec, parts: list[sysid.SystemTrajectory]):
-    """Return the residual over all stretches, each state in units of its own error as stated."""
+    """Return the residual over all stretches, each state in units of its RMS error as stated, and its weighting."""
     width = parts[0].sensordata.data.shape[1]
     weight = np.ones(width)
 
@@ -195,7 +196,7 @@ def fit(
 
 
 def fitted_robot(robot: Robot, found: dict[str, float]) -> Robot:
-    """Return a robot with what was fitted in place of what it states."""
+    """Return a robot with the fitted values in place of the stated ones."""
     scale = {
         name: found[f"{name}.mass"] * robot.table.link_scale.get(name, 1.0)
         for name in robot.joints
@@ -228,6 +229,6 @@ def predict(log: Path, stated: Path, out: Path) -> None:
 
 
 if __name__ == "__main__":
-    if not hasattr(sysid, "optimize"):  # it swallows that packages are missing
+    if not hasattr(sysid, "optimize"):  # the toolbox hides that packages are missing
         sys.exit("mujoco.sysid is not complete: python -m pip install --require-hashes -r requirements-bench.lock")
     run_verbs(__doc__, diagnose, predict)

@@ -1,4 +1,4 @@
-"""The command line that the benchmark asks of a tool: ``diagnose`` and ``predict``."""
+"""The command line that the benchmark requires of a tool: ``diagnose`` and ``predict``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A yardstick for naming the cause of a gap between model and machine: cases with hidden effects, and their scoring.
+"""A benchmark for naming the cause of a gap between model and machine: cases with hidden effects, and their scoring.
 
-The diagnosis may not import anything of this room.
+The diagnosis must not import anything from this package.
 """

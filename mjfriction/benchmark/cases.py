@@ -28,20 +28,24 @@ from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.friction import raised_levels, stated_levels
 from mjfriction.robot.robot import Robot
 
-SEVERITY = {"small": 0.6, "medium": 1.5, "large": 4.0}  # residual the effect makes at its joint, over the noise
+SEVERITY = {"small": 0.6, "medium": 1.5, "large": 4.0}  # RMS of an effect at its joint, in units of the noise
 SCALINGS = 12
-CLOSE = 0.05  # of the severity asked
+CLOSE = 0.05  # relative error of the severity at which the scaling stops
 POSES = 24
-MOST_HALVINGS = 3  # of the severity, until a machine is one that its controller holds
-LEAST_REACHED = 0.5  # of it, else the effect is drawn at another joint: a tilted axis of gravity has no zero to be off
+MOST_HALVINGS = 3  # of the severity, to get a machine that its controller can hold
+# Share of the severity that must be reached, otherwise the effect is drawn at another joint: e.g. the zero of a joint
+# whose axis is along gravity does not show.
+LEAST_REACHED = 0.5
 
 
 @dataclass(frozen=True)
 class Setting:
-    """How cases are recorded: seconds, rate (Hz), ``noise`` of the effort (of each joint's Coulomb level), ``encoder``
-    (rad a count; a sliding joint has as many counts over a metre as a turning one over a turn), how far
-    stated values are ``off`` (one standard deviation, relative), whether velocity is measured, what the drives report,
-    and how the log's ``motion`` is made: sums of sines, or moves from pose to pose with rests.
+    """How cases are recorded.
+
+    ``rate`` is in Hz.  ``noise`` of the effort is relative to each joint's Coulomb level.  ``encoder`` is in rad per
+    count; a sliding joint has as many counts per metre as a revolute one per turn.  ``off`` is how far stated values
+    are off (one standard deviation, relative).  ``velocity`` says whether velocity is measured, ``quantity`` what the
+    drives report.  ``motion`` is a sum of sines, or moves from pose to pose with rests.
     """
 
     robot: str = "ur5"
@@ -66,7 +70,7 @@ class Hidden:
 
     @property
     def outside(self) -> bool:
-        """Whether no cause of the table is what was hidden."""
+        """Whether what was hidden matches no cause of the table."""
         return self.cause.startswith(OUTSIDE_NAME)
 
 
@@ -84,10 +88,10 @@ class Case:
 def make_case(seed: int, setting: Setting, draws: tuple[Draw, ...], severity: float) -> Case:
     """Make a case with the given effects hidden, each on a joint of its own, scaled to a severity.
 
-    The severity of an effect is the RMS that it adds to the effort of the joint where it shows most, over that joint's
-    noise, along the motion of the log.  A machine that the controller of the stated one cannot hold, as with a rotor of
-    a twentieth behind play, is made again with half of it.  Raises :class:`~mjfriction.errors.SimulationError` where
-    an eighth is too much.
+    The severity of an effect is the RMS that it adds to the effort of the joint where it shows most, divided by that
+    joint's noise, along the motion of the log.  A machine that the stated robot's controller cannot hold, e.g. one with
+    a twentieth of the rotor inertia behind backlash, is made again with half the severity.  Raises
+    :class:`~mjfriction.errors.SimulationError` where an eighth is too much.
     """
     for _ in range(MOST_HALVINGS):
         try:
@@ -141,8 +145,9 @@ def _made(seed: int, setting: Setting, draws: tuple[Draw, ...], severity: float)
 
 
 def write_case(case: Case, folder: Path) -> None:
-    """Write a case: ``log.parquet`` and ``robot.toml`` for the tool; ``truth.json``, ``machine.toml`` and
-    ``other.parquet`` apart, in ``truth/``.
+    """Write a case: ``log.parquet`` and ``robot.toml`` for the tool; the truth separately, in ``truth/``.
+
+    The truth is ``truth.json``, the machine's robot file and ``other.parquet``.
     """
     (folder / "truth").mkdir(parents=True, exist_ok=True)
     pyarrow.parquet.write_table(pa.table(case.log), folder / "log.parquet", compression="zstd")
@@ -154,7 +159,7 @@ def write_case(case: Case, folder: Path) -> None:
 
 
 def draw_of(cause: str) -> Draw:
-    """Return the effect of a cause's name."""
+    """Return the function that draws the effect of a cause."""
     return next(draw for draw in EFFECTS if draw.__name__ == cause.split(".")[1] or _ALIAS.get(cause) == draw.__name__)
 
 
@@ -193,7 +198,7 @@ def _motion(robot: Robot, setting: Setting, seed: int) -> Trajectory:
 
 
 def _chamber_pressures(robot: Robot, motion: Trajectory) -> dict[str, Floats]:
-    # What the chambers of a cylinder press with along the motion, before anything is hidden; nothing without one.
+    # Chamber pressures of a cylinder along the motion, before anything is hidden; empty without a cylinder.
     if all(joint.hydraulics is None for joint in robot.table.joint):
         return {}
     log = simulate(robot, motion, recorder=Recorder(rate=KNOTS))
@@ -208,7 +213,8 @@ def _place(robot: Robot, joint: str, motion: Trajectory) -> Place:
 
 
 def _hide(machine: Robot, effect: Effect, motion: Trajectory, severity: float) -> tuple[Robot, Hidden]:
-    # The strength is found on the balance along the wanted motion: by secant steps, for most effects are nearly linear.
+    # Find the strength from the efforts predicted along the wanted motion, by proportional scaling: most effects are
+    # nearly linear.
     table = {"time": motion.time, **{f"position.{j}": motion.position[:, i] for i, j in enumerate(motion.joints)}}
     table |= {f"effort.{j}": np.zeros(motion.time.size) for j in motion.joints} | dict(effect.ambient)
     course = estimate_motion(log_from_table(pa.table(table), "motion"), machine.joints, 20.0)
@@ -238,7 +244,7 @@ def _hide(machine: Robot, effect: Effect, motion: Trajectory, severity: float) -
 
 
 def _stated(robot: Robot, off: float, rng: np.random.Generator) -> Robot:
-    # A few percent off everywhere, as every stated model is: friction levels and link masses.
+    # Friction levels and link masses are a few percent off everywhere, as in every stated model.
     robot = robot.with_stated_friction(robot.body())
     if off == 0.0:
         return robot

@@ -1,4 +1,4 @@
-"""How the benchmark's cases are drawn: which machine, recorded how, with what hidden in it.  A seed is a case."""
+"""How the benchmark's cases are drawn: the machine, the recording, the hidden effects.  Each seed is a case."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ ROBOTS = {
 }
 ARMS = ("ur5", "ur10", "z1", "comau_ns12")
 COUNTS = {0: 0.15, 1: 0.55, 2: 0.2, 3: 0.1}
-OUTSIDE_SHARE = 0.1  # of cases, that hide an effect outside all causes, alone or beside one of them
-OIL_SECONDS = 40.0  # a cylinder's oil takes ten steps a millisecond
+OUTSIDE_SHARE = 0.1  # share of cases that hide an effect outside all causes, alone or beside one cause
+OIL_SECONDS = 40.0  # shorter than other logs, because a cylinder's oil takes ten steps a millisecond
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """What a seed draws: the setting, the effects to hide, and the severity asked of each, by its name."""
+    """What a seed draws: the setting, the effects to hide, and the name of the severity requested of each."""
 
     seed: int
     setting: Setting
@@ -69,7 +69,7 @@ def draw_case(seed: int) -> Drawn:
 
 
 def _fitting(robot: str) -> tuple[Draw, ...]:
-    # Seals are pressed in cylinders only, and nothing couples to a joint that is alone.
+    # Cylinders, and only they, get pressed seals.  A joint without neighbours gets no coupling.
     if robot == "hydraulic_cylinder":
         return (pressure,)
     rest = tuple(draw for draw in EFFECTS if draw is not pressure)

@@ -1,4 +1,4 @@
-"""One case as it came out for every tool that was run on it: a line of a results file."""
+"""The outcomes of one case for every tool that was run on it: a line of a results file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Scores of a tool that names causes: what it found beside what was hidden."""
+"""Scores of a tool that names causes: what it found compared with what was hidden."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ import numpy as np
 Named = tuple[str, str | None]
 
 UNEXPLAINED = "unexplained"
-AVOIDABLE = 0.02  # of the error as stated, relative to the machine's own, below which there was nothing to remove
+AVOIDABLE = 0.02  # avoidable error, relative to the machine's own error, below which there is nothing to remove
 BINS = 5
-# A torque in position is a spring by definition, though no spring has a stop's form: told as one it is right as well.
+# A torque that depends on position is a spring by definition, although no spring has the shape of a stop.  So a soft
+# stop that is reported as a spring is right too.
 MAY_BE_TOLD_AS = {"outside.soft_stop": "body.spring"}
 
 
 @dataclass(frozen=True)
 class Finding:
-    """What a tool said: a cause at a joint, how sure it was, and what it could not tell it from."""
+    """A tool's finding: a cause at a joint, its confidence, and the causes that it could not tell it from."""
 
     cause: str
     joint: str | None
@@ -26,7 +27,7 @@ class Finding:
     alternatives: tuple[str, ...] = ()
 
     def names(self, cause: str, joint: str | None) -> bool:
-        """Whether this names a cause at its joint, or as an alternative, whose joint may be any in the whole arm's."""
+        """Whether this names a cause at its joint or as an alternative; whole-arm alternatives match any joint."""
         if (self.cause, self.joint) == (cause, joint):
             return True
         return cause in self.alternatives and (self.joint == joint or None in (self.joint, joint))
@@ -34,12 +35,12 @@ class Finding:
 
 @dataclass(frozen=True)
 class Outcome:
-    """One case: what was hidden, what was found, the share of the avoidable error removed on another motion (None where
-    there was none), and the seconds it took.
+    """One case: what was ``hidden``, what was ``found``, and the ``seconds`` it took.
 
-    ``faint`` was hidden too, but adds so little to the log that it is asked of no tool, and held against none.
-    ``outside`` is what was hidden and is none of the causes: the verdict should be that structure is left, but for what
-    one of the causes is by definition.
+    ``removed`` is the share of the avoidable error that was removed on another motion, None where there was none.
+    ``faint`` effects were hidden too, but add so little to the log that no tool is required to find them, nor blamed
+    for finding them.  ``outside`` effects were hidden and match none of the causes: the verdict should be that
+    structure is left, except for an effect that counts as one of the causes by definition.
     """
 
     hidden: tuple[Named, ...]
@@ -57,12 +58,12 @@ class Outcome:
 
     @property
     def open_in_vain(self) -> bool:
-        """Whether that is the verdict though nothing was hidden but causes."""
+        """Whether the verdict is that structure remains although only causes were hidden."""
         return self.left_open and not self.outside
 
     @property
     def exact(self) -> bool:
-        """Whether just what was hidden was found, and what no cause fits was left open."""
+        """Whether exactly the hidden causes were found, and an effect that no cause fits was left open."""
         found = {(finding.cause, finding.joint) for finding in self.found}
         if not self.left_open and not self._allowed <= found:
             return False
@@ -70,7 +71,7 @@ class Outcome:
 
     @property
     def _allowed(self) -> set[Named]:
-        # What an effect outside all causes may be told as, and be neither asked for nor a false alarm.
+        # Effects outside all causes as they may be reported: such findings are neither required nor false alarms.
         return {self._told_as(*named) for named in self.outside}
 
     @staticmethod
@@ -88,7 +89,7 @@ class Outcome:
 
     @property
     def false_alarms(self) -> tuple[Finding, ...]:
-        """Findings of what was not hidden, nor is an alternative; the stated levels of friction aside."""
+        """Findings that do not name anything hidden, even as an alternative; changed friction levels do not count."""
         there = {*self.hidden, *self.faint, *self._allowed}
         return tuple(
             f
@@ -99,7 +100,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Score:
-    """Shares over many cases."""
+    """Shares and medians over many cases."""
 
     cases: int
     exact: float
@@ -112,9 +113,11 @@ class Score:
 
 
 def score(outcomes: Sequence[Outcome]) -> Score:
-    """Return the shares of exact cases, of hits, of hidden causes that are named, of cases with a structural false
-    alarm, of those with nothing outside all causes that were left open in vain, and the medians of the share of
-    avoidable error removed and of the seconds.
+    """Return the score of many cases.
+
+    Shares: of exact cases, of hits, of hidden causes that are named, of cases with a structural false alarm, and of the
+    cases with nothing outside all causes, those left open in vain.  Medians: of the share of avoidable error removed
+    and of the seconds.
     """
     named = [any(f.names(*cause) for f in one.found) for one in outcomes for cause in one.hidden]
     in_vain = [one.open_in_vain for one in outcomes if not one.outside]

@@ -21,14 +21,15 @@ from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
 
-FAINT = 0.5  # of the noise, that an effect must add where it shows most for a tool to be asked for it
+FAINT = 0.5  # severity below which no tool is required to find an effect
 
 
 def run_tool(command: Sequence[str], case: Case, folder: Path) -> Outcome:
     """Run ``command diagnose LOG --robot R --out DIR`` on a case, then ``command predict`` along its other motion.
 
-    Everything is written into ``folder``, where the case is too; the tool is shown ``log.parquet`` and ``robot.toml``.
-    A tool that fails has found nothing and removed nothing, and its verdict is ``failed: `` and the last line it said.
+    Everything is written into ``folder``, where the case is too; the tool is given ``log.parquet`` and ``robot.toml``.
+    A tool that fails counts as having found and removed nothing; its verdict is ``failed: `` and the error, with the
+    last line that the tool printed.
     """
     if not (folder / "log.parquet").is_file():
         write_case(case, folder)

@@ -1,1 +1,1 @@
-"""Rigid-body terms; the only room that imports Pinocchio."""
+"""Rigid-body dynamics; the only package that imports Pinocchio."""

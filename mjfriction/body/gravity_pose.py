@@ -1,7 +1,7 @@
-"""Which joints gravity loads, and the poses in which it does not.
+"""Which joints are loaded by gravity, and in which poses they are not.
 
-A turning joint feels no gravity while its axis stands along it, a sliding one while it lies level.  The direction of an
-axis is set by the joints before it alone, so that such a pose stays free of gravity whatever the joint itself does.
+A revolute joint feels no gravity while its axis is vertical, a sliding joint while its axis is horizontal.  Only the
+joints before it set the direction of its axis, so such a pose stays free of gravity however the joint itself moves.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from scipy.optimize import minimize
 from mjfriction.body.model import Body, configuration
 from mjfriction.laws.law import Floats
 
-FREE = 1e-3  # of gravity, that a joint feels at most in a pose free of it
-DRAWS = 24
-WIDE = np.pi  # rad, range of a joint without limits
+FREE = 1e-3  # a pose is free of gravity for a joint that feels less than this fraction of it
+DRAWS = 24  # random poses that are tried
+WIDE = np.pi  # rad or m, a joint without limits is searched within ± this
 
 
 class GravityClass(enum.Enum):
-    """How gravity loads a joint; the value is the sentence for the user."""
+    """How gravity loads a joint; the value is the text shown to the user."""
 
     NEVER = "never loaded by gravity"
     BY_POSE = "free of gravity in some poses"
@@ -31,7 +31,7 @@ class GravityClass(enum.Enum):
 
 @dataclass(frozen=True)
 class GravityPose:
-    """A joint's class, and the pose (joints,) in which gravity loads it least, in rad or m."""
+    """A joint's gravity class, the pose (joints,) in rad or m in which it feels least gravity, and its share there."""
 
     kind: GravityClass
     pose: Floats
@@ -39,10 +39,10 @@ class GravityPose:
 
 
 def gravity_pose(body: Body, joint: int, *, seed: int = 0) -> GravityPose:
-    """Return how gravity loads a joint, and where it does so least.
+    """Return how gravity loads a joint, and the pose in which it does so least.
 
-    ``share`` is the part of gravity across its axis (along it, for a sliding joint) in the pose returned.  Joints that
-    do not matter stay in the middle of their range.
+    ``share`` is the fraction of gravity perpendicular to the joint's axis (along it, for a sliding joint) in the
+    returned pose.  Joints that do not matter stay in the middle of their range.
     """
     low = np.where(np.isfinite(body.lower), body.lower, -WIDE)
     high = np.where(np.isfinite(body.upper), body.upper, WIDE)

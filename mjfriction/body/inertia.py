@@ -1,12 +1,13 @@
-"""A link's inertia as numbers, and as the pseudo-inertia in which what is physical is plain to see.
+"""A link's inertia as ten parameters, and as the pseudo-inertia, which shows whether it is physical.
 
-The pseudo-inertia of a link is P = ∫ (x, 1)ᵀ(x, 1) dm, a symmetric 4 × 4 matrix, linear in the ten inertial parameters,
-and there is a body with these parameters if and only if P is positive (Wensing, Kim, Slotine, IEEE Robotics and
+The pseudo-inertia of a link is P = ∫ (x, 1)ᵀ(x, 1) dm, a symmetric 4 × 4 matrix that is linear in the ten inertial
+parameters.  A body with these parameters exists if and only if P is positive (Wensing, Kim, Slotine, IEEE Robotics and
 Automation Letters 3(1), 2018).
 
-Beside a link with P₀ = C·Cᵀ another is P = C·(1 + W)·Cᵀ, W symmetric.  W's ten numbers, orthonormal, have no unit, and
-|W| is a distance of the two that does not depend on the frame (Lee, Wensing, Park, IEEE Trans. Robotics 36(1), 2020,
-constant pullback): the same link p times as heavy is |W| = 2·(p − 1) away.  There is a body for W if 1 + W is positive.
+Relative to a link with P₀ = C·Cᵀ, another link is P = C·(1 + W)·Cᵀ with W symmetric.  The ten orthonormal numbers of W
+have no unit, and |W| is a distance between the two links that does not depend on the frame (Lee, Wensing, Park, IEEE
+Trans. Robotics 36(1), 2020, constant pullback): the same link with p times the mass is at |W| = 2·(p − 1).  A body
+exists for W if 1 + W is positive.
 """
 
 from __future__ import annotations
@@ -22,15 +23,16 @@ NAMES = ("mass", "moment_x", "moment_y", "moment_z", "xx", "xy", "yy", "xz", "yz
 """The ten parameters in the regressor's order: kg, kg·m, and kg·m² about the link's frame."""
 
 PER_LINK = len(NAMES)
-FINEST = 0.02  # m: a link that is stated to be a point is believed to be one within this
+FINEST = 0.02  # m, spread added to every link's mass, so that a link stated as a point may be a body of about this size
 ROWS, COLUMNS = np.tril_indices(4)
-ORTHONORMAL = np.where(ROWS == COLUMNS, 1.0, np.sqrt(0.5))  # of each of the ten numbers, what stands in W
+ORTHONORMAL = np.where(ROWS == COLUMNS, 1.0, np.sqrt(0.5))  # factor from each of the ten numbers to its entry of W
 
 
 @dataclass(frozen=True)
 class RigidLink:
-    """A link's mass (kg), its centre (m, in the link's frame) and its moments of inertia about that: xx, yy, zz, xy,
-    xz, yz (kg·m²).
+    """A link's mass (kg), its centre of mass (m, in the link's frame) and its inertia about that centre (kg·m²).
+
+    The moments are in the order xx, yy, zz, xy, xz, yz.
     """
 
     mass: float
@@ -38,7 +40,7 @@ class RigidLink:
     inertia: tuple[float, float, float, float, float, float]
 
     def pinocchio(self) -> pin.Inertia:
-        """Return it as Pinocchio holds it."""
+        """Return it as a Pinocchio inertia."""
         xx, yy, zz, xy, xz, yz = self.inertia
         return pin.Inertia(self.mass, np.array(self.com), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
 
@@ -49,9 +51,11 @@ def pseudo_inertias(model: pin.Model) -> Floats:
 
 
 def factors(pseudo: Floats) -> Floats:
-    """Return C (links, 4, 4) of pseudo-inertias (links, 4, 4), zero for links without a mass.
+    """Return the factors C (links, 4, 4) of pseudo-inertias (links, 4, 4), zero for links without a mass.
 
-    Of what no body has, as moments of inertia of which one is more than the two others, it is that of the nearest.
+    A pseudo-inertia that no body has (one moment of inertia larger than the sum of the other two) is replaced by the
+    nearest one that a body can have.  The mass of every link is then spread by FINEST, so that a point mass has a
+    factor too.
     """
     out = np.zeros_like(pseudo)
     for own, factor in zip(pseudo, out, strict=True):
@@ -61,7 +65,7 @@ def factors(pseudo: Floats) -> Floats:
 
 
 def _spread_out(pseudo: Floats) -> Floats:
-    # A pseudo-inertia (4, 4) whose mass is spread out by nothing at least along every direction about its centre.
+    # The pseudo-inertia (4, 4) with negative spreads of its mass about its centre set to zero.
     mass, first = pseudo[3, 3], pseudo[:3, 3]
     values, vectors = np.linalg.eigh(pseudo[:3, :3] - np.outer(first, first) / mass)
     if values[0] >= 0.0:
@@ -72,20 +76,20 @@ def _spread_out(pseudo: Floats) -> Floats:
 
 
 def symmetric(numbers: Floats) -> Floats:
-    """Return W (4, 4) of its ten orthonormal numbers."""
+    """Return the symmetric matrix W (4, 4) from its ten orthonormal numbers."""
     out = np.zeros((4, 4))
     out[ROWS, COLUMNS] = out[COLUMNS, ROWS] = ORTHONORMAL * numbers
     return out
 
 
 def parameters_per_number(factor: Floats) -> Floats:
-    """Return what W's ten numbers change the inertial parameters by, (links, 10, 10); ``factor`` (links, 4, 4): C."""
+    """Return the derivatives of the inertial parameters by W's ten numbers, (links, 10, 10); ``factor`` is C."""
     unit = [symmetric(row) for row in np.eye(PER_LINK)]
     return np.array([np.column_stack([parameters_of(own @ one @ own.T) for one in unit]) for own in factor])
 
 
 def link_of(pseudo: Floats) -> RigidLink:
-    """Return the link that has a pseudo-inertia (4, 4)."""
+    """Return the link with the given pseudo-inertia (4, 4)."""
     inertia = pin.PseudoInertia.FromMatrix(pseudo).toInertia()
     moments = inertia.inertia
     six = (moments[0, 0], moments[1, 1], moments[2, 2], moments[0, 1], moments[0, 2], moments[1, 2])

@@ -1,4 +1,4 @@
-"""Inverse dynamics: the torque that a motion needs, and how it depends on the links' inertial parameters."""
+"""Inverse dynamics: the torque that a motion needs, its derivatives, and the mass matrix."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ def inverse_dynamics(body: Body, position: Floats, velocity: Floats, acceleratio
 
 
 def motion_derivatives(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> tuple[Floats, ...]:
-    """Return how the links' torques change with position, velocity and acceleration, each (n, joints, joints).
+    """Return the derivatives of the links' torques by position, velocity and acceleration, each (n, joints, joints).
 
-    Entry (t, i, k) is what moving joint k adds to the torque of joint i.  Rotors are left out.  In memory the course of
-    each entry is in one piece.
+    Entry (t, i, k) is the derivative of joint i's torque with respect to joint k.  Rotors are left out.  In memory, the
+    time course of each entry is contiguous.
     """
     model, data = body.model, body.model.createData()
     q = configuration(body, position)
@@ -43,7 +43,7 @@ def motion_derivatives(body: Body, position: Floats, velocity: Floats, accelerat
 
 
 def inertia_along(body: Body, position: Floats) -> Floats:
-    """Return the links' part of the mass matrix' diagonal along a motion, (n, joints): what each link weighs."""
+    """Return the mass matrix's diagonal without rotors along a motion, (n, joints): the links' inertia per joint."""
     model, data = body.model, body.model.createData()
     q = configuration(body, position)
     out = np.empty((q.shape[0], model.nv))

@@ -14,7 +14,7 @@ from mjfriction.body.model_file import parse, slides
 from mjfriction.errors import RobotError, suggestion
 from mjfriction.laws.law import Floats
 
-NO_LIMIT = 1e3  # rad/s or m/s, from which on a stated speed is no limit
+NO_LIMIT = 1e3  # rad/s or m/s; a stated top speed of at least this counts as no limit
 
 
 @dataclass(frozen=True)
@@ -30,11 +30,11 @@ class Load:
 
 @dataclass(frozen=True)
 class Body:
-    """A tree of rigid bodies on a fixed base, with the asked joints in the asked order.
+    """A tree of rigid bodies on a fixed base, with the requested joints in the requested order.
 
-    ``links`` names the bodies in the order of the regressor's columns; ``sliding`` (joints,) tells prismatic from
-    revolute; ``damping`` and ``dry_friction`` (joints,) are what the model file itself states; ``lower`` and ``upper``
-    its position limits, ``top_speed`` its velocity limits, infinite where it states none.
+    ``links`` names the bodies in the order of the regressor's columns; ``sliding`` (joints,) is True for prismatic
+    joints; ``damping`` and ``dry_friction`` (joints,) are the model file's own values; ``lower`` and ``upper`` are its
+    position limits and ``top_speed`` its velocity limits, infinite where it states none.
     """
 
     joints: tuple[str, ...]
@@ -47,7 +47,7 @@ class Body:
     top_speed: Floats
     gravity: Floats
     model: pin.Model
-    columns: tuple[int, ...]  # of each asked joint, in the model's velocity vector
+    columns: tuple[int, ...]  # index of each requested joint in the model's velocity vector
 
     @property
     def armature(self) -> Floats:
@@ -55,13 +55,13 @@ class Body:
         return np.array(self.model.armature)[list(self.columns)]
 
     def holding(self, load: Load) -> Body:
-        """Return the bodies with a mass besides; :class:`RobotError` where its parent is none of them."""
+        """Return the bodies with an additional mass; :class:`RobotError` if its parent is not one of them."""
         model = pin.Model(self.model)
         _append(model, load)
         return replace(self, model=model)
 
     def weightless(self) -> Body:
-        """Return the same joints with nothing on them that has mass or inertia, the rotors gone too."""
+        """Return the same joints with all masses and inertias removed, including the rotors."""
         model = pin.Model(self.model)
         for i in range(1, model.njoints):
             model.inertias[i] = pin.Inertia.Zero()
@@ -76,7 +76,7 @@ class Body:
         return np.asarray(own.placement.actInv(held.placement.act(np.asarray(point, dtype=np.float64))))
 
     def link_holding(self, parent: str) -> str:
-        """Return the link, by the name of its joint, that a payload's ``parent`` is or is fixed to."""
+        """Return the name of the joint that moves the link that a payload's ``parent`` is, or is fixed to."""
         found = _link_frame(self.model, parent)
         if found is None:
             raise RobotError(f"the model has neither a link nor a joint '{parent}'")
@@ -95,19 +95,18 @@ def load_body(
     rotor_inertia: Sequence[float] | None = None,
     text: str | None = None,
 ) -> Body:
-    """Read a model file and make the robot's rigid bodies of it.
+    """Read a model file and build the robot's rigid bodies.
 
-    ``text`` is what an MJCF says in plain words, as :func:`~mjfriction.sim.plain_tree.plain_tree` writes it, and has to
-    be given for one.
+    ``text`` is an MJCF in the expanded form that :func:`~mjfriction.sim.plain_tree.plain_tree` writes; it is required
+    for an MJCF.
 
-    Joints of the model that are not asked for (a gripper's fingers) are locked at their zero.  ``gravity`` (m/s²)
-    replaces the model's own; ``link_inertia`` takes the place of what the model says of a link; ``link_scale``
-    multiplies the mass and inertia of the link that a joint moves, its payload included; ``link_shift`` moves its
-    centre of mass (m, in the link's frame); ``rotor_inertia`` (kg·m² or kg at the joint, per asked joint) is added to
-    the model's.
+    Joints of the model that are not requested (a gripper's fingers) are locked at their zero.  ``gravity`` (m/s²)
+    replaces the model's own; ``link_inertia`` replaces a link's mass and inertia; ``link_scale`` multiplies the mass
+    and inertia of the link that a joint moves, including its payload; ``link_shift`` moves its centre of mass (m, in
+    the link's frame); ``rotor_inertia`` (kg·m² or kg at the joint, per requested joint) is added to the model's.
 
-    Raises :class:`RobotError` when the file is missing or does not parse, when a joint is unknown or has more than one
-    axis, and when the payload's parent is unknown.
+    Raises :class:`RobotError` if the file is missing or does not parse, if a joint is unknown or has more than one
+    axis, or if the payload's parent is unknown.
     """
     full, own_gravity = parse(path, text)
     known = [name for name in full.names if name != "universe"]
@@ -163,7 +162,8 @@ def load_body(
 
 
 def _tell_apart(model: pin.Model, joints: Collection[str]) -> None:
-    # Pinocchio locks joints by the names of their frames, which a link may have too; a link is known by its joint's.
+    # Pinocchio locks joints by the names of their frames.  A link may have the same name as a joint to be locked, so
+    # rename such a link; it is still found by the name of its joint.
     for frame in model.frames:
         if frame.type == pin.FrameType.BODY and frame.name in joints:
             frame.name = f"{frame.name} link"
@@ -176,7 +176,7 @@ def _index(model: pin.Model, joint: str, key: str, path: Path) -> int:
 
 
 def single_axis_joints(path: Path, text: str | None = None) -> tuple[str, ...]:
-    """Return the hinges and slides of a model file, in its order; ``text`` and errors as of :func:`load_body`."""
+    """Return the hinges and slides of a model file, in its order; ``text`` and errors as in :func:`load_body`."""
     model, _ = parse(path, text)
     return tuple(
         str(name) for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True) if joint.nv == 1
@@ -196,7 +196,7 @@ def configuration(body: Body, position: Floats) -> Floats:
         entry = model.joints[model.getJointId(joint)]
         if entry.nq == 1:
             q[:, entry.idx_q] = position[:, i]
-        else:  # a joint without limits is kept as cosine and sine
+        else:  # Pinocchio stores a joint without limits as cosine and sine
             q[:, entry.idx_q] = np.cos(position[:, i])
             q[:, entry.idx_q + 1] = np.sin(position[:, i])
     return q
@@ -221,7 +221,7 @@ def _append(model: pin.Model, load: Load) -> None:
 
 
 def _link_frame(model: pin.Model, name: str) -> pin.Frame | None:
-    # The frame of a link by its own name, or by that of the joint which moves it or would, were it not held.
+    # The frame of a link, by its own name or by that of the joint that moves it, even if that joint is locked.
     links = [frame for frame in model.frames if frame.type == pin.FrameType.BODY]
     named = [frame for frame in links if frame.name == name]
     moved = [frame for frame in links if model.frames[frame.parentFrame].name == name]
@@ -229,7 +229,7 @@ def _link_frame(model: pin.Model, name: str) -> pin.Frame | None:
 
 
 def _limits(model: pin.Model, joints: Sequence[str]) -> tuple[Floats, Floats]:
-    # A range of none is that of a URDF which states no limits, as MuJoCo takes it too.
+    # An empty range means that a URDF states no limits; MuJoCo reads it the same way.
     lower, upper = np.full(len(joints), -np.inf), np.full(len(joints), np.inf)
     for i, joint in enumerate(joints):
         entry = model.joints[model.getJointId(joint)]

@@ -16,11 +16,11 @@ import pinocchio as pin
 from mjfriction.errors import RobotError
 
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)
-MOST_KEPT = 8  # files
+MOST_KEPT = 8  # model files kept in the cache
 
 
 def root_of(path: Path) -> ET.Element:
-    """Return the root element of a model file; :class:`RobotError` where it is missing or no XML."""
+    """Return the root element of a model file; :class:`RobotError` if the file is missing or not XML."""
     if not path.is_file():
         raise RobotError(f"{path}: there is no such model file")
     try:
@@ -30,17 +30,17 @@ def root_of(path: Path) -> ET.Element:
 
 
 def changed(path: Path) -> int:
-    """Return when a file was written last, ns; 0 where there is none."""
+    """Return the time of a file's last modification, ns; 0 if there is no such file."""
     return path.stat().st_mtime_ns if path.is_file() else 0
 
 
 def parse(path: Path, text: str | None) -> tuple[pin.Model, tuple[float, ...]]:
-    """Return what a URDF or MJCF says as Pinocchio's model, and its gravity, m/s².
+    """Return a URDF or MJCF as a Pinocchio model, and its gravity, m/s².
 
-    ``text`` is what an MJCF says in plain words, and is read in the file's place: Pinocchio knows a part of MuJoCo's
-    language only, and would lose masses without a word.
+    ``text`` is an MJCF in expanded form and is read instead of the file: Pinocchio supports only part of MuJoCo's
+    language and would silently lose masses.
 
-    Raises :class:`RobotError` with the file and what is wrong with it.
+    Raises :class:`RobotError` naming the file and what is wrong with it.
     """
     model, gravity = _parsed(path, changed(path), text)
     return model.copy(), gravity
@@ -48,7 +48,7 @@ def parse(path: Path, text: str | None) -> tuple[pin.Model, tuple[float, ...]]:
 
 @functools.lru_cache(MOST_KEPT)
 def _parsed(path: Path, _changed: int, text: str | None) -> tuple[pin.Model, tuple[float, ...]]:
-    # A diagnosis draws up the bodies of hundreds of robots with the same model file.
+    # Cached because a diagnosis builds the bodies of hundreds of robots from the same model file.
     root = root_of(path)
     if root.tag not in ("robot", "mujoco"):
         raise RobotError(f"{path}: the root element is <{root.tag}>; a URDF has <robot>, an MJCF <mujoco>")
@@ -70,7 +70,7 @@ def _read(reader: Callable[[str], pin.Model], path: Path, told_of: Path, kind: s
         with _native_messages_dropped():
             return reader(str(path))
     except Exception as error:  # Pinocchio's parsers raise ValueError, RuntimeError and boost's own kinds
-        told = str(error).split("message:")[-1].split("\n")  # what comes before speaks of Pinocchio's own source files
+        told = str(error).split("message:")[-1].split("\n")  # the part before refers to Pinocchio's own source files
         reason = next((line.strip() for line in told if line.strip()), type(error).__name__)
         raise RobotError(f"{told_of}: cannot be read as {kind}: {reason}") from None
 
@@ -82,7 +82,7 @@ def slides(joint: pin.JointModel) -> bool:
 
 @contextlib.contextmanager
 def _native_messages_dropped() -> Iterator[None]:
-    # The C++ parsers write straight to file descriptor 2; our one line says what the user needs.
+    # The C++ parsers write directly to file descriptor 2; our one-line message says what the user needs.
     sys.stderr.flush()
     saved = os.dup(2)
     with open(os.devnull, "wb") as nowhere:

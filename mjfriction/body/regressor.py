@@ -1,4 +1,4 @@
-"""How joint torques depend on what is held at the tip and on the direction of gravity, both linearly."""
+"""Regressors: joint torques as linear functions of a tip mass, the links' inertial parameters, and gravity."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.body.model import Body, configuration, in_model_order
 from mjfriction.laws.law import Floats
 
-LOWER = np.tril_indices(3)  # Ixx, Ixy, Iyy, Ixz, Iyz, Izz, as Pinocchio has them
-SHIFT = 1e-4  # m
-CHUNK = 512  # samples whose regressors are held at once
+LOWER = np.tril_indices(3)  # Ixx, Ixy, Iyy, Ixz, Iyz, Izz, in Pinocchio's order
+SHIFT = 1e-4  # m, step of the difference quotient by a centre of mass
+CHUNK = 512  # samples whose regressors are in memory at once
 
 
 def tip_link(body: Body) -> str:
@@ -24,7 +24,7 @@ def tip_link(body: Body) -> str:
 
 
 def tip_mass(body: Body) -> tuple[float, Floats]:
-    """Return the mass of all that the last joint moves, kg, and its centre (3,) in the tip link's frame, m."""
+    """Return the mass that the last joint moves, kg, and its centre (3,) in the tip link's frame, m."""
     frame = body.model.frames[body.model.getFrameId(tip_link(body), pin.FrameType.BODY)]
     inertia = body.model.inertias[frame.parentJoint]
     return float(inertia.mass), np.asarray(frame.placement.actInv(inertia.lever))
@@ -33,14 +33,15 @@ def tip_mass(body: Body) -> tuple[float, Floats]:
 def tip_mass_torques(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> Floats:
     """Return joint torques per kg and per kg·m of first moment (x, y, z) at the tip link's frame.
 
-    The result has shape (n, joints, 4).  A mass m with its centre at c needs this times (m, m·c) and, of second order
-    in c − c₀, its moment of inertia about c₀, the centre of what the tip link weighs itself: about the joint the second
-    moment of a point mass, m·x·xᵀ = w·wᵀ/m with w = m·x, is −m·x₀·x₀ᵀ + x₀·wᵀ + w·x₀ᵀ near x₀.
+    The result has shape (n, joints, 4).  The torque of a point mass m with its centre at c is this times (m, m·c), up
+    to its moment of inertia about c₀, the centre of the tip link's own mass, which is of second order in c − c₀.  The
+    error comes from linearising the second moment about the joint: near x₀, m·x·xᵀ = w·wᵀ/m with w = m·x is
+    −m·x₀·x₀ᵀ + x₀·wᵀ + w·x₀ᵀ.
     """
     frame = body.model.frames[body.model.getFrameId(tip_link(body), pin.FrameType.BODY)]
     origin, turned = frame.placement.translation, frame.placement.rotation
     near = origin + turned @ tip_mass(body)[1]
-    # Per kg of a mass at the frame, and of one that has a first moment besides.
+    # A mass of 1 kg at the frame's origin, and the same with a first moment of 1 kg·m along each axis.
     torques = []
     for moment in np.vstack([np.zeros(3), np.eye(3)]):
         centre = origin + turned @ moment
@@ -60,10 +61,10 @@ def _holding_nothing_but(body: Body, joint: int, inertia: pin.Inertia) -> Body:
 
 
 def link_torques(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> Floats:
-    """Return the share of every link in the inverse dynamics, shape (n, joints, links).
+    """Return every link's contribution to the inverse dynamics, shape (n, joints, links).
 
-    Summed over the links it is the inverse dynamics less the rotors.  It is what a scale on a link's mass and inertia
-    multiplies.
+    Summed over the links it is the inverse dynamics without the rotors.  A scale on a link's mass and inertia
+    multiplies its contribution.
     """
     return weighed_links(body, position, velocity, acceleration, _own_parameters(body))[:, :, :, 0]
 
@@ -73,10 +74,11 @@ def _own_parameters(body: Body) -> Floats:
 
 
 def link_and_moment_torques(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> Floats:
-    """Return joint torques of every link, (n, joints, links, 1 + 3), in one pass: first :func:`link_torques`.
+    """Return joint torques of every link, (n, joints, links, 1 + 3), in one pass.
 
-    Then what moving the link's centre of mass takes, per metre along each axis of its frame, to first order: the
-    inertia about the frame moves with the centre too.
+    The first entry is that of :func:`link_torques`.  The other three are the changes in torque per metre of shift of
+    the link's centre of mass along each axis of its frame, to first order.  The shift also changes the inertia about
+    the frame.
     """
     weight = np.concatenate([_own_parameters(body), _moment_tangents(body)], axis=2)
     return weighed_links(body, position, velocity, acceleration, weight)
@@ -84,7 +86,7 @@ def link_and_moment_torques(body: Body, position: Floats, velocity: Floats, acce
 
 def _moment_tangents(body: Body) -> Floats:
     inertias = list(body.model.inertias)[1:]
-    # Parameters m, m·c, I about the frame: their derivative by c, the inertia about the centre being kept.
+    # Derivatives of the parameters (m, m·c, I about the frame) by c, with the inertia about the centre held constant.
     tangents = []
     for inertia in inertias:
         whole = np.zeros((10, 3))
@@ -99,7 +101,7 @@ def _moment_tangents(body: Body) -> Floats:
 
 
 def weighed_links(body: Body, position: Floats, velocity: Floats, acceleration: Floats, weight: Floats) -> Floats:
-    """Return the torques of every link's inertial parameters times ``weight`` (links, 10, k): (n, joints, links, k)."""
+    """Return every link's torque regressor times ``weight`` (links, 10, k): (n, joints, links, k)."""
     model, data = body.model, body.model.createData()
     links = weight.shape[0]
     q = configuration(body, position)
@@ -110,7 +112,7 @@ def weighed_links(body: Body, position: Floats, velocity: Floats, acceleration: 
         stop = min(start + CHUNK, q.shape[0])
         for i in range(start, stop):
             regressors[i - start] = pin.computeJointTorqueRegressor(model, data, q[i], v[i], a[i])
-        # Links in front, so that each is one product of matrices.
+        # Put the link axis first, so that each link takes one matrix product.
         parts = regressors[: stop - start].reshape(-1, links, 10).transpose(1, 0, 2) @ weight
         out[start:stop] = parts.transpose(1, 0, 2).reshape(stop - start, model.nv, links, -1)
     return out[:, list(body.columns)]

@@ -2,6 +2,6 @@
 
 import os
 
-# Matrices are small here: threads within each product only wait for one another, and several commands beside each other
-# would take five times as long.  It must be said before numpy is loaded.
+# The matrices are small: threads within a product mostly wait for one another, and several commands in parallel would
+# take five times as long.  This must be set before numpy is loaded.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

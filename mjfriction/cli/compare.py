@@ -1,4 +1,4 @@
-"""``mjfriction compare``: several robots against one log, side by side."""
+"""``mjfriction compare``: several robots compared with one log, side by side."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ def compare(
 ) -> None:
     """Show the RMS error of each robot per joint, in torque and in current, side by side.
 
-    With --simulated, how far each ends up from where the machine went, too. With --out, writes comparison.json,
-    report.html and recording.rrd.
+    With --simulated, also shows the position error of each when driven by the log's efforts. With --out, writes
+    comparison.json, report.html and recording.rrd.
 
     Example: mjfriction compare run2.parquet --robot arm/robot.toml --robot result/robot.toml
     """
@@ -65,7 +65,10 @@ def compare(
 
 
 def short_names(sources: list[str]) -> list[str]:
-    """Return names as short as tells robots apart: a file's, or its folder's where it is robot.toml, as results are."""
+    """Return short names for robots: the file's, or the folder's where the file is robot.toml, as in results.
+
+    Where two short names are the same, the full sources are returned.
+    """
     paths = [Path(source) for source in sources]
     short = [path.absolute().parent.name if path.name == "robot.toml" else path.stem for path in paths]
     return short if len(set(short)) == len(short) else list(sources)

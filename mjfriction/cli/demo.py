@@ -1,4 +1,4 @@
-"""``mjfriction demo``: the main job on bundled input."""
+"""``mjfriction demo``: a diagnosis of bundled input."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Out = Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the 
 
 
 def demo(out: Out = Path("demo_out"), json: Json = False) -> None:
-    """Diagnose a bundled log of a simulated arm with something hidden in it, and prove the result on a second log.
+    """Diagnose a bundled log of a simulated arm with a hidden effect, and prove the result on a second log.
 
     Example: mjfriction demo --out demo_out
     """

@@ -26,7 +26,7 @@ def diagnose(
     seed: Seed = 0,
     json: Json = False,
 ) -> None:
-    """Say what the robot's model gets wrong, name the cause, and write the extended robot with the proof.
+    """Find what the robot's model gets wrong, name the cause, and write the extended robot with the proof.
 
     Writes report.json, report.html, recording.rrd and robot.toml into DIR.
 

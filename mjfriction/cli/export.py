@@ -16,7 +16,7 @@ Fastest = Annotated[
 
 
 def export(robot: RobotSource, out: Out, fastest: Fastest = 2.0, as_json: Json = False) -> None:
-    """Write a robot as plain MJCF that runs in stock MuJoCo with no callback, and say what it could not carry.
+    """Write a robot as plain MJCF that runs in stock MuJoCo with no callback, and list what MJCF cannot express.
 
     Example: mjfriction export --robot ur5 --out ur5.xml
     """

@@ -17,7 +17,7 @@ from mjfriction.errors import InputError
 
 
 class Side(enum.Enum):
-    """The side of the gear whose velocity and torque the laws speak of."""
+    """The side of the gear whose velocity and torque the laws relate."""
 
     JOINT = "joint"
     MOTOR = "motor"

@@ -1,4 +1,4 @@
-"""``mjfriction inspect``: what is in a log, and what it could show."""
+"""``mjfriction inspect``: the contents of a log, and what it could show."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ Write = Annotated[
 def inspect(
     log: LogPath, robot: Robot = None, map_: MapSource = None, write_map: Write = None, json: Json = False
 ) -> None:
-    """Say what a log holds and whether it can be diagnosed: joints, rate, gaps, ranges, what it could show.
+    """Show what a log contains and whether it can be diagnosed: joints, rate, gaps, ranges, what it could show.
 
-    Columns with foreign names are guessed and shown; --map guess takes the guess, --map M.toml a file of your own.
+    Columns with other names are guessed and shown; --map guess accepts the guess, --map M.toml uses your own mapping.
 
     Example: mjfriction inspect run1.csv --robot ur5 --write-map columns.toml
     """

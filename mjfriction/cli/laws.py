@@ -1,4 +1,4 @@
-"""``mjfriction laws``: the friction laws there are."""
+"""``mjfriction laws``: the available friction laws."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Out = Annotated[Path | None, typer.Option("--out", metavar="PAGE.html", help="Wr
 
 
 def laws(name: Name = None, out: Out = None) -> None:
-    """List the friction laws, or show one: formula, parameters, what it can and cannot do, its picture.
+    """List the friction laws, or show one: formula, parameters, what it captures and misses, its picture.
 
     Example: mjfriction laws lugre --out lugre.html
     """

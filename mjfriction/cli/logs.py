@@ -1,4 +1,4 @@
-"""Logs as the command line names them: files of any format, and a mapping of their columns."""
+"""Logs given on the command line: files of any format, and a mapping of their columns."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ GUESS = "guess"
 def read_logs(paths: Sequence[Path], joints: Sequence[str], mapping: str | None, held: Sequence[float] = ()) -> Log:
     """Read logs of one robot and join them.
 
-    ``mapping`` is a mapping file, or ``guess`` to take what the names say; ``held`` the mass (kg) that the robot held
-    during each log, none for logs that say it themselves or of none.
+    ``mapping`` is a mapping file, or ``guess`` to guess from the columns' names.  ``held`` is the mass (kg) that the
+    robot held during each log; it is empty if the robot held none or the logs have a column for it.
 
-    Raises :class:`~mjfriction.errors.LogError`; where a log lacks columns that can be guessed, it says so.
+    Raises :class:`~mjfriction.errors.LogError`; where columns that a log lacks can be guessed, the message shows them.
     """
     from mjfriction.errors import LogError
     from mjfriction.record.merge import merge_logs
@@ -47,10 +47,10 @@ def read_logs(paths: Sequence[Path], joints: Sequence[str], mapping: str | None,
 
 
 def held_masses(held: Sequence[float] | None, paths: Sequence[Path], robot: Robot) -> Sequence[float]:
-    """Return the masses held during each log as ``--held`` gave them, none where it was not given.
+    """Return the masses (kg) held during each log, as given by ``--held``; none where it was not given.
 
-    Raises :class:`~mjfriction.errors.InputError` where they are not one of each log, or the robot does not say where it
-    holds them.
+    Raises :class:`~mjfriction.errors.InputError` if there is not one mass for each log, a mass is impossible, or the
+    robot does not state where it holds them.
     """
     from mjfriction.errors import InputError
 
@@ -70,7 +70,10 @@ def held_masses(held: Sequence[float] | None, paths: Sequence[Path], robot: Robo
 
 
 def guess_of(path: Path, joints: Sequence[str]) -> Mapping | None:
-    """Return what the names of a file's columns say, None where that is no log or the file needs no guess."""
+    """Return the mapping guessed from a file's column names.
+
+    None if the file cannot be read or needs no guess, or if time or all positions are missing from the guess.
+    """
     from mjfriction.errors import LogError
     from mjfriction.record.log import POSITION
     from mjfriction.record.mapping import TIME, clocked, guess_mapping
@@ -100,7 +103,7 @@ def _names(table: pa.Table) -> list[str]:
 
 
 def is_log(names: Sequence[str]) -> bool:
-    """Return whether columns of these names make a log as they stand."""
+    """Return whether columns of these names are a log's without a mapping."""
     from mjfriction.record.log import POSITION
     from mjfriction.record.mapping import TIME
 

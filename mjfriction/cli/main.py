@@ -1,4 +1,4 @@
-"""The ``mjfriction`` command: its verbs, and how every failure reaches the user."""
+"""The ``mjfriction`` command: its verbs, and how failures are reported to the user."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from mjfriction.errors import InputError
 
 WRONG_INPUT, OWN_FAILURE, INTERRUPTED = 2, 1, 130
 STOPPED = "stopped; nothing was written"
-# Objects made before the collector looks for circles among them: a command makes few, and lives for seconds.
+# Allocations between collections of reference cycles: a command creates few cycles, and runs for seconds.
 ALLOCATIONS = 50_000
 
 app = typer.Typer(
@@ -75,7 +75,7 @@ def _root(
 
 
 def run() -> None:
-    """Run the command; exit 0 when it ran, 2 when the input is wrong, 1 when we failed, with one line on stderr."""
+    """Run the command; exit 0 on success, 2 for wrong input and 1 for an internal error, with one line on stderr."""
     gc.set_threshold(ALLOCATIONS)
     if len(sys.argv) == 1:
         sys.argv.append("--help")
@@ -99,7 +99,7 @@ def run() -> None:
 
 
 def _usage_message(error: Exception) -> str | None:
-    # What the command parser raises for a wrong word on the command line carries the context it happened in.
+    # The command parser's errors carry a message and the context in which they occurred.
     text = getattr(error, "format_message", None)
     if text is None:
         return None
@@ -109,7 +109,7 @@ def _usage_message(error: Exception) -> str | None:
 
 
 def _interrupted() -> NoReturn:
-    # Who presses the keys once more while this is said would get a traceback in its place, and another exit status.
+    # A second Ctrl-C while the message is printed would give a traceback instead, and another exit status.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _stop(STOPPED, INTERRUPTED)
 

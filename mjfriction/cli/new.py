@@ -1,4 +1,4 @@
-"""``mjfriction new``: a robot file to begin with."""
+"""``mjfriction new``: a robot file to start from."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LogOption = Annotated[
 
 
 def new(model: Model, out: Out, log: LogOption = None, map_: MapSource = None) -> None:
-    """Draw up a robot file from a URDF or MJCF, with a place for everything else you know.
+    """Draft a robot file from a URDF or MJCF, with a place for everything else you know.
 
     Example: mjfriction new arm.urdf --log run1.parquet --out my_arm.toml
     """

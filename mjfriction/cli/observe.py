@@ -1,4 +1,4 @@
-"""``mjfriction observe``: friction along a log, as an observer estimates it."""
+"""``mjfriction observe``: friction along a log, as estimated by an observer."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Out = Annotated[Path, typer.Option("--out", metavar="T", help="Table to write, .
 
 
 class Kind(enum.Enum):
-    """The observers there are."""
+    """The available observers."""
 
     BALANCE = "balance"
     DISTURBANCE = "disturbance"
@@ -36,10 +36,10 @@ def observe(
     map_: MapSource = None,
     json: Json = False,
 ) -> None:
-    """Tell the friction of every joint along a log, without a friction law: what the balance leaves, or what an
-    observer that runs live would have told of it (bristle goes by the joint's law).
+    """Estimate the friction of every joint along a log, without a friction law: as the remainder of the balance of
+    efforts, or by an observer that runs live (bristle uses the joint's law).
 
-    The rest of the robot file is believed. Writes time, friction.<joint> and velocity.<joint>, row by row.
+    The rest of the robot file is taken as true. Writes time, friction.<joint> and velocity.<joint>, row by row.
 
     Example: mjfriction observe run.parquet --robot ur5 --observer disturbance --out friction.parquet
     """

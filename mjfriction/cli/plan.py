@@ -13,7 +13,7 @@ from mjfriction.cli.progress import telling
 
 
 class Protocol(enum.Enum):
-    """The experiments there are."""
+    """The available experiments."""
 
     FORWARD_BACKWARD = "forward_backward"
     EXCITATION = "excitation"
@@ -65,8 +65,9 @@ def plan(
     """Write the motion to record next, within the joints' limits, as a table of time and positions.
 
     forward_backward: each joint to and fro at many speeds, where gravity loads it least, for its friction map.
-    excitation: all joints at once, to tell links from friction. separate: where two models of one robot differ most.
-    sine, sawtooth, loops: one joint slowly, for friction near rest. pick_and_place: as at work. voltages: a valve's.
+    excitation: all joints at once, to separate links from friction. separate: where two models of one robot differ
+    most. sine, sawtooth, loops: one joint slowly, for friction near rest. pick_and_place: as at work. voltages: steps
+    of a valve's voltage.
 
     Example: mjfriction plan --robot ur5 --protocol forward_backward --joint elbow_joint --out passes.csv
     """

@@ -1,4 +1,4 @@
-"""``mjfriction predict``: what a robot says a log would have read."""
+"""``mjfriction predict``: what a log would have read according to a robot."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Out = Annotated[
 def predict(log: LogPath, robot: RobotSource, out: Out, map_: MapSource = None, json: Json = False) -> None:
     """Predict what the drives would have reported along a log's motion.
 
-    Writes time and the log's own effort or current columns as the robot says they would read, row by row.
+    Writes time and the log's own effort or current columns as the robot file predicts them, row by row.
 
     Example: mjfriction predict run2.parquet --robot result/robot.toml --out predicted.parquet
     """
@@ -75,7 +75,7 @@ def predict(log: LogPath, robot: RobotSource, out: Out, map_: MapSource = None, 
 
 
 def _gap(log: Log, robot: Robot) -> Gap | None:
-    # None of a log that is too short to be held against a robot, though it can be predicted.
+    # None for a log that can be predicted but is too short to be compared with a robot.
     from mjfriction.errors import LogError
     from mjfriction.identify.gap import measure_gap
 

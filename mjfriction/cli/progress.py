@@ -1,4 +1,4 @@
-"""Progress on a terminal, silence in a pipe."""
+"""Progress shown on a terminal, and nothing in a pipe."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from collections.abc import Iterator
 
 from mjfriction.progress import Tell, silently
 
-READ = 0.3  # of what a command takes that goes through a log once, when the log is read
-PREDICTED = 0.6  # of a prediction's, when the rows are predicted
-WRITING = 0.95  # of what a diagnosis takes, or an identification, when its report is written
+READ = 0.3  # share of the time of a command that goes through a log once, after which the log has been read
+PREDICTED = 0.6  # share of the time of a prediction, after which the rows have been predicted
+WRITING = 0.95  # share of the time of a diagnosis or an identification, after which the report is written
 
 
 @contextlib.contextmanager
 def telling() -> Iterator[Tell]:
-    """Give what tells a person who watches what is going on, since when, and about how long it will be."""
+    """Yield a callback that shows the current step, the time elapsed and the time left, where stderr is a terminal."""
     if not sys.stderr.isatty():
         yield silently
         return

@@ -1,4 +1,4 @@
-"""``mjfriction reproduce``: the source documents' experiments, ours beside the printed figures."""
+"""``mjfriction reproduce``: the source documents' experiments, with our results beside the printed ones."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from mjfriction.cli.show import show
 
 
 class Document(enum.Enum):
-    """The documents there are."""
+    """The available documents."""
 
     TABLE = "table"
     HYDRAULIC = "hydraulic"
@@ -39,7 +39,7 @@ def reproduce(
     """Run the experiments of the documents that the friction laws and observers come from, on simulated machines.
 
     table: pre-sliding compensation on a machine-tool table. hydraulic: a cylinder's friction identified, observed and
-    compensated. manipulator: friction of two industrial arms and the currents it takes. Some minutes each.
+    compensated. manipulator: friction of two industrial arms and the currents it takes. Each takes some minutes.
 
     Example: mjfriction reproduce table --out reproduced
     """

@@ -1,4 +1,4 @@
-"""How a verb shows its result on a terminal: in 80 columns, and where the files are."""
+"""Output of a verb's result on a terminal: in 80 columns, followed by where the files are."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def show(printing: Callable[[Console], None], out: Path | None, *, recorded: bool = True) -> None:
-    """Let a result print itself, then name the folder it was written to."""
+    """Print a result to a console, then where its files are and how to open them."""
     from rich.console import Console
 
     from mjfriction.report.text import WIDTH

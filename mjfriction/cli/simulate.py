@@ -1,4 +1,4 @@
-"""``mjfriction simulate``: a robot file plays the machine."""
+"""``mjfriction simulate``: a robot file in place of the real machine."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ Recording = Annotated[
 
 
 class Feedforward(enum.Enum):
-    """What of its model the controller feeds forward."""
+    """The part of its model that the controller feeds forward."""
 
     DYNAMICS = "dynamics"
     GRAVITY = "gravity"
@@ -41,7 +41,7 @@ class Feedforward(enum.Enum):
 
 
 class Compensation(enum.Enum):
-    """What of its model's friction the controller feeds forward."""
+    """The part of its model's friction that the controller feeds forward."""
 
     COULOMB_VISCOUS = "coulomb_viscous"
     LAW = "law"

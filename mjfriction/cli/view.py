@@ -9,7 +9,7 @@ from urllib.parse import quote
 import typer
 
 SCREENS = ("DISPLAY", "WAYLAND_DISPLAY")
-PORTS = ((9090, 9876), (9091, 9877), (9092, 9878), (9093, 9879))  # of the pages and of what they show
+PORTS = ((9090, 9876), (9091, 9877), (9092, 9878), (9093, 9879))  # pairs to try: for the web page, for its data
 
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A folder of results, or a recording.", show_default=False)]
 Serve = Annotated[bool, typer.Option("--serve", help="Serve it to browsers, here and on other machines, until Ctrl-C.")]
@@ -46,7 +46,7 @@ def view(folder: Folder, serve: Serve = False) -> None:
             print(f"  {place}: http://{host}:{web}?url={proxy}", flush=True)
         way = ["--serve-web", "--web-viewer-port", str(web), "--port", str(data)]
         os.environ.setdefault("RUST_LOG", "error")
-    # In this process's place, so that what stops it stops Rerun.
+    # Rerun replaces this process, so that whatever stops this process stops Rerun.
     command = _rerun()
     os.execv(command[0], [*command, *way, str(recording)])
 
@@ -64,7 +64,7 @@ def _is_free(port: int) -> bool:
 
 
 def _rerun() -> list[str]:
-    # Its program itself, where it is: the module of that name would run it as a child, which outlives it.
+    # Rerun's program itself, where it is installed: the module rerun would run it as a child process that outlives it.
     import sys
     from importlib.util import find_spec
 

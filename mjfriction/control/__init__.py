@@ -1,1 +1,1 @@
-"""Control of joints: what is fed forward and back, observers of friction, and how they compensate it."""
+"""Joint control: feedforward and feedback, friction observers, and friction compensation with them."""

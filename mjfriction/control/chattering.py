@@ -1,4 +1,4 @@
-"""How much a signal chatters: the share of its movement that is faster than anything the machine does."""
+"""How much a signal chatters: its content at frequencies above those of the machine's motion."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from scipy.signal import welch
 from mjfriction.errors import ControlError
 from mjfriction.laws.law import Floats
 
-PIECE = 2.0  # s
+PIECE = 2.0  # s, length of the segments of Welch's method
 
 
 def spectrum(values: Floats, rate: float) -> tuple[Floats, Floats]:
-    """Return frequencies (Hz) and power density (unit²/Hz) of a signal (n,), by Welch's method over pieces of 2 s."""
+    """Return frequencies (Hz) and power density (unit²/Hz) of a signal (n,), by Welch's method with 2 s segments."""
     frequency, power = welch(values, fs=rate, nperseg=min(values.size, round(PIECE * rate)))
     return np.asarray(frequency), np.asarray(power)
 
 
 def chattering(values: Floats, rate: float, above: float) -> float:
-    """Return the RMS of what a signal (n,) does above a frequency (Hz), in its own unit.
+    """Return the RMS of a signal's (n,) content above a frequency (Hz), in the signal's unit.
 
-    Raises :class:`ControlError` for a frequency that samples at this rate (Hz) cannot show.
+    Raises :class:`ControlError` for a frequency that is not between 0 and half of the sampling ``rate`` (Hz).
     """
     if not 0.0 < above < 0.5 * rate:
         raise ControlError(f"chattering above {above:g} Hz cannot be seen at {rate:g} Hz; stay below {0.5 * rate:g} Hz")

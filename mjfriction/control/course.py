@@ -1,4 +1,4 @@
-"""What the joints are to do."""
+"""The wanted motion of the joints."""
 
 from __future__ import annotations
 

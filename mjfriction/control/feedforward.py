@@ -1,4 +1,4 @@
-"""What a controller's model says that a wanted motion takes: the links' dynamics, and friction along it."""
+"""Feedforward torques of a wanted motion from a controller's model: the links' dynamics, and friction."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from mjfriction.robot.friction import stated_levels
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.simulation import joint_laws
 
-TURNING = 0.02  # rad/s or m/s over which the feedforward of stated levels turns over
+TURNING = 0.02  # rad/s or m/s, width of the tanh that smooths the reversal in the feedforward of stated levels
 
 
 def feedforward_rigid(model: Robot, what: Literal["dynamics", "gravity", "none"], course: Course) -> Floats:
-    """Return what the links take along a motion, all of it or gravity alone, (n, joints)."""
+    """Return the torques of links and rotors along a motion, all of them or gravity's alone, (n, joints)."""
     q, v, a = course.position, course.velocity, course.acceleration
     if what == "none":
         return np.zeros_like(q)
@@ -29,9 +29,10 @@ def feedforward_rigid(model: Robot, what: Literal["dynamics", "gravity", "none"]
 def feedforward_friction(
     model: Robot, what: Literal["law", "coulomb_viscous", "none"], course: Course, step: float
 ) -> Floats:
-    """Return what friction takes along a motion whose rows lie ``step`` seconds apart, (n, joints).
+    """Return the friction torques along a motion whose rows are ``step`` seconds apart, (n, joints).
 
-    By its laws, which begin at rest without deflection, or by its stated levels, drawn out around rest.
+    They come from the friction laws, started at rest without deflection, or from the stated levels, smoothed around
+    rest.
     """
     out = np.zeros_like(course.velocity)
     if what == "none":

@@ -1,4 +1,4 @@
-"""Friction along a log, joint by joint: what the balance leaves, or what an observer makes of it."""
+"""Friction along a log, joint by joint: the remainder of the torque balance, or an observer's estimate."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Joint
 from mjfriction.robot.simulation import joint_laws
 
-USUAL_BANDWIDTH = 10.0  # Hz
-SLIDING_STEPS = 3.0  # steps within which the smooth switching takes a position's error up
-SURE = 3.0  # times the velocity error that all of the force unexplained would make, for the switching to be above it
-SETTLED = 4.0  # time constants after which an observer has forgotten that it began without knowing
+USUAL_BANDWIDTH = 10.0  # Hz, default bandwidth of an observer
+SLIDING_STEPS = 3.0  # time constant of the position error within the smooth switching, in steps
+SURE = 3.0  # switching gain, in units of the velocity error that the whole force would cause if it were unexplained
+SETTLED = 4.0  # time constants after which an observer has forgotten its initial state
 
 Maker = Callable[[Joint, float, float, float, float], Observer]
 """(joint, mass, step, rate in rad/s, largest force) → an observer whose errors die away at about that rate."""
@@ -41,7 +41,7 @@ def _bristle(joint: Joint, mass: float, step: float, rate: float, force: float) 
             f"joint '{joint.name}': the bristle observer goes by the joint's one law with a bristle, such as 'lugre'; "
             "state it in the robot file, or take another observer"
         )
-    # e_v' = −σ₀·e_z/m − l·e_v, e_z' = γ·e_v: both rates equal to the one asked for.
+    # e_v' = −σ₀·e_z/m − l·e_v, e_z' = γ·e_v: choose l and γ so that both rates equal the requested one.
     stiffness = float(laws[0].values[place]) * laws[0].gear_ratio ** 2
     return BristleObserver(mass, laws[0], 2.0 * rate, mass * rate * rate / stiffness)
 
@@ -69,13 +69,13 @@ def observe_log(
 ) -> dict[str, Floats]:
     """Return ``time`` and, for every joint with an effort or a current, ``friction.<joint>`` and ``velocity.<joint>``.
 
-    N·m and rad/s at the joint (N, m/s).  The rest of the robot is believed: links, gravity, rotors, cogging, springs,
-    sensors.  ``balance`` takes the accelerations from the log's own filter, which looks ahead, and so needs no
-    observer; the others show what one that runs live would have told, with its lag.  Rows are those of the log's file,
-    NaN where a row was left out and where an observer had not settled yet.
+    Units are N·m and rad/s at the joint (N, m/s).  The rest of the robot is taken as stated: links, gravity, rotors,
+    cogging, springs, couplings, sensors.  ``balance`` takes accelerations from the log's non-causal filter and needs no
+    observer.  The others show what an observer running in real time would have estimated, including its lag.  Rows are
+    those of the log's file, NaN where a row was dropped and where an observer had not settled yet.
 
-    Raises :class:`ControlError` for an observer that there is not or that cannot work on this log;
-    :class:`~mjfriction.errors.LogError`, :class:`~mjfriction.errors.RobotError` where log or robot cannot be used.
+    Raises :class:`ControlError` for an unknown observer or one that cannot work on this log, and
+    :class:`~mjfriction.errors.LogError` or :class:`~mjfriction.errors.RobotError` if log or robot cannot be used.
     """
     if observer not in OBSERVERS:
         raise ControlError(
@@ -107,7 +107,8 @@ def observe_log(
 def _observed(
     make: Maker | None, joint: Joint, motion: Motion, index: int, mass: float, left: Floats, bandwidth: float
 ) -> tuple[Floats, Floats]:
-    # All that stands against the drive is in what is left, but friction; the mass is the observer's own affair.
+    # ``left`` is the drive's effort less everything that the robot needs apart from friction, including inertia.  The
+    # observer accounts for the mass itself, so m·a is added back to get the force on it.
     if make is None:
         return left, motion.velocity[:, index]
     step, rate = 1.0 / motion.rate, 2.0 * np.pi * bandwidth

@@ -1,10 +1,10 @@
-"""The interface every observer of friction stands behind: gains, a compiled kernel, a state that goes in and out.
+"""The interface of every friction observer: gains, a compiled kernel, and a state that is passed in and out.
 
 ``advance(x, v, u, h, p, z, z_next) -> (friction, velocity)``
-    One step of ``h`` seconds: ``x`` is the position measured at its beginning, ``v`` the velocity (read only by
-    observers that need one), ``u`` the force held through it that moves the mass besides friction.  The state goes from
-    ``z`` to ``z_next``; what comes back is the estimate that the reading allows, of the step's beginning or its end as
-    the observer has it.  Friction has the sign of the velocity where it dissipates: mass·dv/dt = u − friction.
+    One step of ``h`` seconds: ``x`` is the position measured at its beginning, ``v`` the velocity (used only by
+    observers that need one), ``u`` the force, held over the step, that moves the mass apart from friction.  The state
+    goes from ``z`` to ``z_next``.  The estimates returned refer to the beginning or the end of the step, depending on
+    the observer.  Friction has the sign of the velocity where it dissipates: mass·dv/dt = u − friction.
 
 SI units, joint side: N·m, rad, kg·m² on a turning joint, N, m, kg on a sliding one.
 """
@@ -30,9 +30,9 @@ Advance = Callable[[float, float, float, float, Floats, Floats, Floats], tuple[f
 
 @dataclass(frozen=True)
 class Observer(ABC):
-    """An observer with its gains; concrete ones are final and name what they need.
+    """An observer with its gains; concrete observers are final and declare the gains they need.
 
-    ``mass`` is what the force moves: kg, or kg·m².
+    ``mass`` is the mass or inertia that the force moves: kg, or kg·m².
     """
 
     mass: float
@@ -49,11 +49,11 @@ class Observer(ABC):
 
     @property
     def title(self) -> str:
-        """What messages call it."""
+        """The observer's name in messages."""
         return f"observer '{type(self).__name__}'"
 
     def require(self, holds: bool, gain: str, allowed: str) -> None:
-        """Raise :class:`ControlError` naming a gain, its value and what is allowed, unless that ``holds``."""
+        """Raise :class:`ControlError` naming a gain, its value and what is allowed, unless the condition ``holds``."""
         if not holds:
             raise ControlError(
                 f"{self.title} does not converge with {gain} = {getattr(self, gain):g}; it must be {allowed}"
@@ -62,19 +62,19 @@ class Observer(ABC):
     @property
     @abstractmethod
     def packed(self) -> Floats:
-        """The gains as the kernel reads them."""
+        """The gains as a vector for the kernel."""
 
     @abstractmethod
     def start(self, position: float, velocity: float = 0.0) -> Floats:
-        """Return the state of one that knows where the joint is and nothing of its friction."""
+        """Return the initial state: the joint's position and velocity are known, its friction is not."""
 
     def check_step(self, step: float) -> None:
-        """Raise :class:`ControlError` where steps of that length would let the estimate run away."""
+        """Raise :class:`ControlError` if the estimate would diverge with steps of this length (s)."""
         if not step > 0.0:
             raise ControlError(f"{self.title}: steps of {step:g} s; allowed is above 0")
 
     def require_settling(self, errors: Floats, step: float) -> None:
-        """Raise :class:`ControlError` where ``errors``, the matrix of the errors from step to step, lets them stay."""
+        """Raise :class:`ControlError` unless ``errors``, the errors' matrix from step to step, makes them decay."""
         largest = float(np.max(np.abs(np.linalg.eigvals(errors))))
         if largest >= 1.0:
             raise ControlError(
@@ -85,7 +85,7 @@ class Observer(ABC):
     def step(
         self, state: Floats, position: float, velocity: float, force: float, step: float
     ) -> tuple[Floats, float, float]:
-        """Return the next state, and the friction and the velocity estimated."""
+        """Return the next state and the estimated friction and velocity."""
         out = np.empty_like(state)
         friction, speed = type(self).advance(position, velocity, force, step, self.packed, state, out)
         return out, friction, speed
@@ -100,8 +100,9 @@ def estimate_along(
 ) -> tuple[Floats, Floats]:
     """Return friction and velocity, (n,) each, as an observer estimates them along samples ``step`` seconds apart.
 
-    ``force`` (n,) is what moves the mass besides friction.  Raises :class:`ControlError` where the observer needs a
-    velocity and none is given, cannot work at this step, or gets arrays of different lengths or with NaN in them.
+    ``force`` (n,) is the force that moves the mass apart from friction.  Raises :class:`ControlError` if the observer
+    needs a velocity and none is given, if it cannot work at this step, or if arrays have different lengths or values
+    that are not finite.
     """
     observer.check_step(step)
     if velocity is None:
@@ -136,7 +137,7 @@ _VECTOR = types.float64[::1]
 
 @functools.cache
 def _loop() -> Callable[..., None]:
-    # One loop for every observer, as for the laws: the kernel comes in as a function pointer.
+    # One compiled loop serves every observer, as for the laws: the kernel is passed as a function pointer.
     number = types.float64
     pair = cast(Any, types).UniTuple(number, 2)
     advance = types.FunctionType(pair(number, number, number, number, _VECTOR, _VECTOR, _VECTOR))

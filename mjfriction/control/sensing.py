@@ -1,4 +1,4 @@
-"""What a controller reads of its machine: positions as the sensors give them, and the velocity it makes of them."""
+"""A controller's readings of its machine: positions as the sensors report them, and velocity estimated from them."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from mjfriction.laws.law import Floats
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Hydraulics, PositionSensor
 
-USUAL_BANDWIDTH = 200.0  # Hz of the low-pass behind the difference of positions, where the robot file states none
+USUAL_BANDWIDTH = 200.0  # Hz, low-pass on the differences of positions, where the robot file states none
 
 
 def quantized(values: Floats, resolution: Floats | float) -> Floats:
-    """Return values to the nearest multiple of a resolution, as they are where that is 0."""
+    """Return values rounded to the nearest multiple of a resolution, or unchanged where that is 0."""
     coarse = np.where(np.asarray(resolution) > 0.0, resolution, 1.0)
     return np.where(np.asarray(resolution) > 0.0, np.round(values / coarse) * coarse, values)
 
@@ -22,8 +22,8 @@ def quantized(values: Floats, resolution: Floats | float) -> Floats:
 class Sensing:
     """Readings of all joints: a function of true position and velocity, (joints,) each.
 
-    Positions come with the sensor's noise, then its resolution; velocities are differences of readings through a
-    low-pass of first order.
+    Positions get the sensor's offset and noise and are then rounded to its resolution; velocities are differences of
+    readings through a first-order low-pass.
     """
 
     def __init__(self, robot: Robot, seed: int, step: float) -> None:
@@ -38,7 +38,7 @@ class Sensing:
         self.velocity = np.zeros(len(sensors))
 
     def __call__(self, position: Floats, velocity: Floats) -> tuple[Floats, Floats]:
-        """Return position and velocity as they are read next."""
+        """Return the next readings of position and velocity."""
         read = position + self.offset + self.noise * self.rng.standard_normal(position.size)
         read = quantized(read, self.resolution)
         if self.last is None:
@@ -50,7 +50,7 @@ class Sensing:
 
 
 class ValveSensing:
-    """Readings for the controller of a valve: it gets position and pressures as the sensors give them."""
+    """Readings for the controller of a valve, which gets position and pressures as the sensors report them."""
 
     def __init__(
         self,
@@ -65,7 +65,7 @@ class ValveSensing:
         self.rng, self.voltage = np.random.default_rng([*seed, 43]), voltage
 
     def __call__(self, k: int, *true: float) -> float:
-        """Return what the controller asks for at step ``k``, V."""
+        """Return the voltage that the controller demands at step ``k``, V."""
         read = np.array(true) + self.offset + self.noise * self.rng.standard_normal(3)
         position, head, rod = quantized(read, self.resolution).tolist()
         return self.voltage(k, position, head, rod)

@@ -1,4 +1,4 @@
-"""Joint control of a machine: PD on its joints, what its model feeds forward, friction compensated, drives that lag."""
+"""Joint control of a machine: PD control, model-based feedforward, friction compensation, and drives that lag."""
 
 from __future__ import annotations
 
@@ -17,23 +17,25 @@ from mjfriction.laws.law import Floats
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import waves_along
 
-STEADY = 0.5  # of a joint's speed, that its damping may take within a step
-POSES = 50  # of a course, of which the heaviest sets a joint's gains
+STEADY = 0.5  # largest fraction of a joint's speed that its damping may remove within a step
+POSES = 50  # poses of a course (about) at which inertia is computed; the largest sets a joint's gains
 
 
 @dataclass(frozen=True)
 class Control:
-    """Joint PD and feedforward: ``bandwidth`` (Hz) and ``damping`` ratio of every joint on its own inertia, less where
-    the joint would ring at the step of the simulation.
+    """Joint PD control with feedforward.
 
-    Fed forward is, of the controller's robot, its ``"dynamics"``, its ``"gravity"`` alone, or ``"none"``
-    (``feedforward``), and along the wanted motion its friction ``"law"``, its stated ``"coulomb_viscous"`` levels, or
-    ``"none"`` (``friction``).  ``observer`` makes one of the rest at every joint, whose friction is fed back: with
-    u = PD + friction fed forward, the drive gives u + F̂, and F̂ is estimated from what moves the mass besides the
-    friction fed forward.  With ``cancels_cogging`` the stated cogging is given at the position read.
+    ``bandwidth`` (Hz) and ``damping`` ratio apply to every joint on its own inertia.  They are reduced where the joint
+    would ring at the step of the simulation.
 
-    ``sensed`` controllers read positions as the robot's sensors give them, drawn from ``seed``, instead of the truth.
-    ``valve`` controls hydraulic joints (:mod:`mjfriction.control.valve`).
+    ``feedforward`` from the controller's robot model is its ``"dynamics"``, its ``"gravity"`` alone, or ``"none"``.
+    ``friction`` fed forward along the wanted motion is the model's ``"law"``, its stated ``"coulomb_viscous"`` levels,
+    or ``"none"``.  ``observer`` makes an observer of the remaining friction at every joint, whose estimate F̂ is fed
+    back: with u = PD + feedforward, the drive gives u + F̂, and F̂ is estimated from the force that moves the mass less
+    the friction fed forward.  With ``cancels_cogging`` the stated cogging at the position read is added.
+
+    With ``sensed`` the controller reads positions as the robot's sensors report them, with noise from ``seed``, instead
+    of true positions.  ``valve`` controls hydraulic joints (:mod:`mjfriction.control.valve`).
     """
 
     bandwidth: float = 4.0
@@ -48,10 +50,10 @@ class Control:
 
 
 class ServoDrives:
-    """Drives of all joints under control: a function of the step, position and velocity, (joints,) each.
+    """Controlled drives of all joints: a function of the step, and of position and velocity, (joints,) each.
 
-    What the controller asks for is limited by the drives' currents and lags behind by their current loops.
-    ``estimates`` (n, joints) is the friction it went by at every step, fed forward and observed.
+    The controller's demand is limited by the drives' currents and lags by their current loops.  ``estimates``
+    (n, joints) is the friction that the controller assumed at every step, fed forward and observed.
     """
 
     def __init__(self, robot: Robot, model: Robot, control: Control, course: Course, step: float) -> None:
@@ -60,7 +62,7 @@ class ServoDrives:
         self.mass = _heaviest(_masses(model, course.position))
         self.rigid = feedforward_rigid(model, control.feedforward, course)
         self.friction = feedforward_friction(model, control.friction, course, step)
-        # Oil, not a drive, moves hydraulic joints; their valves have controllers of their own.
+        # Hydraulic joints have no electric drive; their valves have controllers of their own.
         driven = [i for i, joint in enumerate(robot.table.joint) if joint.hydraulics is None]
         self.friction[:, np.delete(np.arange(len(robot.joints)), driven)] = 0.0
         self.limit = np.array([_effort_limit(robot, i) for i in range(len(robot.joints))])
@@ -79,12 +81,12 @@ class ServoDrives:
         }
         self.estimate = np.zeros(self.mass.size)
         self.estimates = np.zeros_like(course.position)
-        # What moves a joint besides its drive and its friction, as far as the model knows.
+        # The forces that move a joint other than its drive and its friction, according to the model.
         known = feedforward_rigid(model, "dynamics" if make else "none", course)
         self.beside = self.mass * course.acceleration - known
 
     def __call__(self, k: int, position: Floats, velocity: Floats) -> Floats:
-        """Return what the drives push with through step ``k``, (joints,), N·m or N."""
+        """Return the torques of the drives over step ``k``, (joints,), N·m or N."""
         if self.sensing is not None:
             position, velocity = self.sensing(position, velocity)
         self.estimates[k] = self.friction[k] + self.estimate
@@ -129,7 +131,7 @@ def _heaviest(masses: list[Floats]) -> Floats:
 def _gains(robot: Robot, control: Control, q: Floats, step: float) -> tuple[Floats, Floats]:
     masses = _masses(robot, q)
     inertia = _heaviest(masses)
-    # What a joint weighs while the others give way: much less, on an arm with light rotors.
+    # A joint's effective inertia while the others move freely: much less than its own, on an arm with light rotors.
     least = np.min([1.0 / np.diag(np.linalg.inv(mass)) for mass in masses], axis=0)
     damping = 2.0 * control.damping * inertia * 2.0 * np.pi * control.bandwidth
     share = np.minimum(1.0, STEADY * least / np.maximum(step * damping, 1e-300))

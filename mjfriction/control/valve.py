@@ -1,12 +1,12 @@
 """The voltage at the valve of a hydraulic cylinder: position control with and without acceleration feedback.
 
-    volt = K_p·(x_d − x) + K_v·(v_d − v̂) + K_a·(a_d − â),   â = (u − F̂)/m,   u = A₁·p₁ − A₂·p₂ and what else moves m
+    volt = K_p·(x_d − x) + K_v·(v_d − v̂) + K_a·(a_d − â),   â = (u − F̂)/m,   u = A₁·p₁ − A₂·p₂ + other forces on m
 
-Control law (15) of Bonchis, Ha, Corke and Rye is unreadable in print.  Its text says that the acceleration comes from
-the friction known by the identified law or by an observer, that it is fed back beside the position (after Tafazoli, de
-Silva, Lawrence, IEEE Trans. Control Systems Technology 6(3), 1998), and that the gains may differ between the
-directions.  Friction reaches the valve only through â: the pressures are driven to F̂ + m·a_d, which a reversal asks to
-change before the piston has gone astray.  With K_a = 0 what is left is the PD that the document compares with.
+Control law (15) of Bonchis, Ha, Corke and Rye is unreadable in print.  Its text says that the acceleration is computed
+from friction known by the identified law or by an observer, that it is fed back in addition to position (after
+Tafazoli, de Silva, Lawrence, IEEE Trans. Control Systems Technology 6(3), 1998), and that the gains may differ between
+the directions.  Friction reaches the valve only through â: the pressures are driven to F̂ + m·a_d, which changes at a
+reversal before a position error has built up.  With K_a = 0 this is the PD control that the paper compares with.
 """
 
 from __future__ import annotations
@@ -48,10 +48,10 @@ FrictionSource = tuple[Friction, ...] | ObserverFor
 
 @dataclass(frozen=True)
 class ValveControl:
-    """Gains while the wanted motion extends and while it retracts, and where the friction in â comes from.
+    """Gains while the wanted motion extends and while it retracts, and the source of the friction in â.
 
-    Laws are read at the pressures and the velocity measured; without ``friction`` F̂ is 0.  ``velocity_bandwidth`` (Hz)
-    is of the filtered derivative that gives v̂.
+    Laws are evaluated at the measured pressures and the estimated velocity; without ``friction``, F̂ is 0.
+    ``velocity_bandwidth`` (Hz) is that of the filtered derivative that gives v̂.
     """
 
     extending: ValveGains
@@ -61,10 +61,11 @@ class ValveControl:
 
 
 class ValveDrive:
-    """The controller of one valve: a function of the step, the position and the chambers' pressures as they are read.
+    """The controller of one valve: a function of the step and the readings of position and chamber pressures.
 
-    ``place``, ``speed``, ``rate`` are the wanted motion (n,), ``beside`` (n,) what moves the ``mass`` besides oil and
-    friction, ``areas`` the piston's, m².  The friction it goes by is written into ``estimates`` (n,).
+    ``wanted`` is the wanted position, velocity and acceleration, (n,) each; ``beside`` (n,) are the forces on the
+    ``mass`` other than oil and friction; ``areas`` are the piston's, m².  The friction estimate that it uses is written
+    into ``estimates`` (n,).
     """
 
     def __init__(
@@ -90,7 +91,7 @@ class ValveDrive:
         self.estimates = estimates
 
     def __call__(self, k: int, position: float, head: float, rod: float) -> float:
-        """Return the voltage of step ``k``, V."""
+        """Return the voltage at step ``k``, V."""
         self.velocity += self.share * ((position - self.last) / self.step - self.velocity)
         self.last = position
         force = self.areas[0] * head - self.areas[1] * rod + float(self.beside[k])
@@ -113,9 +114,9 @@ class ValveDrive:
 def valve_drive(
     robot: Robot, joint: int, control: ValveControl, course: Course, step: float, estimates: Floats
 ) -> ValveDrive:
-    """Return the controller of the valve that moves a joint along a motion whose rows lie ``step`` seconds apart.
+    """Return the controller of the valve that moves a joint along a course whose rows are ``step`` seconds apart.
 
-    It computes with ``robot``; the friction it goes by is written into ``estimates`` (n,).
+    ``robot`` is the controller's model; the friction estimate that it uses is written into ``estimates`` (n,).
     """
     of = robot.table.joint[joint].hydraulics
     assert of is not None, "a joint with a valve"

@@ -1,15 +1,15 @@
-"""The variable-structure observer of position, velocity and friction, switching sharply or smoothly.
+"""The variable-structure observer of position, velocity and friction, with sharp or smooth switching.
 
     dx̂/dt = v̂ − σ,   dv̂/dt = (u − F̂)/m + L₁·σ,   dF̂/dt = L₂·σ,   σ = M·sgn(x̂ − x)  or  M·tanh((x̂ − x)/κ)
 
 Equations (10) to (12) of Bonchis, Ha, Corke and Rye are unreadable in print; (13), (14), the condition L₁ < 0 < L₂ and
-that the proof is by singular perturbations can be read.  The form here follows from these (Utkin's sliding-mode
-observers, their reference 15).  While M > |v̂ − v| the error of position is held at zero and σ is, in the mean, the
-error of velocity, so that the errors e_v, e_F of velocity and friction obey
+that the proof is by singular perturbations can be read.  The form used here follows from these (Utkin's sliding-mode
+observers, their reference 15).  While M > |v̂ − v|, the position error is held at zero and the mean of σ is the
+velocity error, so the errors e_v, e_F of velocity and friction obey
 
-    de_v/dt = −e_F/m + L₁·e_v,   de_F/dt = L₂·e_v,   or   s² − L₁·s + L₂/m = 0:
+    de_v/dt = −e_F/m + L₁·e_v,   de_F/dt = L₂·e_v,   or   s² − L₁·s + L₂/m = 0.
 
-they die away exactly where L₁ < 0 < L₂, the condition printed.  L₁ in 1/s, L₂ in N/m (N·m/rad), M in m/s (rad/s).
+They decay exactly if L₁ < 0 < L₂, the printed condition.  L₁ in 1/s, L₂ in N/m (N·m/rad), M in m/s (rad/s).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from mjfriction.laws.law import Floats, routine
 def variable_structure(
     x: float, v: float, u: float, h: float, p: Floats, z: Floats, z_next: Floats
 ) -> tuple[float, float]:
-    """p = (m, M, L₁, L₂, κ), z = (x̂, v̂, F̂); κ = 0 switches sharply."""
+    """Explicit Euler step with p = (m, M, L₁, L₂, κ), z = (x̂, v̂, F̂); κ = 0 switches sharply."""
     error = z[0] - x
     switched = p[1] * (math.tanh(error / p[4]) if p[4] > 0.0 else sign(error))
     z_next[0] = z[0] + h * (z[1] - switched)
@@ -39,7 +39,7 @@ def variable_structure(
 
 @dataclass(frozen=True)
 class VariableStructure(Observer):
-    """``switching`` M, ``velocity_gain`` L₁ < 0, ``friction_gain`` L₂ > 0; ``smoothing`` κ (m, rad), 0 for sharp."""
+    """``switching`` M, ``velocity_gain`` L₁ < 0, ``friction_gain`` L₂ > 0; ``smoothing`` κ (m, rad), 0 if sharp."""
 
     switching: float
     velocity_gain: float
@@ -59,7 +59,7 @@ class VariableStructure(Observer):
     def with_rate(
         cls, mass: float, rate: float, switching: float, smoothing: float = 0.0, damping: float = 0.8
     ) -> VariableStructure:
-        """Return the one whose errors die away at ``rate`` (rad/s): s² − L₁s + L₂/m = s² + 2ζωs + ω²."""
+        """Return the observer whose errors decay at ``rate`` (rad/s): s² − L₁s + L₂/m = s² + 2ζωs + ω²."""
         return cls(mass, switching, -2.0 * damping * rate, mass * rate * rate, smoothing)
 
     @property
@@ -68,13 +68,14 @@ class VariableStructure(Observer):
         return np.array([self.mass, self.switching, self.velocity_gain, self.friction_gain, self.smoothing])
 
     def start(self, position: float, velocity: float = 0.0) -> Floats:
-        """Where the joint is, no friction known."""
+        """Return the state at the joint's position and velocity, without known friction."""
         return np.array([position, velocity, 0.0])
 
     def check_step(self, step: float) -> None:
-        """Raise :class:`ControlError` where a step is so long that the errors grow from step to step.
+        """Raise :class:`ControlError` if the step is so long that the errors do not decay from step to step.
 
-        Within the smooth switching's width its three errors are linear; sharp, the two of the sliding motion are.
+        With smooth switching, the three errors are linear within its width; with sharp switching, the two errors of the
+        sliding motion are.
         """
         super().check_step(step)
         drawn = 1.0 / self.mass

@@ -1,1 +1,1 @@
-"""Friction laws, one per file, behind one interface (:class:`~mjfriction.laws.law.Law`)."""
+"""Friction laws, one per file, with one interface (:class:`~mjfriction.laws.law.Law`)."""

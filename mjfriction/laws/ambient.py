@@ -1,4 +1,4 @@
-"""What surrounds a friction contact: the quantities besides velocity that a law may read."""
+"""The ambient quantities of a friction contact: what a law may depend on besides velocity."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 LOAD, POSITION, TEMPERATURE, PRESSURE_HEAD, PRESSURE_ROD, SLIDING, ROTOR, AMBIENT_SIZE = range(8)
-ROOM_TEMPERATURE = 25.0  # °C, taken where nothing measures it
+ROOM_TEMPERATURE = 25.0  # °C, assumed where no temperature is measured
 
 Floats = NDArray[np.float64]
 
@@ -24,12 +24,12 @@ def ambient(
     sliding: Floats | float = math.nan,
     rotor: Floats | float = 0.0,
 ) -> Floats:
-    """Return the surroundings of ``count`` samples, shape (count, 7), as the kernels read them row by row.
+    """Return the ambient quantities of ``count`` samples, shape (count, 7), as the kernels read them row by row.
 
-    ``load``: the torque the transmission carries, N·m or N.  ``position``: rad or m.  ``temperature``: °C.
+    ``load``: the torque that the transmission carries, N·m or N.  ``position``: rad or m.  ``temperature``: °C.
     ``pressure_head`` and ``pressure_rod``: Pa in the two chambers of a hydraulic cylinder.  ``sliding``: the velocity
-    at which laws that fall with speed take their level, rad/s or m/s; NaN for the velocity of the step itself.
-    ``rotor``: the torque that the drive's own rotor takes besides, N·m or N.  Each is one number or shape (count,).
+    at which laws that fall with speed evaluate their level, rad/s or m/s; NaN for the velocity of the step itself.
+    ``rotor``: the additional torque of the drive's own rotor, N·m or N.  Each is one number or has shape (count,).
     """
     out = np.empty((count, AMBIENT_SIZE))
     for column, value in enumerate((load, position, temperature, pressure_head, pressure_rod, sliding, rotor)):

@@ -14,7 +14,7 @@ TWO_OVER_PI = 2.0 / math.pi
 def arctan_torque(
     v: float, static: float, fall: float, viscous: float, bend: float, steepness: float, sharpness: float
 ) -> tuple[float, float]:
-    """Return law (14) at ``v`` and its slope, counted only where it is positive."""
+    """Return law (14) at ``v`` and its slope, or 0 where the slope is negative."""
     turn = TWO_OVER_PI * math.atan(sharpness * v)
     turning = TWO_OVER_PI * sharpness / (1.0 + (sharpness * v) ** 2)
     torque = static * turn + fall * math.atan(steepness * v) + viscous * v + bend * v * v * turn

@@ -19,7 +19,7 @@ def loaded(v: float, ambient: Floats, p: Floats) -> tuple[float, float]:
 
 @kernel
 def steady(v: float, ambient: Floats, p: Floats) -> float:
-    """Law (14) with the levels (31) and (32) at the load."""
+    """Law (14) with levels (31) and (32) at the given load."""
     return float(loaded(v, ambient, p)[0])
 
 

@@ -18,7 +18,7 @@ def steady(v: float, ambient: Floats, p: Floats) -> float:
 
 @kernel
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
-    """No state: the steady torque, drawn out over the rest band, and the direction's own slope."""
+    """No state: the steady torque, made linear within the rest band, and the slope for the direction of motion."""
     towards, steepness = holding(v)
     level, damping = (p[0], p[2]) if v >= 0.0 else (p[1], p[3])
     return level * towards + damping * v, level * steepness + damping

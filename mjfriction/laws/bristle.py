@@ -7,12 +7,12 @@ import math
 from mjfriction.laws.curves import FAR
 from mjfriction.laws.law import kernel
 
-UNSEEN = 1e-17  # an exponent whose exponential differs from one by less than rounding
+UNSEEN = 1e-17  # for exponents below this, the exponential differs from 1 by less than rounding
 
 
 @kernel
 def faded(v: float, damping_velocity: float) -> float:
-    """Return e^(−(v/v_d)²), the share of the bristle damping left at ``v``."""
+    """Return e^(−(v/v_d)²), the share of the bristle damping that is left at ``v``."""
     exponent = (v / damping_velocity) ** 2
     return math.exp(-exponent) if exponent > UNSEEN else 1.0
 
@@ -23,9 +23,9 @@ def bristle_step(
 ) -> tuple[float, float, float]:
     """Return (z⁺, torque, slope) after ``h`` seconds at velocity ``v``.
 
-    dz/dt = v − σ₀|v|z/g has, for v held, the solution z⁺ = z_ss + (z − z_ss)·e^(−k) with z_ss = g·sgn(v)/σ₀ and
-    k = σ₀|v|h/g.  The torque is σ₀z⁺ + σ₁·(z⁺ − z)/h: the spring at the end of the step, which is what keeps stiff
-    bristles quiet, and the mean of σ₁·dz/dt over it.  The slope holds g at its value.
+    For constant v, dz/dt = v − σ₀|v|z/g has the solution z⁺ = z_ss + (z − z_ss)·e^(−k) with z_ss = g·sgn(v)/σ₀ and
+    k = σ₀|v|h/g.  The torque is σ₀z⁺ + σ₁·(z⁺ − z)/h: the spring at the end of the step, which keeps stiff bristles
+    from oscillating, and the mean of σ₁·dz/dt over the step.  The slope is computed with g held constant.
     """
     if v == 0.0 or level <= 0.0:
         kept = z if level > 0.0 else 0.0
@@ -33,7 +33,7 @@ def bristle_step(
     direction = 1.0 if v > 0.0 else -1.0
     rate = stiffness * h / level
     end = direction * level / stiffness
-    # expm1 keeps the small deflections of slow motion that e^(−k) − 1 would round away.
+    # expm1 keeps the small changes in deflection at slow motion that e^(−k) − 1 would round away.
     reach = rate * abs(v)
     gone = math.expm1(-reach) if reach < FAR else -1.0
     moved = (z - end) * gone

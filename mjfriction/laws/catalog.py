@@ -1,6 +1,6 @@
-"""The friction laws there are, by name.
+"""All friction laws by name.
 
-Models carry laws by their place in this list (:mod:`mjfriction.laws.dispatch`), so new laws go to its end.
+Models store a law by its place in this list (:mod:`mjfriction.laws.dispatch`), so new laws are added at its end.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ LAWS: dict[str, Law] = {
 
 
 def find_law(name: str) -> Law:
-    """Return the law of that name; :class:`~mjfriction.errors.LawError` names the nearest one when there is none."""
+    """Return the law of that name; :class:`~mjfriction.errors.LawError` suggests the nearest one if there is none."""
     if name not in LAWS:
         raise LawError(f"unknown friction law '{name}'{suggestion(name, LAWS)} Known: {', '.join(LAWS)}")
     return LAWS[name]

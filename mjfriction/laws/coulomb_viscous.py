@@ -15,7 +15,7 @@ def steady(v: float, ambient: Floats, p: Floats) -> float:
 
 @kernel
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
-    """No state: the steady torque, drawn out over the rest band, and its slope."""
+    """No state: the steady torque, made linear within the rest band, and its slope."""
     towards, steepness = holding(v)
     return p[0] * towards + p[1] * v, p[0] * steepness + p[1]
 

@@ -1,4 +1,4 @@
-"""Velocity curves that several laws share, as compiled kernels."""
+"""Velocity curves shared by several laws, as compiled kernels."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from mjfriction.laws.ambient import SLIDING
 from mjfriction.laws.law import Floats, kernel
 
 FAR = 40.0  # e^(−40) is less than the rounding of 1
-REST = 1e-10  # rad/s or m/s; slower than this, a law without state gives whatever holds the joint
+REST = 1e-10  # rad/s or m/s, half-width of the rest band, in which a law without state gives whatever holds the joint
 
 
 @kernel
 def sign(v: float) -> float:
-    """Return −1, 0 or 1; at rest Coulomb friction is whatever holds the joint, and 0 stands for it."""
+    """Return −1, 0 or 1; the 0 at rest stands for Coulomb friction, which there is whatever holds the joint."""
     if v > 0.0:
         return 1.0
     if v < 0.0:
@@ -23,10 +23,10 @@ def sign(v: float) -> float:
 
 @kernel
 def holding(v: float) -> tuple[float, float]:
-    """Return the sign of ``v`` drawn out over the rest band |v| < 1e-10, and its slope.
+    """Return the sign of ``v``, made linear within the rest band |v| < 1e-10, and its slope.
 
-    A step that solves for the velocity at its end finds in the band the one holding force that Coulomb's law leaves
-    open at rest.
+    Coulomb's law leaves the holding force at rest open.  A step that solves for the velocity at its end finds the one
+    holding force within the band.
     """
     if v >= REST:
         return 1.0, 0.0
@@ -37,11 +37,11 @@ def holding(v: float) -> tuple[float, float]:
 
 @kernel
 def sliding_velocity(v: float, ambient: Floats) -> float:
-    """Return the velocity at which a step takes the level that falls with speed: the ambient's, or else its own.
+    """Return the velocity at which a step evaluates a level that falls with speed: the ambient's if given, else ``v``.
 
-    A simulation gives the velocity at the beginning of its step.  The torque then never falls as the velocity at the
-    end rises, which leaves an implicit step one solution; the level lags by a step, an error of first order like the
-    step's own.
+    A simulation passes the velocity at the beginning of its step.  The torque then never falls as the velocity at the
+    end of the step rises, so an implicit step has exactly one solution.  The level lags by one step, which is an error
+    of first order, like the step's own.
     """
     given = ambient[SLIDING]
     return v if math.isnan(given) else float(given)
@@ -49,7 +49,7 @@ def sliding_velocity(v: float, ambient: Floats) -> float:
 
 @kernel
 def powered(base: float, exponent: float) -> float:
-    """Return base^exponent for base ≥ 0; the common exponents 1 and 2 without the cost of a power."""
+    """Return base^exponent for base ≥ 0; the common exponents 1 and 2 avoid the cost of a power."""
     if exponent == 2.0:
         return base * base
     if exponent == 1.0:

@@ -12,9 +12,9 @@ from mjfriction.parameter import Parameter
 
 @kernel
 def remaining(start: float, travel: float, exponent: float) -> float:
-    """Return u after ``travel`` ≥ 0, where du/ds = −|u|^δ·sgn u and u = ``start`` at first.
+    """Return u after ``travel`` ≥ 0, where du/ds = −|u|^δ·sgn u and u(0) = ``start``.
 
-    u = 1 − F·sgn(v)/F_c is the share of the level still to come; s the travel over F_c/σ₀.
+    u = 1 − F·sgn(v)/F_c is the remaining share of the level; s is the travel divided by F_c/σ₀.
     """
     size = abs(start)
     if size == 0.0:
@@ -23,7 +23,7 @@ def remaining(start: float, travel: float, exponent: float) -> float:
         left = size * math.exp(-travel)
     else:
         inner = size ** (1.0 - exponent) + (exponent - 1.0) * travel
-        # An exponent below one uses the level up after a finite travel.
+        # With an exponent below 1, the level is reached after a finite travel.
         left = inner ** (1.0 / (1.0 - exponent)) if inner > 0.0 else 0.0
     return left if start > 0.0 else -left
 

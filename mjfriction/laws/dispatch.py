@@ -1,6 +1,6 @@
-"""One compiled door to every law, for code that learns only at run time which law a joint has.
+"""One compiled entry point to all laws, for code that learns only at run time which law a joint has.
 
-A law's number is its place in :data:`mjfriction.laws.catalog.LAWS`; models carry it, so it never changes.
+A law's number is its place in :data:`mjfriction.laws.catalog.LAWS`; models store it, so it never changes.
 """
 
 from __future__ import annotations
@@ -113,8 +113,8 @@ def advance_of(  # noqa: PLR0911, PLR0912
 ) -> tuple[float, float]:
     """Return (torque, slope) of law ``number`` and write its next state; NaN for a number that no law has.
 
-    The arrays come as addresses: ``states`` numbers of state at ``z_at`` and ``z_next_at``, ``count`` parameters at
-    ``p_at``.  An array handed to a function that is not inlined costs as much as a whole step of a law.
+    Arrays are passed as addresses: ``states`` numbers of state at ``z_at`` and ``z_next_at``, ``count`` parameters at
+    ``p_at``.  Passing an array to a function that is not inlined costs as much as a whole step of a law.
     """
     ambient, p = window_at(ambient_at, AMBIENT_SIZE), window_at(p_at, count)
     z, z_next = window_at(z_at, states), window_at(z_next_at, states)

@@ -1,4 +1,4 @@
-"""Breakaway that rises with the time a joint has stood still."""
+"""Breakaway friction that rises with the time a joint has been at rest."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ def fallen(v: float, breakaway: float, coulomb: float, stribeck_velocity: float)
 
 @kernel
 def steady(v: float, ambient: Floats, p: Floats) -> float:
-    """Sliding without an earlier rest: the curve from F_s0, with p = (F_c, F_s0, F_s∞, γ, v_s, σ₀, F_v)."""
+    """Sliding without a preceding rest: the curve from F_s0, with p = (F_c, F_s0, F_s∞, γ, v_s, σ₀, F_v)."""
     return float(fallen(v, p[1], p[0], p[4]) * sign(v) + p[6] * v)
 
 
 @kernel
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
-    """Stretch or slip; z = (deflection, time stuck, what the last rest added to the breakaway level)."""
+    """Stretch or slip; z = (deflection, time stuck, increase of the breakaway level by the last rest)."""
     slid = sliding_velocity(v, ambient)
     trial = z[0] + v * h
     waited = z[1] + h
@@ -37,7 +37,7 @@ def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: F
     if trial * v <= 0.0 or abs(p[5] * trial) <= fallen(slid, p[1] + added, p[0], p[4]):
         z_next[0], z_next[1], z_next[2] = trial, waited, added
         return p[5] * trial + p[6] * v, p[5] * h + p[6]
-    # The level won by waiting fades with travel as the contact renews itself over the Stribeck length v_s·γ.
+    # The increase gained at rest fades with travel, as the contact renews itself over the Stribeck length v_s·γ.
     kept = z[2] / (1.0 + abs(v) * h / (p[4] * p[3]))
     force = fallen(slid, p[1] + kept, p[0], p[4]) * sign(trial)
     z_next[0], z_next[1], z_next[2] = force / p[5], 0.0, kept

@@ -1,4 +1,4 @@
-"""The elasto-plastic law: a bristle that is purely elastic until it nears its limit, so a stuck joint never drifts."""
+"""The elasto-plastic law: a bristle that is purely elastic until near its limit, so a stuck joint never drifts."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ ITERATIONS = 60
 
 @kernel
 def plastic_share(z: float, elastic: float, limit: float) -> tuple[float, float]:
-    """Return α(z) for z ≥ 0 moving outward, and its slope: 0 up to ``elastic``, 1 from ``limit`` on, a sine between."""
+    """Return α(z) for outward motion at z ≥ 0 and its slope: 0 up to ``elastic``, 1 from ``limit``, a sine between."""
     if z <= elastic:
         return 0.0, 0.0
     if z >= limit:
@@ -54,7 +54,7 @@ def steady(v: float, ambient: Floats, p: Floats) -> float:
 
 @kernel
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
-    """Step z = (z,) through its elastic travel, the mixed range (implicit) and the limit (closed solution) in turn."""
+    """Step z = (z,) through its elastic travel, then the mixed range (implicit), or at the limit (closed solution)."""
     direction = 1.0 if v >= 0.0 else -1.0
     limit = stribeck_level(sliding_velocity(v, ambient), p[0], p[1], p[2], p[3]) / p[4]
     elastic = p[7] * p[0] / p[4]

@@ -1,4 +1,4 @@
-"""A friction law with its values, as it stands at a joint."""
+"""A friction law with its values, as seen from a joint."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ from mjfriction.laws.catalog import LAWS, find_law
 from mjfriction.laws.law import Floats, Law
 from mjfriction.laws.rules import Values
 
-NUDGE = 1e-12  # rad or m, less than any spring in a joint yields at
-CREEP = 1e-3  # rad/s or m/s on the law's side, below which friction has its level and next to no damping
-SLOWEST, SPEEDS = 1e-4, 9  # share of a slow speed, and how many speeds from there on a law's level at rest is sought at
+NUDGE = 1e-12  # rad or m, a travel at which no spring in a joint yields yet
+CREEP = 1e-3  # rad/s or m/s on the law's side, a speed at which friction is its level with almost no damping
+# The level at rest is the maximum over SPEEDS speeds from SLOWEST times the slow speed to that speed.
+SLOWEST, SPEEDS = 1e-4, 9
 
 
 @dataclass(frozen=True, slots=True)
 class Wave:
-    """A share of the level that varies along the stroke: a·cos(kq) + b·sin(kq), k in 1/rad or 1/m."""
+    """A relative variation of the level along the stroke: a·cos(kq) + b·sin(kq), k in 1/rad or 1/m."""
 
     wavenumber: float
     cosine: float
@@ -32,9 +33,9 @@ class Wave:
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """What scales the level of a law: 1 + ``per_load``·|τ| + ``per_kelvin``·(T − T₀) + the waves.
+    """A factor on the level of a law: 1 + ``per_load``·|τ| + ``per_kelvin``·(T − T₀) + the waves.
 
-    ``per_load`` in 1/(N·m) or 1/N of the law's side, ``per_kelvin`` in 1/K, ``reference_temperature`` T₀ in °C.
+    ``per_load`` is in 1/(N·m) or 1/N on the law's side, ``per_kelvin`` in 1/K, ``reference_temperature`` T₀ in °C.
     """
 
     per_load: float = 0.0
@@ -47,11 +48,11 @@ class Level:
 class Friction:
     """One law with its values, seen from the joint.
 
-    ``law`` speaks of its own side of a gear: velocity there is ``gear_ratio`` times the joint's, and its torque comes
-    back times the same.  ``level`` scales all of the law but its linear damping.  ``negative`` are the values for
-    motion backward, where they differ; a law with them runs one copy for each direction.  The load that it reads is
-    what passes the transmission to the links, or with ``load_includes_rotor`` all that the drive's rotor takes too.
-    Make one with :func:`friction`.
+    ``law`` refers to its own side of a gear: velocity there is ``gear_ratio`` times the joint's, and its torque is
+    multiplied by the same ratio at the joint.  ``level`` scales all of the law except its linear damping.  ``negative``
+    holds the values for backward motion where they differ; a law with them runs one copy for each direction.  The load
+    that it reads is the torque that passes the transmission to the links; with ``load_includes_rotor`` it includes the
+    torque of the drive's rotor.  Create one with :func:`friction`.
     """
 
     law: Law
@@ -63,12 +64,12 @@ class Friction:
 
     @property
     def state_count(self) -> int:
-        """How many numbers the state has."""
+        """The number of values in the state."""
         return self.law.state_count(self.values) * (1 if self.negative is None else 2)
 
     @functools.cached_property
     def packed(self) -> Floats:
-        """The vector the compiled kernels read (:mod:`mjfriction.laws.wrapped` tells its layout)."""
+        """The vector that the compiled kernels read; :mod:`mjfriction.laws.wrapped` describes its layout."""
         damping = self.law.index("viscous")
         header = np.zeros(wrapped.HEADER)
         header[wrapped.NUMBER] = list(LAWS).index(self.law.name)
@@ -96,16 +97,16 @@ class Friction:
         return out
 
     def at_rest(self, ambient: Floats, slow: float) -> Floats:
-        """Return what the law may hold while the joint rests, (n,): the most it gives at any speed up to ``slow``."""
+        """Return what the law can hold while the joint rests, (n,): its maximum over speeds up to ``slow``."""
         speeds = np.geomspace(SLOWEST * slow, slow, SPEEDS)
         ways = [np.full(ambient.shape[0], way * speed) for speed in speeds for way in (1.0, -1.0)]
         return np.asarray(np.max(np.abs([self.steady(way, ambient) for way in ways]), axis=0))
 
     def follow(self, velocity: Floats, ambient: Floats, h: float, state: Floats | None = None) -> tuple[Floats, Floats]:
-        """Return the torque at the end of every step, (n,), and the state then, (n, states).
+        """Return the torque at the end of every step, (n,), and the state there, (n, states).
 
-        ``velocity`` (n,) is the joint's velocity held during each step of ``h`` seconds; ``state`` is where the law
-        starts, at rest without deflection when not given.
+        ``velocity`` (n,) is the joint's velocity, held during each step of ``h`` seconds.  ``state`` is the initial
+        state; by default the law starts at rest without deflection.
         """
         start = np.zeros(self.state_count) if state is None else np.array(state, dtype=np.float64)
         if start.shape != (self.state_count,):
@@ -117,19 +118,21 @@ class Friction:
 
     @functools.cached_property
     def travel(self) -> float:
-        """How far the joint moves until the law's springs have yielded (rad, m): its level at rest over its stiffness
-        there, at room temperature and without load; infinite where nothing is held, 0 for a law without a state.
+        """The travel of the joint until the law's springs have yielded, rad or m.
+
+        This is the level at rest divided by the stiffness there, at room temperature and without load.  It is infinite
+        if the springs hold nothing, and 0 for a law without a state.
         """
         if self.state_count == 0:
             return 0.0
-        # Moved and left there, so that what damps the springs adds nothing.
+        # Move, then stop, so that the damping of the springs adds nothing.
         held = self.follow(np.array([CREEP, 0.0]), ambient(2), NUDGE / CREEP)[0][1]
         level = self.at_rest(ambient(1), CREEP / abs(self.gear_ratio))[0]
         return float(NUDGE * level / held) if held > 0.0 else math.inf
 
     @functools.cached_property
     def _writable(self) -> Floats:
-        # Compiled code knows read-only arrays as another type and would be compiled a second time for them.
+        # Read-only arrays are a different type to compiled code, which would be compiled a second time for them.
         return self.packed.copy()
 
 
@@ -149,10 +152,10 @@ def friction(
 ) -> Friction:
     """Return a law by name with checked values.
 
-    ``negative`` gives the values for motion backward; what it leaves out is as in ``parameters``.  With
-    ``load_includes_rotor`` the load is counted with what the drive's rotor takes.  ``where`` (a joint, say) is put in
-    front of messages.  Raises :class:`LawError` for an unknown law, values that the law does not allow,
-    a negative set for a law that is not odd, or a gear ratio that is not a finite number other than 0.
+    ``negative`` gives the values for backward motion; values that it omits are taken from ``parameters``.  With
+    ``load_includes_rotor`` the load includes the torque of the drive's rotor.  ``where`` (e.g. a joint) is put in front
+    of messages.  Raises :class:`LawError` for an unknown law, for values that the law does not allow, for a negative
+    set with a law that is not odd, or for a gear ratio that is 0 or not finite.
     """
     at = f"{where}: " if where else ""
     try:

@@ -17,7 +17,7 @@ def steady(v: float, ambient: Floats, p: Floats) -> float:
 
 @kernel
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
-    """No state: the steady torque, drawn out over the rest band, and its slope."""
+    """No state: the steady torque, made linear within the rest band, and its slope."""
     towards, steepness = holding(v)
     slip = p[1] if ambient[LOAD] * v > 0.0 else p[2]
     level = p[0] + slip * abs(ambient[LOAD])

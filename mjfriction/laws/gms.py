@@ -21,10 +21,10 @@ def steady(v: float, ambient: Floats, p: Floats) -> float:
 
 @kernel
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
-    """Step every element by its closed solution; z = (F₁…F_N, m₁…m_N), torques and 0 stuck, ±1 slipping that way.
+    """Step every element by its closed solution; z = (F₁…F_N, m₁…m_N): torques, and modes 0 stuck, ±1 slipping.
 
-    Within one step an element may stick first and slip for the rest of it.  Slipping is drawn out over the rest band
-    |v| < 1e-10, so that the torque does not jump as the joint comes to rest.
+    Within one step an element may stick first and slip for the rest of the step.  Within the rest band |v| < 1e-10,
+    the rate of slipping falls linearly to 0, so that the torque does not jump as the joint comes to rest.
     """
     count = z.shape[0] // 2
     direction = sign(v)

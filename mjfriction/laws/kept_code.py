@@ -1,7 +1,7 @@
-"""Machine code that is kept between processes, and let go once any kernel's source has changed.
+"""The cache of compiled code on disk, and its removal when any kernel's source has changed.
 
-Numba keeps code by the file that its function stands in, and does not see that another function, which it called or
-inlined, was changed in another file: a law that was mended or added would go on as it was before.
+Numba's cache only watches the file that a function is defined in.  It does not notice changes in other files to
+functions that were called or inlined, so a corrected or added law would have no effect.
 """
 
 from __future__ import annotations
@@ -10,14 +10,14 @@ import contextlib
 import hashlib
 from pathlib import Path
 
-KERNELS = ("laws", "sim", "control")  # rooms with compiled functions
+KERNELS = ("laws", "sim", "control")  # packages with compiled functions
 STAMP = "kernels.stamp"
 
 
 def let_go_of_stale_code(package: Path) -> None:
-    """Remove the code that Numba keeps beside a package's sources where these are others than it was made from.
+    """Remove Numba's cached code next to a package's sources if the sources changed since it was compiled.
 
-    Where nothing may be written there, Numba keeps nothing there either.
+    Where the directory is not writable, Numba caches nothing there either.
     """
     sources = sorted(file for room in KERNELS for file in (package / room).glob("*.py"))
     states = [(file.parts[-2:], (state := file.stat()).st_mtime_ns, state.st_size) for file in sources]

@@ -1,19 +1,19 @@
-"""The interface every friction law stands behind.
+"""The interface of every friction law.
 
-A law is data: declared parameters, a number of states, and two compiled kernels.  Kernels keep nothing; state goes in
-and comes out.
+A law is data: declared parameters, a number of states, and two compiled kernels.  Kernels store nothing; the state is
+passed in and out.
 
 ``steady(v, ambient, p) -> torque``
-    Friction at velocity ``v`` held for ever.  Torque has the sign of ``v`` where the law dissipates: it is the torque
-    the drive must supply, so it stands with a plus sign in the balance of the robot.
+    Steady-state friction at constant velocity ``v``.  Torque has the sign of ``v`` where the law dissipates: it is the
+    torque that the drive must supply, so it has a plus sign in the robot's torque balance.
 
 ``advance(v, ambient, z, h, p, z_next) -> (torque, slope)``
     One step of length ``h`` in which the velocity is ``v``: the state goes from ``z`` to ``z_next``, and ``torque`` is
     the friction at the end of the step.  ``slope`` ≥ 0 estimates ∂torque/∂v, so that a joint can be stepped implicitly.
 
-``v`` in rad/s or m/s; ``ambient`` (7,) holds what else a law may read (:mod:`mjfriction.laws.ambient`: the load of the
-transmission, position, temperature, pressures); ``p`` holds the scalar parameters and then, one array after another,
-those that every element of the law has; ``z`` the state.  All are one-dimensional float64 arrays.
+``v`` is in rad/s or m/s; ``ambient`` (7,) holds what else a law may read (:mod:`mjfriction.laws.ambient`: the load of
+the transmission, position, temperature, pressures); ``p`` holds the scalar parameters, followed by the parameters of
+the law's elements, one array after another; ``z`` is the state.  All but ``v`` are one-dimensional float64 arrays.
 """
 
 from __future__ import annotations
@@ -41,27 +41,27 @@ Steady = Callable[[float, Floats, Floats], float]
 Advance = Callable[[float, Floats, Floats, float, Floats, Floats], tuple[float, float]]
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 
-let_go_of_stale_code(Path(__file__).parents[1])  # before the first kernel asks for its own
+let_go_of_stale_code(Path(__file__).parents[1])  # before the first kernel loads its cached code
 
 
 def kernel(function: Kernel) -> Kernel:
-    """Compile a small kernel on first use, inlined where it is called; the machine code is kept between processes."""
+    """Compile a small kernel on first use, inlined where it is called; the machine code is cached on disk."""
     return cast(Kernel, numba.njit(cache=True, error_model="numpy", forceinline=True)(function))
 
 
 def routine(function: Kernel) -> Kernel:
-    """Compile a function that calls kernels and is called itself rather than inlined."""
+    """Compile a function that calls kernels and is itself called rather than inlined."""
     return cast(Kernel, numba.njit(cache=True, error_model="numpy")(function))
 
 
 @dataclass(frozen=True, slots=True)
 class Law:
-    """A friction law: what it is called, what it needs, and its kernels.
+    """A friction law: its name, its parameters and its kernels.
 
-    ``captures`` and ``misses`` say in a line what it can and cannot show.  ``elements`` are the parameters that every
-    element of a law built of elements has.  The state has ``states`` numbers and ``states_per_element`` more for every
-    element.  ``odd`` says torque(−v) = −torque(v); ``exact_state`` says two half steps equal one whole step to
-    rounding; ``reads`` names the columns of ``ambient`` that change its torque.
+    ``captures`` and ``misses`` say in one line what it can and cannot represent.  ``elements`` are the parameters of
+    each element, for a law built of elements.  The state has ``states`` values plus ``states_per_element`` for every
+    element.  ``odd`` means torque(−v) = −torque(v); ``exact_state`` means that two half steps equal one whole step up
+    to rounding; ``reads`` lists the columns of ``ambient`` that affect its torque.
     """
 
     name: str
@@ -83,11 +83,11 @@ class Law:
 
     @property
     def has_state(self) -> bool:
-        """Whether it remembers anything of the motion."""
+        """Whether the law depends on the history of the motion."""
         return bool(self.states or self.states_per_element)
 
     def parameter(self, name: str) -> Parameter:
-        """Return the declaration of a parameter; :class:`LawError` names the nearest one when there is none."""
+        """Return the declaration of a parameter; :class:`LawError` suggests the nearest one if there is none."""
         declared = {parameter.name: parameter for parameter in (*self.parameters, *self.elements)}
         if name in declared:
             return declared[name]
@@ -96,23 +96,23 @@ class Law:
         )
 
     def index(self, name: str) -> int | None:
-        """Return where a scalar parameter stands in the packed values, None where the law has none of that name."""
+        """Return the index of a scalar parameter in the packed values, None if the law has none of that name."""
         names = [parameter.name for parameter in self.parameters]
         return names.index(name) if name in names else None
 
     def element_count(self, packed: Floats) -> int:
-        """Return how many elements packed values describe."""
+        """Return the number of elements that packed values describe."""
         return (packed.size - len(self.parameters)) // len(self.elements) if self.elements else 0
 
     def state_count(self, packed: Floats) -> int:
-        """Return how many numbers the state has."""
+        """Return the number of values in the state."""
         return self.states + self.states_per_element * self.element_count(packed)
 
     def pack(self, values: Values, *, where: str = "") -> Floats:
         """Check named values against the declarations and return them in the order the kernels read.
 
         Raises :class:`LawError` naming law, parameter, unit and value for a name that is unknown or missing, a value
-        out of bounds, arrays of different lengths, or values that break a rule of the law.  ``where`` (a joint, say)
+        out of bounds, arrays of different lengths, or values that break a rule of the law.  ``where`` (e.g. a joint)
         is put in front of the message.
         """
         at = f"{where}: " if where else ""
@@ -189,10 +189,10 @@ class Law:
     def follow(
         self, velocity: Floats, ambient: Floats, h: float, packed: Floats, state: Floats | None = None
     ) -> tuple[Floats, Floats]:
-        """Return the friction at the end of every step of a motion, (n,), and the state then, (n, states).
+        """Return the friction at the end of every step of a motion, (n,), and the state there, (n, states).
 
-        ``velocity`` (n,) is the velocity held during each step of ``h`` seconds; ``state`` (states,) is where the law
-        starts, at rest without deflection when not given.
+        ``velocity`` (n,) is held during each step of ``h`` seconds.  ``state`` (states,) is the initial state; by
+        default the law starts at rest without deflection.
         """
         count = self.state_count(packed)
         start = np.zeros(count) if state is None else np.array(state, dtype=np.float64)
@@ -227,8 +227,8 @@ _TABLE = types.float64[:, ::1]
 
 @functools.cache
 def _steady_loop() -> Callable[..., None]:
-    # One loop for every law: the kernel comes in as a function pointer, so that the loop is compiled once for all and
-    # can be kept on disk.
+    # One loop serves all laws: the kernel is passed as a function pointer, so that the loop is compiled only once and
+    # can be cached on disk.
     steady = types.FunctionType(types.float64(types.float64, _VECTOR, _VECTOR))
     signature = types.void(steady, _VECTOR, _TABLE, _VECTOR, _VECTOR)
     return cast(Callable[..., None], numba.njit(signature, cache=True)(_steady_along))

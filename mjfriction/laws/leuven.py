@@ -13,12 +13,12 @@ from mjfriction.parameter import Parameter
 
 FIRST = 7  # where the elements' arrays start among the packed parameters
 ITERATIONS = 100
-FARTHEST = 1e6  # largest ratio of hysteresis to level taken, so that its power stays finite
+FARTHEST = 1e6  # the ratio of hysteresis to level is clipped here, so that its power stays finite
 
 
 @kernel
 def hysteresis(z: Floats, shift: float, p: Floats) -> tuple[float, float]:
-    """Return the Maxwell-slip torque after the elements (torques ``z``) are pulled by ``shift``, and its stiffness."""
+    """Return the Maxwell-slip torque after the elements (torques ``z``) are moved by ``shift``, and its stiffness."""
     count = z.shape[0]
     torque = stiffness = 0.0
     for i in range(count):
@@ -37,10 +37,10 @@ def yielding(ratio: float, shape: float) -> float:
 
 @kernel
 def pulled(z: Floats, direction: float, travel: float, level: float, p: Floats) -> float:
-    """Return u, how far dz/dt = v·(1 − sgn(r)|r|^δ) pulls the elements along the motion (implicit Euler).
+    """Return u, the distance that dz/dt = v·(1 − sgn(r)|r|^δ) moves the elements along the motion (implicit Euler).
 
-    r is the hysteresis torque along the motion over the level.  u − travel·(1 − sgn(r)|r|^δ) rises with u, and
-    the root lies between 0 and what the torque at the start gives; regula falsi (Illinois) finds it even where the
+    r is the hysteresis torque along the motion divided by the level.  u − travel·(1 − sgn(r)|r|^δ) rises with u, and
+    its root lies between 0 and the u given by the torque at the start; regula falsi (Illinois) finds it even where the
     power has an infinite slope.
     """
     first = travel * (1.0 - yielding(hysteresis(z, 0.0, p)[0] * direction / level, p[5]))
@@ -71,7 +71,7 @@ def steady(v: float, ambient: Floats, p: Floats) -> float:
 
 @kernel
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
-    """Pull the elements by the step of the bristle variable; z = (F₁…F_N), the elements' torques."""
+    """Move the elements by the step of the bristle variable; z = (F₁…F_N), the elements' torques."""
     count = z.shape[0]
     direction = 1.0 if v >= 0.0 else -1.0
     level = max(1e-12, stribeck_level(sliding_velocity(v, ambient), p[0], p[1], p[2], p[3]))

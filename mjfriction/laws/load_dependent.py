@@ -1,4 +1,4 @@
-"""Coulomb-viscous friction whose level grows with what the transmission carries."""
+"""Coulomb-viscous friction whose level grows with the torque that the transmission carries."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def steady(v: float, ambient: Floats, p: Floats) -> float:
 
 @kernel
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
-    """No state: the steady torque, drawn out over the rest band, and its slope."""
+    """No state: the steady torque, made linear within the rest band, and its slope."""
     towards, steepness = holding(v)
     level = p[0] + p[1] * abs(ambient[LOAD])
     return level * towards + p[2] * v, level * steepness + p[2]

@@ -7,7 +7,7 @@ from mjfriction.laws.curves import sign, sliding_velocity, stribeck_level
 from mjfriction.laws.declared import BRISTLE_DAMPING, BRISTLE_STIFFNESS, STATIC_ABOVE_COULOMB, STRIBECK_CURVE, VISCOUS
 from mjfriction.laws.law import Floats, Law, above_zero, kernel
 
-# Damping that fades over a speed no joint reaches does not fade: the law of 1995.
+# With a damping velocity that no joint reaches, the damping does not fade: the law of 1995.
 NEVER = 1e12
 
 

@@ -20,7 +20,7 @@ def steady(v: float, ambient: Floats, p: Floats) -> float:
 
 @kernel
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
-    """Stretch every spring by v·h and let it slip at its level; z = (F₁…F_N), the springs' torques."""
+    """Stretch every spring by v·h, limited by slip at its level; z = (F₁…F_N), the springs' torques."""
     count = z.shape[0]
     torque, slope = p[0] * v, p[0]
     for i in range(count):

@@ -1,4 +1,4 @@
-"""A law's portrait: the four curves by which a person tells the family's members apart."""
+"""A law's portrait: four plots that show how the laws differ."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ OTHER_WAY = ("_negative", "_braking", "_retracting")
 
 @dataclass(frozen=True)
 class Curve:
-    """A line of a picture: ``x`` and ``torque`` (n,), and what it is of."""
+    """A curve of a plot: ``x`` and ``torque`` (n,), and its name."""
 
     name: str
     x: Floats
@@ -26,9 +26,11 @@ class Curve:
 
 @dataclass(frozen=True)
 class Portrait:
-    """Steady torque against velocity, in three surroundings where the law reads them; torque against travel before
-    slip, with an inner loop; torque against velocity while sliding ever faster to and fro; torque against travel from
-    rest at three speeds.
+    """The four plots of a law.
+
+    ``steady``: steady torque against velocity, at three ambient conditions if the law depends on them.
+    ``presliding``: torque against travel before slip, with an inner loop.  ``lag``: torque against velocity while the
+    sliding speed oscillates at three frequencies.  ``breakaway``: torque against travel from rest at three speeds.
     """
 
     steady: tuple[Curve, ...]
@@ -38,11 +40,11 @@ class Portrait:
 
 
 def typical_values(law: Law, elements: int = ELEMENTS) -> dict[str, float | tuple[float, ...]]:
-    """Return a plausible set of values of a law: the middle of its typical ranges, in keeping with its rules."""
+    """Return a plausible set of values for a law: the middle of its typical ranges, adjusted to satisfy its rules."""
     values = {p.name: p.default if p.default is not None else 0.5 * sum(p.typical) for p in law.parameters}
     scalars = {name: float(value) for name, value in values.items()}
     for name in scalars:
-        if name.endswith(OTHER_WAY):  # else both directions would come out alike
+        if name.endswith(OTHER_WAY):  # otherwise both directions would be the same
             scalars[name] *= 1.5
     for rule in law.rules:
         if isinstance(rule, Ordering):
@@ -61,7 +63,7 @@ def typical_values(law: Law, elements: int = ELEMENTS) -> dict[str, float | tupl
 
 
 def portrait(law: Law, values: Values | None = None) -> Portrait:
-    """Draw a law with these values, or with typical ones."""
+    """Return the portrait of a law with these values, or with typical ones."""
     values = typical_values(law) if values is None else values
     packed = law.pack(values)
     fall = _fall_velocity(values)
@@ -94,7 +96,7 @@ def portrait(law: Law, values: Values | None = None) -> Portrait:
 
 
 def _surroundings(law: Law, count: int) -> list[tuple[str, Floats]]:
-    # For a law that reads its surroundings three of them, else one.
+    # Three ambient conditions for a law that depends on them, otherwise one.
     if LOAD in law.reads:
         return [(f"load {load:g} N·m", ambient(count, load=load)) for load in (0.0, 25.0, 50.0)]
     if TEMPERATURE in law.reads:
@@ -113,7 +115,7 @@ def _fall_velocity(values: Values) -> float:
 
 
 def _breakaway_travel(law: Law, packed: Floats, speed: float) -> float:
-    # The travel after which nine tenths of the steady torque are reached, with some to spare.
+    # Twice the travel after which more than 90 % of the steady torque is reached.
     level = abs(law.steady(speed, ambient(1)[0], packed))
     travel = 1e-9
     if law.state_count(packed) == 0:

@@ -16,7 +16,7 @@ def steady(v: float, ambient: Floats, p: Floats) -> float:
 
 @kernel
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
-    """No state: the steady torque, drawn out over the rest band, and its slope n·F_p·|v|^(n−1)."""
+    """No state: the steady torque, made linear within the rest band, and its slope n·F_p·|v|^(n−1)."""
     towards, steepness = holding(v)
     speed = abs(v)
     level = p[0] + p[1] * speed ** p[2]

@@ -1,4 +1,4 @@
-"""Coulomb-viscous friction of a cylinder whose seals are pressed on by either chamber, and by what the piston holds."""
+"""Coulomb-viscous friction of a cylinder whose seals are pressed by either chamber and by the pressure difference."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def steady(v: float, ambient: Floats, p: Floats) -> float:
 
 @kernel
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
-    """No state: the steady force, its level drawn out over the rest band, and its slope."""
+    """No state: the steady force, its level made linear within the rest band, and its slope."""
     towards, steepness = holding(v)
     pressed = level(ambient, p)
     return pressed * towards + p[1] * v, pressed * steepness + p[1]

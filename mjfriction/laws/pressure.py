@@ -9,14 +9,15 @@ from mjfriction.laws.curves import holding
 from mjfriction.laws.law import Floats, Law, kernel, positive
 from mjfriction.parameter import Parameter
 
-STEEPEST = 50.0  # largest exponent taken, so that no speed overflows
+STEEPEST = 50.0  # the exponent is clipped here, so that it does not overflow at any speed
 
 
 @kernel
 def one_way(v: float, ambient: Floats, p: Floats, at: int) -> tuple[float, float, float]:
-    """Return level at rest, part that grows with speed, and its slope, for the direction whose x₁…x₅ start at ``at``.
+    """Return level at rest, speed-dependent part, and its slope, for the direction whose x₁…x₅ start at ``at``.
 
-    Level and part are positive where they stand against the motion; x₃(p₁ − p₂) and x₄p₂ belong to the level.
+    Level and speed-dependent part are positive where they act against the motion; x₃(p₁ − p₂) and x₄p₂ belong to the
+    level.
     """
     forward = 1.0 if at == 0 else -1.0
     difference = forward * (ambient[PRESSURE_HEAD] - ambient[PRESSURE_ROD])
@@ -36,7 +37,7 @@ def steady(v: float, ambient: Floats, p: Floats) -> float:
 
 @kernel
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
-    """No state: the steady force, its level at rest drawn out over the rest band, and its slope."""
+    """No state: the steady force, its level at rest made linear within the rest band, and its slope."""
     towards, steepness = holding(v)
     pressed, moving, slope = one_way(v, ambient, p, 0 if v >= 0.0 else 5)
     return pressed * towards + (moving if v >= 0.0 else -moving), pressed * steepness + slope

@@ -16,7 +16,7 @@ def steady(v: float, ambient: Floats, p: Floats) -> float:
 
 @kernel
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
-    """No state: the steady torque.  Its slope F_v + 2·F_q·|v| counts only where it is positive."""
+    """No state: the steady torque, made linear within the rest band, and its slope with F_v + 2·F_q·|v| at least 0."""
     towards, steepness = holding(v)
     slope = max(0.0, p[1] + 2.0 * p[2] * abs(v))
     return p[0] * towards + p[1] * v + p[2] * v * abs(v), p[0] * steepness + slope

@@ -20,7 +20,7 @@ class Rule(Protocol):
 
 
 def scalar(values: Values, name: str) -> float:
-    """Return a value that is one number; where an array was given, its first."""
+    """Return a value as one number; for an array, its first element."""
     value = values[name]
     return float(value) if isinstance(value, numbers.Real) else float(cast(Sequence[float], value)[0])
 
@@ -39,7 +39,7 @@ class Ordering:
     smaller: str
 
     def broken(self, values: Values) -> str | None:
-        """Return the two values where they stand in the wrong order."""
+        """Return a message with the two values if they are in the wrong order."""
         larger, smaller = scalar(values, self.larger), scalar(values, self.smaller)
         if larger >= smaller:
             return None
@@ -50,17 +50,17 @@ class Ordering:
 
 @dataclass(frozen=True, slots=True)
 class BreakawayOrder:
-    """Elements stand in the order in which they break away: ``level`` / ``stiffness`` never falls.
+    """Elements are sorted by breakaway displacement: ``level`` / ``stiffness`` never falls.
 
-    The order changes no torque; it gives every set of elements one name, so that two fits can be compared.
+    The order does not affect the torque; it makes the representation unique, so that two fits can be compared.
     """
 
     level: str
     stiffness: str
 
     def broken(self, values: Values) -> str | None:
-        """Return the first two elements in the wrong order."""
-        slack = 1.0 - 1e-9  # equal displacements are allowed, rounding included
+        """Return a message with the first two elements in the wrong order."""
+        slack = 1.0 - 1e-9  # equal displacements are allowed, up to rounding
         pairs = zip(array(values, self.level), array(values, self.stiffness), strict=True)
         travel = [level / stiffness for level, stiffness in pairs]
         for i, (first, second) in enumerate(itertools.pairwise(travel)):
@@ -74,13 +74,13 @@ class BreakawayOrder:
 
 @dataclass(frozen=True, slots=True)
 class SumReaches:
-    """The elements' levels together reach ``floor``."""
+    """The sum of the elements' levels is at least ``floor``."""
 
     level: str
     floor: str
 
     def broken(self, values: Values) -> str | None:
-        """Return the sum where it is too small."""
+        """Return a message with the sum if it is too small."""
         total, floor = sum(array(values, self.level)), scalar(values, self.floor)
         if total >= floor * (1.0 - 1e-9):
             return None
@@ -94,7 +94,7 @@ class SumIsOne:
     share: str
 
     def broken(self, values: Values) -> str | None:
-        """Return the sum where it is not one."""
+        """Return a message with the sum if it is not one."""
         total = sum(array(values, self.share))
         if abs(total - 1.0) <= 1e-6:
             return None

@@ -16,7 +16,7 @@ def steady(v: float, ambient: Floats, p: Floats) -> float:
 
 @kernel
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
-    """No state: the steady torque, drawn out over the rest band, and its slope F_v/(1 + |v|/v_h)²."""
+    """No state: the steady torque, made linear within the rest band, and its slope F_v/(1 + |v|/v_h)²."""
     towards, steepness = holding(v)
     thinned = 1.0 + abs(v) / p[2]
     return p[0] * towards + p[1] * v / thinned, p[0] * steepness + p[1] / (thinned * thinned)

@@ -16,7 +16,7 @@ def steady(v: float, ambient: Floats, p: Floats) -> float:
 
 @kernel
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
-    """No state: the steady torque, its level at rest drawn out over the rest band, and its slope."""
+    """No state: the steady torque, its level at rest made linear within the rest band, and its slope."""
     towards, steepness = holding(v)
     speed = abs(v)
     sloped = (p[1] * min(speed, p[3]) + p[2] * max(speed - p[3], 0.0)) * sign(v)

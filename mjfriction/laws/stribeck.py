@@ -1,4 +1,4 @@
-"""Friction that falls from a breakaway level as the joint gathers speed."""
+"""Friction that falls from a breakaway level with increasing speed."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def steady(v: float, ambient: Floats, p: Floats) -> float:
 
 @kernel
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
-    """No state: the steady torque.  The falling branch has a negative slope; F_v is the part a step can rely on."""
+    """No state: the steady torque, and its slope without the negative part of the falling branch."""
     towards, steepness = holding(v)
     level = stribeck_level(sliding_velocity(v, ambient), p[0], p[1], p[2], p[3])
     return level * towards + p[4] * v, level * steepness + p[4]

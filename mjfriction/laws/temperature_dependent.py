@@ -10,7 +10,7 @@ from mjfriction.laws.declared import COULOMB, VISCOUS
 from mjfriction.laws.law import Floats, Law, kernel
 from mjfriction.parameter import Parameter
 
-STEEPEST = 50.0  # largest exponent taken, so that no temperature overflows
+STEEPEST = 50.0  # the exponent is clipped here, so that it does not overflow at any temperature
 
 
 @kernel
@@ -29,7 +29,7 @@ def steady(v: float, ambient: Floats, p: Floats) -> float:
 
 @kernel
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
-    """No state: the steady torque, drawn out over the rest band, and its slope."""
+    """No state: the steady torque, made linear within the rest band, and its slope."""
     towards, steepness = holding(v)
     coulomb, viscous = levels(ambient, p)
     return coulomb * towards + viscous * v, coulomb * steepness + viscous

@@ -1,4 +1,4 @@
-"""Views on memory that own nothing: a slice costs compiled code as much as a step of a law, a window nothing."""
+"""Array views that own no memory: in compiled code, a slice costs as much as a step of a law, and a window nothing."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ VECTOR, INTEGERS, MATRIX = types.float64[::1], types.int32[::1], types.float64[:
 
 
 def built(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Declare a function that compiled code gets as machine instructions; its first parameter is the compiler's."""
+    """Declare a function that generates machine instructions; its first parameter is supplied by the compiler."""
     return cast(Callable[..., Any], intrinsic(function))
 
 
@@ -41,7 +41,7 @@ def window(typing_context: Any, array: Any, start: Any, count: Any) -> Any:
 
 @built
 def address(typing_context: Any, array: Any, start: Any) -> Any:
-    """Return where in memory ``array[start]`` of a contiguous float64 array stands."""
+    """Return the memory address of ``array[start]`` of a contiguous float64 array."""
     del typing_context, start
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -54,7 +54,7 @@ def address(typing_context: Any, array: Any, start: Any) -> Any:
 
 @built
 def window_at(typing_context: Any, address: Any, count: Any) -> Any:
-    """Return the ``count`` float64 numbers that begin at an address."""
+    """Return a view of the ``count`` float64 numbers that begin at an address."""
     del typing_context, address, count
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -67,7 +67,7 @@ def window_at(typing_context: Any, address: Any, count: Any) -> Any:
 
 @built
 def integers_at(typing_context: Any, address: Any, count: Any) -> Any:
-    """Return the ``count`` 32-bit integers that begin at an address."""
+    """Return a view of the ``count`` 32-bit integers that begin at an address."""
     del typing_context, address, count
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -80,7 +80,7 @@ def integers_at(typing_context: Any, address: Any, count: Any) -> Any:
 
 @built
 def matrix_at(typing_context: Any, address: Any, rows: Any, columns: Any) -> Any:
-    """Return the ``rows`` by ``columns`` float64 numbers that begin at an address, row after row."""
+    """Return a view of the ``rows`` by ``columns`` float64 numbers that begin at an address, row after row."""
     del typing_context, address, rows, columns
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:

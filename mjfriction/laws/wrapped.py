@@ -1,9 +1,9 @@
-"""Kernels that wrap any law: seen through a gear, its level scaled by its surroundings, its two directions apart.
+"""Kernels that wrap any law: seen through a gear, with its level scaled by ambient quantities and two directions.
 
-A wrapped law is one float64 vector ``w``, laid out by :meth:`mjfriction.laws.friction.Friction.packed`:
-(number of the law, gear ratio, count of parameters, where its damping stands or −1, two-way or not, loaded by the
-rotor too or not, level scaled or not, level per load, level per kelvin, reference temperature, count of waves, the
-waves' k, a, b in turn, the parameters, and, two-way, the parameters for motion backward).
+A wrapped law is one float64 vector ``w``, built by :meth:`mjfriction.laws.friction.Friction.packed`: number of the law,
+gear ratio, count of parameters, index of its linear damping or −1, flag for two directions, flag for a load that
+includes the rotor, flag for a scaled level, level per load, level per kelvin, reference temperature, count of waves,
+then k, a, b of each wave, the parameters, and, with two directions, the parameters for backward motion.
 """
 
 from __future__ import annotations
@@ -20,8 +20,10 @@ NUMBER, RATIO, COUNT, DAMPING, TWO_WAY, WHOLE, LEVELLED, PER_LOAD, PER_KELVIN, R
 
 @kernel
 def through_gear(ambient: Floats, w: Floats, near: Floats) -> None:
-    """Write into ``near`` the surroundings on the law's side of a gear: position and
-    sliding velocity times, load divided by the ratio, the load with the rotor's part where the law is loaded by that.
+    """Write the ambient quantities on the law's side of a gear into ``near``.
+
+    Position and sliding velocity are multiplied by the ratio, load and rotor torque are divided by it.  The load
+    includes the rotor torque where the law's load does.
     """
     ratio = w[RATIO]
     near[ROTOR] = ambient[ROTOR] / ratio
@@ -35,7 +37,7 @@ def through_gear(ambient: Floats, w: Floats, near: Floats) -> None:
 
 @kernel
 def level_factor(near: Floats, w: Floats) -> float:
-    """Return max(0, 1 + μ·|τ| + α·(T − T₀) + Σ aᵢ·cos(kᵢq) + bᵢ·sin(kᵢq)), what the level is multiplied by."""
+    """Return the factor on the level, max(0, 1 + μ·|τ| + α·(T − T₀) + Σ aᵢ·cos(kᵢq) + bᵢ·sin(kᵢq))."""
     factor = 1.0 + w[PER_LOAD] * abs(near[LOAD]) + w[PER_KELVIN] * (near[TEMPERATURE] - w[REFERENCE])
     for i in range(int(w[WAVES])):
         at = HEADER + 3 * i
@@ -46,7 +48,7 @@ def level_factor(near: Floats, w: Floats) -> float:
 
 @kernel
 def steady_wrapped(v: float, ambient: Floats, w: Floats, near: Floats) -> float:
-    """Return the steady torque at the joint; ``near`` (7,) is room to work in."""
+    """Return the steady torque at the joint; ``near`` (7,) is a work array."""
     number, count, at = int(w[NUMBER]), int(w[COUNT]), HEADER + 3 * int(w[WAVES])
     through_gear(ambient, w, near)
     own = w[RATIO] * v
@@ -62,14 +64,15 @@ def steady_wrapped(v: float, ambient: Floats, w: Floats, near: Floats) -> float:
 def advance_wrapped(
     v: float, ambient: Floats, z: Floats, h: float, w: Floats, z_next: Floats, near: Floats
 ) -> tuple[float, float]:
-    """Return (torque, slope) at the joint and write the next state; ``near`` (7,) is room to work in.
+    """Return (torque, slope) at the joint and write the next state; ``near`` (7,) is a work array.
 
-    The level's factor s multiplies all but the linear damping: s·(τ − F_v·v) + F_v·v.  A two-way law runs one copy for
-    each direction, each with its own state, and is max(τ⁺, 0) + min(τ⁻, 0): continuous, and as steep as either.
+    The factor s on the level multiplies all but the linear damping: s·(τ − F_v·v) + F_v·v.  A law with two directions
+    runs one copy for each direction, each with its own state, and its torque is max(τ⁺, 0) + min(τ⁻, 0).  That is
+    continuous, and its slope is that of the copies that contribute, or the steeper one if neither does.
     """
     number, count, ratio = int(w[NUMBER]), int(w[COUNT]), w[RATIO]
     if ratio == 1.0 and w[LEVELLED] == 0.0 and w[TWO_WAY] == 0.0 and w[WHOLE] == 0.0:
-        # Nothing wrapped: the common case, and the fast one.
+        # Nothing to wrap: the common case, and the fast path.
         return advance_of(
             number, v, address(ambient, 0), address(z, 0), z.shape[0], h, address(w, HEADER), count, address(z_next, 0)
         )

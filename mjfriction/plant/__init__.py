@@ -1,1 +1,1 @@
-"""Machines that play the real one: a robot file in closed loop along a trajectory, and what its sensors say."""
+"""Simulated machines in place of real ones: a robot file in closed loop along a trajectory, and its sensor readings."""

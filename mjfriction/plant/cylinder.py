@@ -1,10 +1,11 @@
-"""A hydraulic cylinder behind a proportional valve: oil that is pressed together, and what its pressures push with.
+"""A hydraulic cylinder behind a proportional valve: compressible oil, and the force of its pressures.
 
     (V₁/β + C) dp₁/dt = Q₁ − A₁·v − c·(p₁ − p₂),   V₁ = V₁₀ + A₁·x
     (V₂/β + C) dp₂/dt = Q₂ + A₂·v + c·(p₁ − p₂),   V₂ = V₂₀ − A₂·x,   force = A₁·p₁ − A₂·p₂
 
-Through an edge of the valve, opened by the share y of its spool, Q = K·y·√Δp, K from the rated flow; y > 0 joins the
-supply to the head and the rod to the tank, y < 0 the other way round.  Pressures are above the tank's.
+The flow through an edge of the valve is Q = K·y·√Δp, where y is the opening of the spool (−1 to 1) and K follows from
+the rated flow.  y > 0 connects the supply to the head and the rod to the tank, y < 0 the other way round.  Pressures
+are relative to the tank's.
 """
 
 from __future__ import annotations
@@ -18,14 +19,14 @@ from mjfriction.errors import SimulationError
 from mjfriction.laws.law import Floats
 from mjfriction.robot.schema import Hydraulics
 
-LAMINAR = 5e4  # Pa, below which an edge's flow turns over smoothly from one way to the other
+LAMINAR = 5e4  # Pa; pressure drop below which the flow through an edge reverses smoothly
 
 
 class Cylinder:
-    """A cylinder that is stepped along with its piston; what it went through stands in its arrays, one row a step.
+    """A cylinder that is stepped along with its piston; its history is in its arrays, one row per step.
 
-    ``voltage`` is asked at every step, with the piston's place and both chambers' pressures, for what the valve's
-    amplifier gets.
+    ``voltage`` is called at every step with the step's number, the piston's position and both chambers' pressures; it
+    returns the voltage at the valve's amplifier.
     """
 
     def __init__(
@@ -40,7 +41,7 @@ class Cylinder:
         self.of, self.voltage, self.supply, self.step = of, voltage, supply, step
         self.spool = 0.0
         self.share = -np.expm1(-2.0 * np.pi * of.valve_bandwidth * step)
-        # At rest both chambers hold the load between them, as near to half the supply as they can.
+        # At rest the chambers balance the load; the rod is at half the supply, or higher to keep the head above 0.
         self.rod = max(0.5 * float(supply[0]), -load / of.rod_area)
         self.head = (self.rod * of.rod_area + load) / of.head_area
         self.volts, self.p1, self.p2, self.q1, self.q2 = (np.empty(supply.size) for _ in range(5))
@@ -48,7 +49,7 @@ class Cylinder:
         self._volumes(start, 0)
 
     def force(self, k: int, position: float, velocity: float) -> float:
-        """Step the oil along with a piston at a place and speed, and return what it pushes with, N."""
+        """Advance the oil by one step with a piston at a position and velocity, and return its force, N."""
         of = self.of
         asked = self.voltage(k, position, self.head, self.rod)
         self.volts[k] = min(max(asked, -of.voltage_limit), of.voltage_limit)
@@ -63,7 +64,7 @@ class Cylinder:
         past = of.leakage * (self.head - self.rod)
         self.head += self.step * (self.q1[k] - of.head_area * velocity - past) / first
         self.rod += self.step * (self.q2[k] + of.rod_area * velocity + past) / second
-        # Oil does not pull: below the tank's pressure it parts from itself and leaves the chamber without pressure.
+        # Oil cannot pull: below the tank's pressure it cavitates and leaves the chamber without pressure.
         if self.head < 0.0:
             self.head = 0.0
             self.cavitating["head"].append(k)
@@ -74,7 +75,7 @@ class Cylinder:
         return of.head_area * self.head - of.rod_area * self.rod
 
     def notes(self, time: Floats, joint: str) -> list[str]:
-        """Return a sentence for each chamber that ran out of pressure."""
+        """Return a sentence for each chamber that cavitated."""
         return [
             f"joint '{joint}': the {chamber} chamber cavitated for {len(steps) * self.step:.3g} s, first at "
             f"{time[steps[0]]:.4g} s; its pressure was held at the tank's"
@@ -98,9 +99,9 @@ class Cylinder:
 
 
 def speed_per_volt(of: Hydraulics) -> tuple[float, float]:
-    """Return how fast the piston goes without load per volt, extending and retracting, m/(s·V).
+    """Return the piston's speed per volt without load, extending and retracting, m/(s·V).
 
-    Out of the two edges' flows and A₁·p₁ = A₂·p₂.
+    It follows from the flows through the two edges and A₁·p₁ = A₂·p₂.
     """
     edge = of.rated_flow / np.sqrt(of.rated_drop) * np.sqrt(of.supply_pressure) / of.voltage_limit
     a, b = of.head_area, of.rod_area

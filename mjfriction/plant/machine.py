@@ -28,15 +28,18 @@ from mjfriction.sim.closed_loop import Drive, Played, drop_actuators, play
 from mjfriction.sim.spec import Spec
 from mjfriction.sim.transmission import DeadZone, couple_drive, split_transmission
 
-FOLLOWED = 0.5  # of the travel asked for, below which a joint has not followed
-LONGEST_STEP, LONGEST_STEP_GIVING, LONGEST_STEP_OIL = 1e-3, 2.5e-4, 1e-4  # s; what gives rings faster than a rigid arm
+FOLLOWED = 0.5  # a joint that travels less than this fraction of the wanted travel has not followed
+# s; transmissions that give oscillate faster than a rigid arm.
+LONGEST_STEP, LONGEST_STEP_GIVING, LONGEST_STEP_OIL = 1e-3, 2.5e-4, 1e-4
 
 
 @dataclass(frozen=True)
 class Run:
-    """What a machine did, on the simulation's own steps: ``time`` (n,), ``played`` as :class:`Played` says, what oil
-    went through by the joint it moves, and ``notes`` of what a user should know of it.  ``wanted`` is where the joints
-    were to be, ``estimates`` the friction that their controller went by, (n, joints) each.
+    """What a machine did, on the simulation's own steps ``time`` (n,).
+
+    ``played`` is as :class:`Played` says, ``cylinders`` are by the joint that they move, and ``notes`` are sentences
+    that a user should read.  ``wanted`` is the wanted position of the joints and ``estimates`` the friction that their
+    controller used, (n, joints) each.
     """
 
     time: Floats
@@ -70,11 +73,11 @@ def simulate(
 
 
 def log_columns(robot: Robot, trajectory: Trajectory, recorder: Recorder, run: Run, seed: int) -> dict[str, Floats]:
-    """Return the columns of the log that a robot's sensors make of a run."""
+    """Return the columns of the log that a robot's sensors record of a run."""
     columns = record(robot, recorder, run.time, run.played, run.cylinders, seed)
     for name, values in trajectory.ambient.items():
         if name.startswith(f"{PUSH}."):
-            continue  # no drive measures what pushes from outside
+            continue  # no sensor measures an external push
         columns.setdefault(name, np.interp(columns["time"], trajectory.time, values))
     return columns
 
@@ -91,7 +94,7 @@ def run_machine(
 ) -> Run:
     """Run a robot along a trajectory, at least ``rate`` steps a second, and return what it did at every step.
 
-    With ``whole`` friction's states are kept, for pictures; ``tell`` hears how far it is.
+    With ``whole`` the states of the friction laws are recorded, for plots; ``tell`` receives progress reports.
     """
     _check(robot, trajectory)
     control, body = control or Control(), robot.body()
@@ -132,7 +135,7 @@ def run_machine(
 
 
 def not_followed(robot: Robot, run: Run) -> list[str]:
-    """Return a sentence for each joint that went less than half as far as it was asked to."""
+    """Return a sentence for each joint that travelled less than half as far as it should."""
     out, sliding = [], robot.body().sliding
     for i, name in enumerate(robot.joints):
         asked, went = (float(np.ptp(course[:, i])) for course in (run.wanted, run.played.position))
@@ -155,7 +158,8 @@ def _check(robot: Robot, trajectory: Trajectory) -> None:
 
 
 def _spec(robot: Robot, step: float, link_inertia: Floats) -> tuple[Spec, dict[str, DeadZone]]:
-    # The model with what gives and what is shared in its transmissions; springs act beside, as the drives feel them.
+    # The model with its compliance, backlash and shared drives.  Springs are left out, because they act as passive
+    # torques on the drives.
     spec = robot_spec(_without_springs(robot), with_taken_up=True)
     spec.option.timestep = step
     drop_actuators(spec)
@@ -187,7 +191,7 @@ def _spec(robot: Robot, step: float, link_inertia: Floats) -> tuple[Spec, dict[s
 
 
 def _controller(robot: Robot, model: Robot) -> Robot:
-    # The controller's model speaks of the machine's joints, in the machine's order.
+    # The controller's model must have the machine's joints; it is returned with them in the machine's order.
     if set(model.joints) != set(robot.joints):
         raise RobotError(
             f"the controller's robot '{model.name}' has joints {', '.join(model.joints)}, the machine "

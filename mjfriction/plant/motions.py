@@ -1,4 +1,4 @@
-"""Motions that show a machine: excitation, constant speeds, sines, sawtooth, loops, voltages, pick and place."""
+"""Motions that exercise a machine: excitation, constant speeds, sines, sawtooth, loops, voltages, pick and place."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from mjfriction.plant.trajectory import Trajectory
 from mjfriction.record.log import VOLTAGE
 from mjfriction.robot.schema import Hydraulics
 
-FADE = 2.0  # s over which an excitation swells from rest and dies down
-KNOTS = 250.0  # Hz of the tables
-STROKE_USED = 0.8  # of a cylinder's stroke that a voltage is held over, at the speed of no load; friction takes some
-HOMING, HOME_AGAIN = 0.2, 1.5  # of the highest voltage, and of the stroke, to bring a piston back to its end
+FADE = 2.0  # s over which an excitation fades in from rest and fades out
+KNOTS = 250.0  # Hz; sampling rate of the trajectory tables
+STROKE_USED = 0.8  # fraction of a cylinder's stroke that each voltage covers at no-load speed; friction reduces it
+# To bring a piston back to its end: voltage as a fraction of the limit, and no-load travel as a fraction of the stroke.
+HOMING, HOME_AGAIN = 0.2, 1.5
 VALVE_REST = 0.5  # s between two voltages
 
 
@@ -54,7 +55,7 @@ def excitation(
 def forward_backward(
     joint: str, start: float, stroke: float, speeds: Sequence[float], acceleration: float, *, dwell: float = 0.3
 ) -> Trajectory:
-    """Return passes of one joint to and fro, one pair per speed, with trapezoidal velocity.
+    """Return passes of one joint back and forth, one pair per speed, with trapezoidal velocity.
 
     Raises :class:`LogError` for a speed at which the stroke leaves no phase of constant speed: v²/a ≥ stroke.
     """
@@ -73,7 +74,7 @@ def forward_backward(
 
 
 def trapezoid(stroke: float, speed: float, acceleration: float) -> Floats:
-    """Return the places (n,) of a move over a stroke at 250 Hz, up to a speed (triangular where it is not reached)."""
+    """Return positions (n,) of a move over a stroke at 250 Hz, up to a speed (triangular where it is not reached)."""
     speed = min(speed, np.sqrt(stroke * acceleration))
     ramp, total = speed / acceleration, stroke / speed + speed / acceleration
     t = np.linspace(0.0, total, _samples(total) + 1)[1:]
@@ -83,7 +84,7 @@ def trapezoid(stroke: float, speed: float, acceleration: float) -> Floats:
 
 
 def sine(joint: str, centre: float, amplitude: float, frequency: float, periods: float) -> Trajectory:
-    """Return a sine of one joint that swells and dies down over its first and last half period."""
+    """Return a sine of one joint that fades in and out over its first and last half period."""
     seconds = periods / frequency
     time = np.arange(0.0, seconds + 0.5 / KNOTS, 1.0 / KNOTS)
     half = 0.5 / frequency
@@ -92,17 +93,18 @@ def sine(joint: str, centre: float, amplitude: float, frequency: float, periods:
 
 
 def sawtooth(joint: str, centre: float, amplitudes: Sequence[float], speed: float) -> Trajectory:
-    """Return slow constant-speed turns between ± each amplitude in turn: what draws hysteresis loops."""
+    """Return slow constant-speed motion between ± each amplitude in turn, which traces hysteresis loops."""
     corners = np.concatenate([[0.0], *([a, -a] for a in amplitudes), [0.0]])
     time = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(corners)) / speed)])
     return _even((joint,), time, centre + corners[:, None])
 
 
 def inner_loops(joint: str, centre: float, amplitude: float, period: float, *, periods: int = 2) -> Trajectory:
-    """Return a motion between ± an amplitude that turns back once on either way: two inner hysteresis loops a period.
+    """Return a motion between ± an amplitude that turns back once each way: two inner hysteresis loops a period.
 
-    Up to 0.6 of the amplitude, back to −0.1, up to the whole; then the same downward.  Every stretch is smooth and
-    takes its share of the period by its length.  Before the first period the joint goes down to −amplitude.
+    It goes up to 0.6 of the amplitude, back to −0.1 and up to the whole; then the same downward.  Every stretch is
+    smooth and takes a part of the period in proportion to its length.  Before the first period the joint goes to
+    −amplitude.
     """
     turns = amplitude * np.array([0.0, -1.0, *([0.6, -0.1, 1.0, -0.6, 0.1, -1.0] * periods)])
     around = float(np.sum(np.abs(np.diff(turns[1:8]))))
@@ -116,8 +118,8 @@ def inner_loops(joint: str, centre: float, amplitude: float, period: float, *, p
 def valve_steps(joint: str, of: Hydraulics, stroke: float, volts: Sequence[float]) -> Trajectory:
     """Return constant voltages at the valve of a cylinder, out and back at each, over about half of a stroke (m).
 
-    The piston begins at zero, in the middle.  Friction slows it more going back than out: before each pair it is taken
-    back against its end, at the lowest voltage, so that every pair begins at the same place.
+    The piston begins at zero, in the middle.  Friction slows it more going back than out.  So before each pair it is
+    driven back against its end, at the voltage nearest to :data:`HOMING`, and every pair begins at the same place.
     """
     out, back = speed_per_volt(of)
     way, gentle = STROKE_USED * stroke, min(volts, key=lambda volt: abs(volt - HOMING * of.voltage_limit))
@@ -140,9 +142,9 @@ def pick_and_place(
     rounds: int = 3,
     dwell: float = 0.4,
 ) -> Trajectory:
-    """Return moves of all joints together from pose to pose (poses, joints), round and round, resting at each.
+    """Return moves of all joints together from pose to pose (poses, joints), ``rounds`` times, resting at each.
 
-    Joints move in step: each move takes as long as its slowest joint needs.
+    Joints move synchronously: each move takes as long as its slowest joint needs.
     """
     poses = np.asarray(poses)
     order = [*range(len(poses))] * rounds + [0]
@@ -153,9 +155,9 @@ def pick_and_place(
 
 
 def move(start: Floats, end: Floats, top_speed: Floats, acceleration: Floats) -> Floats:
-    """Return the places (n, joints) of a move at 250 Hz, smooth, all joints in step, none past its limits."""
+    """Return the positions (n, joints) of a smooth, synchronous move at 250 Hz, no joint beyond its limits."""
     way = end - start
-    # The blend s³(10 − 15 s + 6 s²) runs at up to 1.875 and speeds up by up to 5.774 of the mean.
+    # The blend s³(10 − 15 s + 6 s²) has a peak speed of 1.875 and a peak acceleration of 5.774, over unit time.
     by_speed = float(np.max(1.875 * np.abs(way) / top_speed))
     seconds = max(by_speed, float(np.max(np.sqrt(5.774 * np.abs(way) / acceleration))))
     s = np.linspace(0.0, 1.0, _samples(seconds) + 1)[1:]

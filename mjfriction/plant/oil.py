@@ -24,9 +24,10 @@ Voltage = Callable[[int, float, float, float], float]
 
 
 class OilDrives:
-    """What pushes all joints of a robot with cylinders, beside ``servo``: a function of the step, position, velocity.
+    """Drives of a robot with cylinders, besides those of ``servo``: a function of the step, position and velocity.
 
-    ``cylinders`` stand by the names of their joints; the pressures go into what surrounds the friction laws.
+    ``cylinders`` are by the names of their joints; their pressures are written into the surroundings of the friction
+    laws.
     """
 
     def __init__(
@@ -59,7 +60,7 @@ class OilDrives:
         self.cylinders = {robot.joints[i]: cylinder for i, cylinder in self.at}
 
     def __call__(self, k: int, position: Floats, velocity: Floats) -> Floats:
-        """Return what pushes the joints through step ``k``, (joints,), N·m or N."""
+        """Return the drive torques on the joints through step ``k``, (joints,), N·m or N."""
         torque = self.servo(k, position, velocity).copy()
         for i, cylinder in self.at:
             torque[i] = cylinder.force(k, float(position[i]), float(velocity[i]))
@@ -82,7 +83,7 @@ def _given(trajectory: Trajectory, joint: str, time: Floats) -> Voltage | None:
 
 
 def _at_its_speed(of: Hydraulics, course: Course, joint: int, bandwidth: float) -> Voltage:
-    # Speeds are asked of the valve as if nothing stood against the piston, the error of its place as a speed.
+    # Ask the valve for the wanted speed as if the piston had no load, plus a speed proportional to the position error.
     out, back = speed_per_volt(of)
     place, speed, gain = course.position[:, joint], course.velocity[:, joint], 2.0 * np.pi * bandwidth
 

@@ -1,4 +1,4 @@
-"""What stands against the drives whichever way they turn: cogging, ripple, springs, couplings."""
+"""Torques against the drives that do not depend on their own direction: cogging, ripple, springs, couplings."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from mjfriction.robot.rubbing import waves_along
 from mjfriction.robot.schema import Spring
 from mjfriction.robot.spring import coefficients
 
-TURNING = 1e-3  # rad/s or m/s over which the friction that another joint's motion makes turns over
+TURNING = 1e-3  # rad/s or m/s; velocity scale over which friction caused by another joint's motion reverses
 
 
 def has_passive(robot: Robot) -> bool:
-    """Return whether anything of a robot stands against its drives besides links and friction."""
+    """Return whether anything in a robot acts against its drives besides links and friction."""
     return any(
         joint.cogging or joint.actuator.ripple or joint.spring != Spring() or joint.coupling
         for joint in robot.table.joint
@@ -23,8 +23,9 @@ def has_passive(robot: Robot) -> bool:
 
 
 class Passive:
-    """What stands against a robot's drives: a function of position, velocity, acceleration and drive torque, (joints,)
-    each.
+    """The passive torques against a robot's drives, as a function.
+
+    Its arguments are position, velocity, acceleration and drive torque, (joints,) each.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -43,7 +44,7 @@ class Passive:
                 self.effort[i, k] += coupling.effort
 
     def __call__(self, position: Floats, velocity: Floats, acceleration: Floats, torque: Floats) -> Floats:
-        """Return what stands against the drives at the joints, (joints,)."""
+        """Return the passive torque against the drives at the joints, (joints,)."""
         out = polynomial.polyval(position, self.springs, tensor=False)
         for i, waves in self.cogging:
             out[i] += waves_along(waves, position[i : i + 1])[0]

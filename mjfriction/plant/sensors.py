@@ -1,4 +1,4 @@
-"""What a machine's sensors say of what it did: late, scaled, off, quantized, noisy, at uneven instants."""
+"""A machine's sensor readings: delayed, scaled, offset, quantized, noisy, at uneven instants."""
 
 from __future__ import annotations
 
@@ -30,8 +30,10 @@ from mjfriction.sim.closed_loop import Played
 
 @dataclass(frozen=True)
 class Recorder:
-    """How a log is taken: ``rate`` (Hz), ``jitter`` of the instants (share of a step), whether velocity is measured,
-    and ``quantity``, ``"effort"`` or ``"current"``.
+    """How a log is recorded.
+
+    ``rate`` is in Hz, ``jitter`` of the instants is a fraction of a step, ``velocity`` says whether velocity is
+    measured, and ``quantity`` is ``"effort"`` or ``"current"``.
     """
 
     rate: float = 1000.0
@@ -45,8 +47,9 @@ def record(
 ) -> dict[str, Floats]:
     """Return the columns of a log of what was played at instants ``time`` (n,), finer than the log's own.
 
-    Position reads position + offset, the drive scale·torque(t − delay) + offset, low-passed where it has a bandwidth;
-    then noise, then resolution.  A cylinder's effort is what its pressures, as they are measured, push with.
+    The position reading is position + offset.  The drive reports scale·torque(t − delay) + offset, low-passed where it
+    has a bandwidth.  Then noise is added, then resolution applied.  A cylinder's effort is computed from its pressures
+    as they are measured.
     """
     rng = np.random.default_rng([seed, 11])
     step = 1.0 / recorder.rate
@@ -74,7 +77,7 @@ def record(
         if joint.hydraulics is not None:
             columns |= _of_cylinder(joint, cylinders[joint.name], time, instants, rng)
             continue
-        # The torque of a step is held through it: a reading is of the step its instant lies in.
+        # The torque is held through each step, so a reading belongs to the step that contains its instant.
         held = np.searchsorted(time, instants - drive.delay + 1e-9 * step, side="right") - 1
         torque = played.torque[:, i]
         if drive.bandwidth is not None:
@@ -107,7 +110,7 @@ def _of_cylinder(
 
 
 def _estimated(position: Floats, instants: Floats, bandwidth: float) -> Floats:
-    # What a drive does: differences of what it reads, smoothed by a low-pass of first order that it can run live.
+    # As a drive does it: differences of the position readings, smoothed by a causal first-order low-pass.
     difference = np.diff(position, prepend=position[0]) / np.median(np.diff(instants))
     share = -np.expm1(-2.0 * np.pi * bandwidth * float(np.median(np.diff(instants))))
     return np.asarray(lfilter([share], [1.0, share - 1.0], difference))

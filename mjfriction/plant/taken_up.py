@@ -1,4 +1,4 @@
-"""Masses that an arm takes up and puts down along a run."""
+"""Masses that an arm picks up and puts down along a run."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from mjfriction.robot.simulation import taken_up_bodies
 
 
 class HeldMasses:
-    """The masses of what a robot takes up, told whenever one of them changes."""
+    """The masses that a robot picks up, returned at each step where one of them changes."""
 
     def __init__(self, robot: Robot, time: Floats) -> None:
         self.masses = {
@@ -21,5 +21,5 @@ class HeldMasses:
         self.steps = {0, *np.concatenate(changes).tolist()}
 
     def __call__(self, k: int) -> dict[str, float] | None:
-        """Return the bodies' masses (kg) from step ``k`` on, None where they stay what they were."""
+        """Return the bodies' masses (kg) from step ``k`` on, None where they do not change."""
         return {name: float(mass[k]) for name, mass in self.masses.items()} if k in self.steps else None

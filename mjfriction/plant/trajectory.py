@@ -1,4 +1,4 @@
-"""A trajectory: what the joints are to do, as a table."""
+"""A trajectory: the wanted motion of the joints, as a table."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ AHEAD = (*(f"{name}." for name in (TEMPERATURE, HEAD_PRESSURE, ROD_PRESSURE, VOL
 class Trajectory:
     """Positions of joints over time, (n, joints), smooth in between; ``ambient`` are columns that pass into the log.
 
-    Joints that it does not name stay at zero, but those whose ``voltage.<joint>`` is among the columns: it goes to the
-    valve of a cylinder as it is.  ``supply_pressure`` is what valves are supplied with; ``push.<joint>`` pushes the
-    joint from outside (N·m or N), and no sensor of the log measures it.
+    Joints that it does not name stay at zero, except those with a ``voltage.<joint>`` column: that voltage goes
+    directly to the valve of a cylinder.  ``supply_pressure`` is the supply of the valves.  ``push.<joint>`` is an
+    external push on the joint (N·m or N); it does not pass into the log, because no sensor measures it.
     """
 
     joints: tuple[str, ...]
@@ -47,16 +47,16 @@ class Trajectory:
         return spline(time), spline(time, 1), spline(time, 2)
 
     def table(self) -> pa.Table:
-        """Return the trajectory as a table: ``time``, ``position.<joint>``, and what surrounds the joints."""
+        """Return the trajectory as a table: ``time``, ``position.<joint>``, and the ambient columns."""
         columns = {"time": self.time}
         columns |= {f"{POSITION}.{name}": self.position[:, i] for i, name in enumerate(self.joints)}
         return pa.table({**columns, **self.ambient})
 
 
 def read_trajectory(path: Path | str) -> Trajectory:
-    """Read a trajectory table, CSV or Parquet, of ``time`` and ``position.<joint>``; a log is one too.
+    """Read a trajectory table, CSV or Parquet, of ``time`` and ``position.<joint>``; a log will do too.
 
-    For the valve of a cylinder ``voltage.<joint>`` may stand in its place.
+    For a joint moved by a cylinder, ``voltage.<joint>`` of its valve may replace ``position.<joint>``.
 
     Raises :class:`LogError` for a table that has no such columns or whose time does not increase.
     """

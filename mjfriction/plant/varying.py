@@ -1,4 +1,4 @@
-"""Friction that varies along a run: levels that change with time, and what surrounds the laws that read it."""
+"""Friction that varies along a run: levels that change with time, and the surroundings that laws read."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ REFRESH = 0.1  # s between updates
 
 
 def varies(joint: Joint) -> bool:
-    """Return whether a joint's friction varies with what is not its motion."""
+    """Return whether a joint's friction varies with running time, events or temperature."""
     return (
         joint.warm_up is not None
         or bool(joint.events)
@@ -31,9 +31,9 @@ def varies(joint: Joint) -> bool:
 
 
 def with_room_to_vary(robot: Robot) -> Robot:
-    """Return the robot with a Coulomb-viscous law of no level where levels vary and no law of the joint can take that.
+    """Return the robot with room for varying levels: a Coulomb-viscous law of zero level where no law can take them.
 
-    So every step has the same laws, at other levels.
+    So every step has the same laws and only their levels differ.
     """
     for joint in filter(varies, robot.table.joint):
         raised = raised_levels(robot, joint.name, 1.0, 1.0).joint(joint.name)
@@ -43,7 +43,7 @@ def with_room_to_vary(robot: Robot) -> Robot:
 
 
 class Varying:
-    """Friction laws whose levels change with temperature, running time and events, a few times a second."""
+    """Friction laws whose levels change with temperature, running time and events, updated several times a second."""
 
     def __init__(self, robot: Robot, surrounding: Surrounding, time: Floats, step: float) -> None:
         self.robot, self.surrounding, self.time = robot, surrounding, time
@@ -52,7 +52,7 @@ class Varying:
         self.steps = {*range(0, time.size, every), *np.searchsorted(time, moments).tolist()}
 
     def __call__(self, k: int) -> dict[str, list[Friction]] | None:
-        """Return the laws from step ``k`` on, None where they stay what they were."""
+        """Return the laws from step ``k`` on, None where they are not updated."""
         if k not in self.steps:
             return None
         robot = self.robot
@@ -77,8 +77,9 @@ class Varying:
 
 
 class Surrounding:
-    """What surrounds the joints along a trajectory: what laws read, where cylinders put their own pressures in, and
-    what pushes from outside.
+    """The surroundings of the joints along a trajectory: what laws read, and the external push.
+
+    Cylinders write their own pressures into it.
     """
 
     def __init__(self, robot: Robot, trajectory: Trajectory, time: Floats) -> None:
@@ -96,12 +97,12 @@ class Surrounding:
         self.push = along(PUSH, 0.0)
 
     def __call__(self, k: int) -> Around:
-        """Return what surrounds the joints at step ``k``."""
+        """Return the surroundings of the joints at step ``k``."""
         return Around(self.warmth[k], self.pressure_head[k], self.pressure_rod[k], self.push[k])
 
 
 def with_pressed_seals(robot: Robot) -> Robot:
-    """Return the robot with friction that chambers press on written as the law that reads their pressures."""
+    """Return the robot with its pressure-dependent friction written as the law that reads chamber pressures."""
     for joint in robot.table.joint:
         pressed = joint.pressure_friction.model_dump()
         if any(pressed.values()):

@@ -1,1 +1,1 @@
-"""A log in: reading, checking, and estimating the motion it recorded."""
+"""Logs as input: reading and checking them, and estimating the motion they recorded."""

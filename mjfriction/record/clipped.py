@@ -1,4 +1,4 @@
-"""Channels that stand at their own extreme: drives that gave no more."""
+"""Detection of clipped channels: they stay at their own extreme because the drive gave no more."""
 
 from __future__ import annotations
 
@@ -8,23 +8,28 @@ from mjfriction.record.counts import QUANTA
 from mjfriction.record.runs import Floats, Mask, runs_of
 from mjfriction.record.stuck import SHORTEST_STUCK
 
-FEWEST_CLIPPED = 12  # samples at the same extreme, in runs
-CLIPPED_RUN = 4  # samples of one of them at least
-AT_THE_EDGE = 8.0  # times the samples at the extreme must be more than those beside it
-LEAVES = 0.5  # of the range, that no effort leaves a limit by at once
-BESIDE = 0.02  # of the range, that is beside the extreme
-OF_QUANTA = 0.5  # of the samples beside the extreme, where QUANTA steps are coarser than that
-PEAKED = 2.5  # times the samples one step inside, that a smooth peak has in its highest step at most: √1 to √2 − √1
-LONGEST, OUTLASTS = 20, 5.0  # samples of a run at the extreme, and times the longest elsewhere, that noise never leaves
-HEAPED = 2.0  # times the samples one step inside, that are heaped up at either extreme of what a coarse sensor reads
+FEWEST_CLIPPED = 12  # fewest samples at one extreme, over all runs, while the joint moves
+CLIPPED_RUN = 4  # fewest samples of the longest of these runs
+AT_THE_EDGE = 8.0  # the samples at the extreme, times this, must outnumber those beside it
+LEAVES = 0.5  # share of the range; no effort comes off a limit by more than this in one sample
+BESIDE = 0.02  # share of the range; samples this near the extreme lie beside it
+OF_QUANTA = 0.5  # in place of AT_THE_EDGE for a coarse sensor, of which QUANTA steps are more than BESIDE
+# The samples at the extreme must outnumber those one step inside by this factor.  A smooth peak has at most √1 to
+# √2 − √1, 2.41 times as many, in its highest step.
+PEAKED = 2.5
+# An extreme is clipped where its longest run has at least this many samples, and more than this many times those of the
+# longest run elsewhere: noise that is not cut off never stays so long.
+LONGEST, OUTLASTS = 20, 5.0
+HEAPED = 2.0  # noise is clipped where an extreme has more than this many times the samples of one step inside
 
 
 def clipped(values: Floats, moving: Mask) -> Mask:
     """Return where a channel stands at its own extreme, (n,): many samples at one value, few beside it.
 
-    A drive that clips one way clips the other way too, at as much: there it is enough that it often stays there.  Noise
-    that is clipped heaps up at both extremes, in short runs; where all of it is cut off, it stays there as long as
-    nowhere else.
+    A drive that clips in one direction clips in the other too, at the same magnitude.  Where the extremes are symmetric
+    and one is clipped, it is therefore enough that the channel often stays at the other.  Clipped noise piles up at
+    both extremes, in short runs.  Where all of the noise is cut off, the channel stays at the extreme far longer than
+    at any other value.
     """
     out, standing, heaped = np.zeros(values.size, dtype=bool), [], []
     span = float(np.ptp(values))
@@ -38,7 +43,7 @@ def clipped(values: Floats, moving: Mask) -> Mask:
         runs = [(a, b) for a, b in runs_of(at.astype(np.int64)) if at[a]]
         longest = max((b - a for a, b in runs), default=0)
         if len(runs) == 1 and _breaks_off(values, *runs[0], LEAVES * span):
-            continue  # a reading that stuck once, higher than others happen to be
+            continue  # a reading that got stuck once, at a value that happens to be the extreme
         if np.count_nonzero(at & moving) >= FEWEST_CLIPPED and longest >= CLIPPED_RUN:
             standing.append(at)
             inside = np.count_nonzero(np.abs(np.abs(values - extreme) - step) < 0.5 * step)
@@ -55,5 +60,5 @@ def clipped(values: Floats, moving: Mask) -> Mask:
 
 
 def _breaks_off(values: Floats, start: int, stop: int, by: float) -> bool:
-    # Whether a run that is long enough for a reading which stuck ends where none that comes down from a limit goes on.
+    # Whether a run is long enough to be a stuck reading, and ends with a larger step than an effort coming off a limit.
     return stop - start >= SHORTEST_STUCK and stop < values.size and bool(abs(values[stop] - values[start]) > by)

@@ -1,4 +1,4 @@
-"""A log's clock: its ordinary step, and a log with its clock put right."""
+"""A log's clock: its ordinary step, and the log with a corrected clock."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 from mjfriction.record.fault import Fault
 from mjfriction.record.log import POSITION, Floats, Log
 
-DEGREE = 5  # of the curves that the joints' courses are smooth by
-SURE = 10.0  # by which one clock is likelier than another, in logarithm
-CHUNK, FEWEST_HELD = 48, 3  # rows on which the joints' courses are held against two clocks, and of the last of them
+DEGREE = 5  # of the polynomial that stands for smooth motion
+SURE = 10.0  # log-likelihood ratio beyond which one clock is preferred to another
+CHUNK, FEWEST_HELD = 48, 3  # rows of a chunk on which two clocks are compared, and fewest rows of the last chunk
 
 
 @dataclass(frozen=True)
 class Steps:
-    """The ``length`` (n − 1,) of every step of a log (s), whether it is ``joined`` within a segment, and the
-    ``ordinary`` one.
+    """The steps of a log's clock: the ``length`` (n − 1,) of each (s), whether it is ``joined`` (n − 1,), that is
+    within a segment, and the ``ordinary`` length (s), the median of the positive joined ones.
     """
 
     length: Floats
@@ -28,21 +28,21 @@ class Steps:
 
 
 def steps_of(log: Log) -> Steps | None:
-    """Return a log's steps; None where time never goes on within a segment."""
+    """Return a log's steps; None where time never advances within a segment."""
     length, joined = np.diff(log.time), np.diff(log.segment) == 0
     ahead = length[joined & (length > 0.0)]
     return Steps(length, joined, float(np.median(ahead))) if ahead.size else None
 
 
 def put_right(log: Log, time: Floats, faults: Sequence[Fault]) -> Log:
-    """Return the log by another ``time`` (n,), what was wrong said; by what time its rows were recorded stays known."""
+    """Return the log with another ``time`` (n,) and the ``faults`` added; the recorded times are kept as well."""
     recorded, kept = (log.time, np.ones(time.size, dtype=bool)) if log.recorded is None else (log.recorded, log.kept)
     return replace(log, time=time, faults=(*log.faults, *faults), recorded=recorded, kept=kept)
 
 
 def roughness(course: Floats, along: Floats) -> float:
-    """Return what a course (n,) leaves of the smoothest curve through it ``along`` a clock (n,) that begins at 0, as
-    minus the logarithm of a likelihood.
+    """Return how rough a course (n,) is ``along`` a clock (n,) that is 0 at one of its rows, as a negative
+    log-likelihood of the residual of a polynomial fit.
     """
     basis = np.vander(along / max(along[-1], np.finfo(float).tiny), DEGREE + 1)
     left = course - basis @ np.linalg.lstsq(basis, course, rcond=None)[0]
@@ -51,8 +51,8 @@ def roughness(course: Floats, along: Floats) -> float:
 
 
 def evenness(log: Log, first: int, end: int) -> float:
-    """Return by how much likelier it is that rows ``first`` to ``end`` came evenly than that they came by their clock,
-    in logarithm: the joints' courses are smooth along the clock that is right.
+    """Return the log-likelihood ratio of rows ``first`` to ``end`` being evenly spaced over their clock being right:
+    the joints' positions are smooth along the right clock.
     """
     for_rows = 0.0
     for begin in range(first, end, CHUNK):

@@ -1,4 +1,4 @@
-"""Rows that came in bursts, stamped as they arrived and not as they were sampled: only the time is wrong there."""
+"""Rows that came in bursts and were stamped on arrival rather than when sampled: only their time is wrong."""
 
 from __future__ import annotations
 
@@ -10,18 +10,20 @@ from mjfriction.record.fault import Fault, in_words
 from mjfriction.record.log import Floats, Log
 from mjfriction.record.runs import spans
 
-AT_ONCE, WAITED = 0.3, 1.7  # of the ordinary step: shorter, rows came at once; longer, the recorder waited
-LONG = 10.0  # times the usual step, that pauses are where that is next to none
+AT_ONCE, WAITED = 0.3, 1.7  # of the ordinary step: below the first, rows came at once; above the second, it was a pause
+LONG = 10.0  # a step longer than this many median steps is a pause, where rows came in bursts throughout
 FEWEST_AT_ONCE, MOST_AT_ONCE = 3, 1000  # rows of a burst
-FEWEST_BURSTS = 8  # that say at which step rows were sampled
-ALIKE = 0.5  # of the usual step, by which a burst's may differ for none of its rows to be missing
-WHOLE = 0.5  # ordinary steps, by which a stretch may be longer or shorter than its rows: else some are missing
-DRIFT = 0.01  # of a stretch besides
+FEWEST_BURSTS = 8  # needed to estimate the step at which rows were sampled
+ALIKE = 0.5  # of the median; a burst whose time per row deviates by more has missing rows, and is left out
+WHOLE = 0.5  # ordinary steps; a stretch that deviates from its row count by more has missing rows
+DRIFT = 0.01  # of a stretch's length, allowed in addition to WHOLE
 
 
 def without_bursts(log: Log) -> Log:
-    """Return the log with even time where rows came in bursts, and with that said: none are missing there, and the
-    joints' courses are smooth from row to row, not by the clock, or nothing moves.
+    """Return the log with even time where rows came in bursts, and a fault that reports it.
+
+    A stretch is corrected where no rows are missing, unless the joints' positions are clearly smoother along the
+    clock than from row to row.  A machine at rest decides nothing, so its stretches are corrected too.
     """
     steps = steps_of(log)
     if steps is None:
@@ -45,7 +47,7 @@ def without_bursts(log: Log) -> Log:
 def burst_step(steps: Steps) -> float | None:
     """Return the step (s) at which rows were sampled that came in bursts throughout, None where they did not.
 
-    Most steps are next to none there; the pauses between are as long as their bursts were, as a rule.
+    Most steps of such a log are nearly zero.  A pause usually lasts as long as its burst took to sample.
     """
     within = np.where(steps.joined, steps.length, np.nan)
     waits = np.flatnonzero(within > LONG * max(float(np.nanmedian(within)), float(np.finfo(float).tiny)))
@@ -53,14 +55,14 @@ def burst_step(steps: Steps) -> float | None:
     if rows.size < FEWEST_BURSTS or np.median(rows) < FEWEST_AT_ONCE or np.median(rows) > MOST_AT_ONCE:
         return None
     took = np.diff(np.cumsum(np.nan_to_num(within))[waits])
-    # Packets as long as one another hold a row more or less by turns: it is many together that tell.
+    # Packets of equal duration alternate between one row more and one row fewer, so the sum over many is used.
     whole = np.abs(took / rows / np.median(took / rows) - 1.0) < ALIKE
     return float(np.sum(took[whole]) / np.sum(rows[whole]))
 
 
 def _odd(steps: Steps, ordinary: float) -> NDArray[np.bool_]:
-    # The steps of bursts and of the pauses between them; a pause longer than the bursts beside it is one of the
-    # recording, or rows are missing.
+    # Marks the steps of bursts and the pauses between them.  A pause longer than the bursts beside it is not one of
+    # them: the recording paused, or rows are missing.
     short = steps.joined & (steps.length >= 0.0) & (steps.length < AT_ONCE * ordinary)
     odd = short | (steps.joined & (steps.length > WAITED * ordinary))
     for k in np.flatnonzero(odd & ~short).tolist():
@@ -71,8 +73,8 @@ def _odd(steps: Steps, ordinary: float) -> NDArray[np.bool_]:
 
 
 def _even(time: Floats, first: int, end: int, ordinary: float, at_once: int) -> Floats | None:
-    # When the rows of a stretch were sampled; None where some are missing.  A burst at its end, or its begin, may be
-    # there without the pause that goes with it: what came next is another stretch, or lost.
+    # When the rows of a stretch were sampled; None where some are missing.  A burst at either end of the stretch may
+    # lack its pause: the rows beyond belong to another stretch, or are lost.
     count, took = end - first, (time[end] - time[first]) / ordinary
     short = count - (at_once - 1)
     if min(abs(took - count), abs(took - short)) > WHOLE + DRIFT * count:

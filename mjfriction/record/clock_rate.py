@@ -1,4 +1,4 @@
-"""A clock that ran at another rate for a while, while the rows went on as before: only the time is wrong there."""
+"""A clock that ran at another rate for a while, while rows were sampled as before: only their time is wrong."""
 
 from __future__ import annotations
 
@@ -10,18 +10,20 @@ from mjfriction.record.log import POSITION, VELOCITY, Log
 from mjfriction.record.resample import GAP_STEPS
 from mjfriction.record.runs import spans
 
-OFF = 0.02  # of the ordinary step, from which on a step is another
-STEADY = 0.2  # of what its steps are off by, that a stretch's steps may spread: a clock that jitters has no rate
-FEWEST = 30  # rows of a stretch, that such a clock is told by
-WINDOW = 0.08  # s on each side of an edge, that tell how fast the joints went
-FEWEST_AROUND, MOST_AROUND = 8, 60  # rows of it
-CLOSE = 0.3  # of the rate, in logarithm, that measured speeds may be off by
+OFF = 0.02  # of the ordinary step; a step that deviates by more counts as another rate
+# Of a stretch's deviation from the ordinary rate; where its steps spread by more, the clock jitters and has no rate.
+STEADY = 0.2
+FEWEST = 30  # steps of a stretch, for its rate to be judged
+WINDOW = 0.08  # s on each side of an edge of the stretch, where positions are checked for smoothness
+FEWEST_AROUND, MOST_AROUND = 8, 60  # rows, limits of that window
+CLOSE = 0.3  # share of the rate's logarithm; measured velocities must agree with the rate to within this
 
 
 def without_clock_drift(log: Log) -> Log:
-    """Return the log with its clock put right where it ran at another, steady rate though the joints' speeds tell that
-    rows went on as evenly as before, and with that said.  Where they tell that rows came at another rate, or nothing
-    tells, the clock is kept.
+    """Return the log with its clock corrected where it ran at another, steady rate, and faults that report it.
+
+    The clock is corrected only where the joints' motion shows that rows were sampled at the same rate as before.  It is
+    kept where the motion shows that the sampling rate did change, and where the motion does not decide.
     """
     steps = steps_of(log)
     if steps is None:
@@ -45,8 +47,9 @@ def without_clock_drift(log: Log) -> Log:
 
 
 def _went_on(log: Log, first: int, end: int, rate: float, ordinary: float) -> bool:
-    # Whether the joints' courses go on smoothly over both edges of a stretch from row to row, and not by the clock,
-    # by which a joint that goes on would change its speed at once; else what was measured of speeds tells.
+    # Whether the joints' positions are smooth across the stretch's two edges when rows are evenly spaced, but not along
+    # the clock.  By a wrong clock, the speed of a joint that moves on evenly would jump at the edge.  Where positions
+    # do not decide, measured velocities do.
     around = int(np.clip(round(WINDOW / ordinary), FEWEST_AROUND, MOST_AROUND))
     for_rows = 0.0
     for edge in (first, end):
@@ -62,8 +65,8 @@ def _went_on(log: Log, first: int, end: int, rate: float, ordinary: float) -> bo
 
 
 def _measured_so(log: Log, first: int, end: int, rate: float) -> bool:
-    # Whether the joints went as far, at the speeds that were measured, as in evenly spaced rows: less by the rate than
-    # by the clock.
+    # Whether the joints' travel agrees with their measured velocities when rows are evenly spaced: the travel is then
+    # 1/rate of the velocity's integral over the clock's steps.
     rows, shares = slice(first, end + 1), []
     for joint in log.joints:
         velocity = log.columns.get(f"{VELOCITY}.{joint}")

@@ -1,4 +1,4 @@
-"""A clock that reads more coarsely than rows come: some share one stamp, and only the time is wrong there."""
+"""A clock with a coarser resolution than the sampling: some rows share one stamp, and only their time is wrong."""
 
 from __future__ import annotations
 
@@ -8,18 +8,19 @@ from mjfriction.record.clock import SURE, evenness, put_right, steps_of
 from mjfriction.record.fault import Fault, moment
 from mjfriction.record.log import Floats, Log
 
-FEWEST_SHARED = 0.05  # of the rows, that have the stamp of the row before
-EVERY = 0.05  # of the clock's resolution, by which steps may differ from whole ones: stamps are written with few digits
-MISSING = 2.5  # rows' time, by which a step is longer than the resolution that is a gap in the recording
-FEWEST = 30  # rows of a stretch that such a clock is told by
+FEWEST_SHARED = 0.05  # least share of rows that have the stamp of the row before
+# Share of the clock's resolution, by which steps may differ from its multiples, as stamps are written with few digits.
+EVERY = 0.05
+MISSING = 2.5  # sampling steps; a step that exceeds the resolution by more is a gap in the recording
+FEWEST = 30  # rows of a stretch, for its clock to be judged
 
 
 def without_coarse_clock(log: Log) -> Log:
-    """Return the log with even time where its clock stood still for a row or more, time and again, and went on by whole
-    steps, though the joints' courses are smooth from row to row, and with that said.
+    """Return the log with even time where its clock is too coarse, and a fault that reports it.
 
-    What lies between gaps is one stretch; each has its own step and begin, those of the straight line through its
-    stamps.
+    Such a clock repeatedly stands still for a row or more and then advances by whole steps of its resolution, while the
+    joints' positions are smooth from row to row.  Each stretch between gaps gets its own step and start, from the
+    straight line through its stamps.
     """
     steps = steps_of(log)
     if steps is None or np.mean(steps.length[steps.joined] == 0.0) < FEWEST_SHARED:

@@ -1,4 +1,4 @@
-"""A clock that was set, back or ahead, while the machine went on: no stretch is missing, only the time is wrong."""
+"""A clock that was set back or ahead while the machine moved on: no rows are missing, only the time is wrong."""
 
 from __future__ import annotations
 
@@ -9,14 +9,18 @@ from mjfriction.record.fault import Fault
 from mjfriction.record.log import POSITION, Floats, Log
 from mjfriction.record.resample import GAP_STEPS
 
-AROUND = 10  # rows on each side that tell how fast the joints went
-MOVED = 20.0  # times the positions' noise, that the joints must have gone there for their going on to tell
-RAN_ON = 0.1  # of how far they would have gone in the time that is missing, by which they may have
+AROUND = 10  # rows on each side of a clock jump, from which the joints' speeds are estimated
+MOVED = 20.0  # times a position's noise; a joint must travel farther than this on both sides to be evidence
+# Of the distance the joints would have covered in the time of the jump; a larger deviation from one ordinary step means
+# that the clock was not set.
+RAN_ON = 0.1
 
 
 def without_clock_steps(log: Log) -> Log:
-    """Return the log with its clock put right where it was set, back or ahead, while the joints moved on as in one
-    ordinary step, and with that said.  Where they did not, another motion begins, or rows are missing.
+    """Return the log with its clock corrected where it was set back or ahead, and faults that report it.
+
+    The clock was set where the joints moved on as in one ordinary step.  Where they did not, another motion begins or
+    rows are missing, and the clock is kept.
     """
     steps = steps_of(log)
     if steps is None:
@@ -30,7 +34,7 @@ def without_clock_steps(log: Log) -> Log:
         wrong = float(steps.length[row]) - steps.ordinary
         time[row + 1 :] -= wrong
         if _told(log, row):
-            continue  # rows that were written twice took the time that is missing
+            continue  # rows written twice, dropped by now, account for the time; they are reported already
         way = f"{'ahead' if wrong > 0.0 else 'back'} by {abs(wrong):.4g} s, though the joints went on"
         where = f"{log.time[row]:.6g} s to {log.time[row + 1]:.6g} s"
         faults.append(Fault("data.clock", where, f"it was set {way}: time runs on there"))
@@ -43,7 +47,7 @@ def _told(log: Log, row: int) -> bool:
 
 
 def _ran_on(log: Log, row: int, ordinary: float) -> bool:
-    # Whether the joints went on from a row to the next as in one ordinary step, and not for as long as the clock says.
+    # Whether the joints moved from a row to the next as in one ordinary step, and not for as long as the clock says.
     before, after = np.arange(row - AROUND, row + 1), np.arange(row + 1, row + AROUND + 2)
     if before[0] < 0 or after[-1] >= log.time.size or np.ptp(log.segment[[before[0], after[-1]]]) != 0:
         return False
@@ -53,7 +57,8 @@ def _ran_on(log: Log, row: int, ordinary: float) -> bool:
         sides = [position[rows] for rows in (before, after)]
         travel, known = min(float(np.ptp(side)) for side in sides), MOVED * _noise(position)
         if travel < known:
-            # One that rests, but elsewhere, went there in between; one that sets off only then says nothing.
+            # A joint that rests before or after but has changed position moved in between: this is evidence against a
+            # set clock.  A joint that only starts or stops there is no evidence.
             off += max(abs(position[row + 1] - position[row]) - known, 0.0)
             continue
         speed = float(np.mean([side[-1] - side[0] for side in sides])) / AROUND
@@ -63,5 +68,5 @@ def _ran_on(log: Log, row: int, ordinary: float) -> bool:
 
 
 def _noise(position: Floats) -> float:
-    # Of one sample beside its neighbours.
+    # Of a single sample relative to its neighbours.
     return float(np.median(np.abs(np.diff(position, 2))))

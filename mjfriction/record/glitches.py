@@ -1,4 +1,4 @@
-"""Single wild samples of a channel."""
+"""Detection of single wild samples of a channel."""
 
 from __future__ import annotations
 
@@ -8,16 +8,17 @@ from mjfriction.record.counts import QUANTA, count_of
 from mjfriction.record.runs import Floats, Integers, Mask, spans
 
 LONGEST_SINGLE = 2  # samples of a glitch
-WILD = 25.0  # times the usual departure from its neighbours' median from which on a sample is wild
-COMES_BACK = 0.3  # of a wild sample's height, that its neighbours may differ by
-FORESEEN = 0.8  # of that height, that it must depart by from a straight course up to it
-WILD_SHARE = 0.02  # of a channel's range that it must depart by besides
-LEAST_WILD = 1e-9  # in any unit: less is the rounding of a simulation
-COURSE = np.arange(1, 7)  # samples beyond a neighbour of a wild one, that tell its course
-TOUCHED = 0.03  # of a wild sample's height, that a neighbour may be off that course by
-SPREADS = 5.0  # times what these spread by, the same
-PACE, CALM = 4, 12  # samples that a joint's pace is told by, and of the calm before or after a blow
-JUMPS, COUNTS = 2.0, 3.0  # times the change of pace in that calm, and of the encoder's counts, that are a jump of it
+WILD = 25.0  # times the usual (99 % quantile) deviation from the median of its neighbours; a wild sample exceeds it
+COMES_BACK = 0.3  # of a wild sample's height; its two neighbours must differ by less
+FORESEEN = 0.8  # of that height; a wild sample must deviate by more from a linear extrapolation up to it
+WILD_SHARE = 0.02  # of a channel's range; a wild sample must deviate from the median by more than this as well
+LEAST_WILD = 1e-9  # in the channel's unit: less is the rounding of a simulation
+COURSE = np.arange(1, 7)  # samples beyond a wild sample's neighbour, through which a straight line is fitted
+TOUCHED = 0.03  # of a wild sample's height; a neighbour that deviates from that line by more is part of a blow
+SPREADS = 5.0  # the same, in standard deviations of the samples around that line
+PACE, CALM = 4, 12  # samples over which a joint's speed is taken, and of the calm before and after a blow
+# A change of speed is a jump beyond this many times the largest change in the calm, plus this many encoder counts.
+JUMPS, COUNTS = 2.0, 3.0
 
 
 def glitches(values: Floats) -> Mask:
@@ -38,9 +39,9 @@ def glitches(values: Floats) -> Mask:
 
 
 def _there_and_back(values: Floats, wild: Mask, start: int, stop: int) -> bool:
-    # A wild sample stands out from both neighbours, which are alike; a step or a swing does not come back.  Nor does a
-    # straight course up to it foresee it, from either side: that turns there.  Two samples on that side make a course,
-    # if neither is wild itself.
+    # A wild sample stands out from both neighbours, which are alike; a step or a swing does not come back.  A sample
+    # that a linear extrapolation from either side predicts is no glitch: the signal turns there.  The extrapolation
+    # needs two samples on its side, neither of them wild.
     if start == 0 or stop == values.size:
         return True
     before, after = values[start - 1], values[stop]
@@ -53,10 +54,10 @@ def _there_and_back(values: Floats, wild: Mask, start: int, stop: int) -> bool:
 
 
 def felt(wild: Mask, effort: Floats, position: Floats, piece: Integers) -> Mask:
-    """Return which wild samples of an effort, (n,), are blows that the machine felt.
+    """Return which wild samples of an effort, (n,), are real blows to the machine.
 
-    A reading that is wrong leaves its neighbours alone, and the joint too.  A blow begins before its sample or dies
-    away after it, or the joint's speed jumps there.  ``position`` (n,) is the joint's; ``piece`` (n,) numbers what was
+    A wrong reading affects neither its neighbours nor the joint's motion.  A blow begins before its sample or decays
+    after it, or the joint's speed jumps there.  ``position`` (n,) is the joint's; ``piece`` (n,) numbers the stretches
     recorded without a break.
     """
     out, places = np.zeros(wild.size, dtype=bool), spans(wild)
@@ -74,7 +75,7 @@ def felt(wild: Mask, effort: Floats, position: Floats, piece: Integers) -> Mask:
 
 
 def _touches(effort: Floats, wild: Mask, piece: Integers, start: int, stop: int, count: float) -> bool:
-    # Whether a neighbour is off the straight course of those beyond it.
+    # Whether a neighbour deviates from the straight line through the samples beyond it.
     before, after = effort[max(start - 1, 0)], effort[min(stop, effort.size - 1)]
     height = np.max(np.abs(effort[start:stop] - 0.5 * (before + after)))
     for neighbour, way in ((start - 1, -1), (stop, 1)):
@@ -92,7 +93,8 @@ def _touches(effort: Floats, wild: Mask, piece: Integers, start: int, stop: int,
 
 
 def _answered(change: Floats, piece: Integers, start: int, stop: int, count: float) -> bool:
-    # Whether the joint's speed jumps, as it does not where a course begins to bend or ends to.
+    # Whether the joint's speed jumps: it changes far more than before and after, unlike where a path starts or stops
+    # bending.
     first, past = start - 2 * PACE - CALM, stop + 2 * PACE + CALM
     if first < 0 or past > change.size or np.ptp(piece[first:past]) > 0:
         return False

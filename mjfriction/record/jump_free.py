@@ -1,4 +1,4 @@
-"""The motion of a log without the jumps that its position sensors make across play."""
+"""The motion of a log without the jumps that its position sensors make across play (backlash)."""
 
 from __future__ import annotations
 
@@ -11,14 +11,16 @@ from mjfriction.record.log import POSITION, VELOCITY, Floats, Log
 from mjfriction.record.motion import Motion, back_to_log, estimate_motion, smooth_derivatives
 from mjfriction.record.resample import onto_grid
 
-JUMPS_TOO = 0.5  # of what a jump adds to the rate of change, that a measured velocity has which jumps along
+# Share of the rate of change that the jumps add to the position; a measured velocity that contains more jumps as well.
+JUMPS_TOO = 0.5
 
 
 def without_jumps(log: Log, motion: Motion, plays: Mapping[int, tuple[float, Floats]]) -> Motion:
-    """Return the motion of a log as it would be had its position sensors not jumped.
+    """Return the motion of a log as it would be without the jumps of its position sensors.
 
-    ``plays`` are, by joint, by how much they do (rad or m), and the course of :class:`~mjfriction.record.jumps.Jumps`
-    along the ``motion`` that was estimated with the jumps.  A measured velocity that jumped along is left out.
+    ``plays`` maps a joint to the size of its jumps (rad or m) and the course of
+    :class:`~mjfriction.record.jumps.Jumps` along the ``motion``, which was estimated with the jumps.  A measured
+    velocity that jumps as well is left out.
     """
     columns = dict(log.columns)
     for joint, (play, course) in plays.items():
@@ -33,13 +35,13 @@ def without_jumps(log: Log, motion: Motion, plays: Mapping[int, tuple[float, Flo
 
 
 def _jumps_too(velocity: Floats, motion: Motion, joint: int, jumped: Floats) -> bool:
-    # Whether a measured velocity has most of what a jump of the position adds to its rate of change.
+    # Whether a measured velocity contains most of what the jumps add to the position's rate of change.
     added = smooth_derivatives(motion, jumped)[1]
     rest = smooth_derivatives(motion, velocity)[0] - (motion.differentiated(motion.position[:, joint]) - added)
     return bool(rest @ added > JUMPS_TOO * (added @ added))
 
 
 def on_clock(log: Log, motion: Motion, column: str) -> Floats:
-    """Return a recorded column on a motion's clock, as it was read, (n,)."""
+    """Return a recorded column on a motion's clock, unfiltered, (n,)."""
     recorded = log.columns[column]
     return np.concatenate([onto_grid(recorded, log.time, grid, smooth=False) for grid in motion.grids])

@@ -1,7 +1,7 @@
-"""Jumps of a position sensor as the load on its transmission changes sign: play, seen in the position itself.
+"""Jumps of a position sensor as the load on its transmission changes sign: play (backlash) seen in the position itself.
 
-A sensor on the motor's side of a gear that has play moves by that play while the link stays where it is.  Where that
-takes some milliseconds no link could have gone so far, whatever efforts say.
+A sensor on the motor's side of a gear with play moves by that play while the link stays where it is.  Where this takes
+only some milliseconds, no link could have moved so far, whatever the efforts are.
 """
 
 from __future__ import annotations
@@ -19,30 +19,34 @@ from mjfriction.record.load_turns import LoadTurns, load_turns
 from mjfriction.record.log import POSITION, Floats, Integers, Log
 from mjfriction.record.motion import Motion
 
-WIDTHS = (0.0, 4e-3, 8e-3, 12e-3, 20e-3)  # s, deviations of the edges of jumps that are looked for
-BEFORE, PER_WIDTH, FEWEST = 0.02, 4.0, 10  # s, widths and samples, on each side of a jump, that show the motion there
-DEGREE = 5  # of the polynomial that the motion around a jump is
-PLAIN = 8.0  # deviations of what the same filter makes of the motion elsewhere
-NORMAL = 1.4826  # deviations of a normal distribution in its median absolute one
-BY_CHANCE = 1e-6  # how likely it may be that as many lie there by chance
-SOME, MOSTLY = 0.5, 0.7  # of the jumps, that must lie there; the load taken along the motion with and without them
-OFTEN = 0.5  # of the load's turns, that must show one
-NEARLY = 0.9  # of the jumps seen so far, with which a wider window is taken
+WIDTHS = (0.0, 4e-3, 8e-3, 12e-3, 20e-3)  # s, standard deviations of the jumps' edges that are searched for
+# Half a window around a jump: BEFORE (s) plus PER_WIDTH edge widths, and FEWEST samples at least.
+BEFORE, PER_WIDTH, FEWEST = 0.02, 4.0, 10
+DEGREE = 5  # of the polynomial that stands for the motion around a jump
+PLAIN = 8.0  # a step must exceed this many standard deviations of the filter's output along the motion
+NORMAL = 1.4826  # a normal distribution's standard deviation over its median absolute deviation
+BY_CHANCE = 1e-6  # highest probability that as many jumps meet turns of the load by chance
+# Shares of the jumps that must meet a turn of the load: SOME with the load along the motion that contains the jumps,
+# MOSTLY with the load along the motion without them.  MOSTLY is also the share that must be of one size.
+SOME, MOSTLY = 0.5, 0.7
+OFTEN = 0.5  # share of the load's turns that must show a jump
+NEARLY = 0.9  # a wider edge is preferred if it still finds more than this share of the jumps found so far
 FEWEST_ALIKE = 3  # jumps of one size
-FEWEST_STEPS = 12  # alike, that are looked at though no load is known that turns with them
-LARGE = 0.5  # of the jumps with the load, that a step must reach to be looked at
-ALIKE = 0.3  # of their size, by which jumps of one play may differ
-EDGES = (0.0, *np.geomspace(0.1, 1.6, 48))  # widths of an edge that are tried, times the one that was looked for
-EDGE_KNOWN = 0.03  # of the size of a jump with a wide edge, that goes with the step between two of these
-EARLIER = (-1.0, 1.0, 41)  # widths by which an edge is tried earlier and later
-SURE = 1.96  # deviations, within which lies what is known at 95 %
+FEWEST_STEPS = 12  # steps that are examined even if they meet no turn of the load
+LARGE = 0.5  # of the size of the jumps that meet turns; smaller steps are not examined
+ALIKE = 0.3  # of their median size; jumps that differ from it by less are of one play
+EDGES = (0.0, *np.geomspace(0.1, 1.6, 48))  # edge widths that are tried, as multiples of the width searched for
+EDGE_KNOWN = 0.03  # uncertainty from the grid of EDGES, as a share of the size of a jump with a wide edge
+EARLIER = (-1.0, 1.0, 41)  # edge widths: first and last time shift that is tried, and how many
+SURE = 1.96  # standard deviations of a 95 % interval
 
 
 @dataclass(frozen=True)
 class Jumps:
-    """Jumps of a joint's position sensor, ``size`` ± ``half_width`` (95 %) rad or m: ``course`` (n,), on the motion's
-    clock, is where it stands, −1 to 1.  It jumps ``at`` some samples, to one ``way``, −1 or 1, or the other, (jumps,)
-    each; the load has so many ``turns``.
+    """Jumps of a joint's position sensor, ``size`` ± ``half_width`` (95 %) in rad or m.
+
+    ``course`` (n,), on the motion's clock, is the side at which the sensor stands, −1 to 1.  It jumps ``at`` these
+    samples, (jumps,), in the direction ``way``, −1 or 1, (jumps,).  ``turns`` is the number of the load's turns.
     """
 
     size: float
@@ -54,14 +58,14 @@ class Jumps:
 
     @property
     def count(self) -> int:
-        """How often it jumps."""
+        """The number of jumps."""
         return self.at.size
 
 
 @dataclass(frozen=True)
 class _Edges:
-    # Edges of a jump around the middle of a window: (edges, samples), each without what the motion could be, the
-    # courses of the whole from 0 to 1 being those of times and widths, in samples.
+    # Candidate edges of a jump in a window of samples: the time shift ``late`` and the ``width`` of each, in samples,
+    # and its ``shape`` (edges, samples), a step of 1 without its projection on the ``basis`` of the motion.
     samples: Integers
     basis: Floats
     late: Floats
@@ -70,11 +74,12 @@ class _Edges:
 
 
 def find_jumps(log: Log, motion: Motion, load_along: Callable[[Motion], Floats]) -> dict[int, Jumps]:
-    """Return the jumps of position sensors, by joint, that come as the load on the joint changes sign.
+    """Return the jumps of position sensors, by joint, that occur as the load on the joint changes sign.
 
-    A jump is what a polynomial through the motion around it leaves, far beyond what it leaves elsewhere.  That they
-    come with the load must not be chance; they must be of one size, and most of all jumps there are.  The load (n,
-    joints) is asked for along a motion: first along the one there is, which jumps accelerate, then without them.
+    A jump is a residual of a polynomial fit to the motion around it that far exceeds the residuals elsewhere.
+    The jumps must meet the load's turns more often than by chance, must be of one size, and must be most of all jumps
+    found.  ``load_along`` returns the load (n, joints) along a motion.  It is called first with the given motion, whose
+    acceleration contains the jumps, then with the motion without them.
     """
     load = load_along(motion)
     found = {}
@@ -107,18 +112,19 @@ def _jumps_of(position: Floats, motion: Motion, turns: LoadTurns) -> Jumps | Non
         at, size = _large(*steps, turns)
         met = turns.meet(at, size)
         count, before = int(np.sum(met)), 0 if best is None else best[0]
-        # The widest window tells best how wide an edge is, and so how far it goes.
+        # The widest window determines the width of an edge best, and so the size of the jump.
         if count > max(NEARLY * before, SOME * met.size) and turns.chance(met) < BY_CHANCE:
             best = count, width, at, np.sign(size)
         if steps[0].size >= max(FEWEST_STEPS, NEARLY * (by_themselves[0] if by_themselves else 0)):
             by_themselves = steps[0].size, width, steps[0], np.sign(steps[1])
-    # Jumps that accelerate more than the motion does make the load turn the other way: they are taken off first.
+    # Jumps whose apparent acceleration exceeds that of the motion reverse the load's turns, so that few meet.  Such
+    # steps are measured and taken off first, and checked against the load afterwards.
     best = best or by_themselves
     return None if best is None else _measured(position, motion, turns.count, *best[1:])
 
 
 def _steps(position: Floats, motion: Motion, width: float) -> tuple[Integers, Floats]:
-    # Where the position steps beyond what it does elsewhere, as samples, and by how much.
+    # The samples at which the position steps by more than it does elsewhere, and the sizes of the steps.
     samples, basis = _window(motion.rate, width)
     step = _beside(_edge(samples, 0.0, width * motion.rate), basis)
     weights, reach = step / (step @ step), int(samples[-1])
@@ -133,7 +139,7 @@ def _steps(position: Floats, motion: Motion, width: float) -> tuple[Integers, Fl
 
 
 def _large(at: Integers, size: Floats, turns: LoadTurns) -> tuple[Integers, Floats]:
-    # The steps as large as those that come with the load: what is far smaller is no jump of the same play.
+    # The steps about as large as those that meet the load's turns: a far smaller one is no jump of the same play.
     there = np.sort(np.abs(size[turns.meet(at, size)]))
     large = np.abs(size) > (LARGE * there[-FEWEST_ALIKE] if there.size >= FEWEST_ALIKE else np.inf)
     return at[large], size[large]
@@ -159,7 +165,7 @@ def _measured(position: Floats, motion: Motion, turns: int, width: float, at: In
             course[own] = -way[inside[0]]
         stands = 0.0
         for k in inside:
-            if way[k] != stands:  # two to one side: between them one was missed, and the sensor stands where it stood
+            if way[k] != stands:  # a second jump to one side means that one between was missed; the sensor stays there
                 late, wide = edges.late[nearest[k]], edges.width[nearest[k]]
                 course[own] += 2.0 * way[k] * (_edge(rows - at[k], late, wide) + 0.5)
                 stands = way[k]
@@ -171,7 +177,7 @@ def _measured(position: Floats, motion: Motion, turns: int, width: float, at: In
 
 @functools.lru_cache(maxsize=64)
 def _window(rate: float, width: float) -> tuple[Integers, Floats]:
-    # The samples around a jump, and an orthonormal basis of what the motion may be there.
+    # The samples around a jump, and an orthonormal basis of the polynomials that the motion may be there.
     reach = max(FEWEST, int(np.ceil((BEFORE + PER_WIDTH * width) * rate)))
     samples = np.arange(-reach, reach + 1)
     return samples, np.linalg.qr((samples[:, None] / reach) ** np.arange(DEGREE + 1))[0]
@@ -188,7 +194,7 @@ def _edges(rate: float, width: float) -> _Edges:
 
 
 def _beside(values: Floats, basis: Floats) -> Floats:
-    # What is left of values (..., samples) beside a basis.
+    # Values (..., samples) without their projection on a basis.
     return np.asarray(values - (values @ basis) @ basis.T)
 
 

@@ -1,4 +1,4 @@
-"""Turns of a load: from clearly one side to clearly the other."""
+"""Turns of a load: changes of sign from clearly one side to clearly the other."""
 
 from __future__ import annotations
 
@@ -12,15 +12,19 @@ from scipy.stats import binom
 from mjfriction.record.log import Floats, Integers
 from mjfriction.record.motion import Motion
 
-SLOW_LOAD = 0.08  # of the position filter's cutoff: the load, without what jumps and blows seem to accelerate
-CLEARLY = 0.02  # of its most, that a load lies beyond zero: within it rests as well as crosses
-NEAR = 0.1  # s, within which the load as predicted turns when it really does
+# Of the position filter's cutoff; the load is low-passed there, which removes the apparent acceleration of jumps and
+# blows.
+SLOW_LOAD = 0.08
+CLEARLY = 0.02  # of its maximum; a load this close to zero has no clear sign, as it may rest there
+NEAR = 0.1  # s, largest time error of a turn of the predicted load
 
 
 @dataclass(frozen=True)
 class LoadTurns:
-    """Turns of a load along a motion of so many ``samples`` at ``rate`` (Hz): the samples at which it ``left`` a side
-    and ``reached`` the other, and which that is, ``to`` −1 or 1, (turns,) each.
+    """Turns of a load along a motion, whose number of ``samples`` and ``rate`` (Hz) are kept.
+
+    Of each turn, (turns,): the samples at which the load ``left`` one side and ``reached`` the other, and the sign
+    ``to`` which it turned, −1 or 1.
     """
 
     left: Integers
@@ -31,25 +35,25 @@ class LoadTurns:
 
     @property
     def count(self) -> int:
-        """How many there are."""
+        """The number of turns."""
         return self.to.size
 
     def meet(self, at: Integers, way: Floats) -> NDArray[np.bool_]:
-        """Return which of some moments, as samples, lie near a turn the same ``way``, (moments,)."""
+        """Return which moments, as samples ``at``, lie near a turn in the same direction ``way``, (moments,)."""
         near = NEAR * self.rate
         within = (at[:, None] >= self.left - near) & (at[:, None] <= self.reached + near)
         return np.asarray(np.any(within & (self.to == np.sign(way)[:, None]), axis=1))
 
     @functools.cached_property
     def _share(self) -> float:
-        # Of all moments, that lie near a turn.
+        # The share of all samples that lie near a turn.
         near, lies = round(NEAR * self.rate), np.zeros(self.samples, dtype=bool)
         for left, reached in zip(self.left, self.reached, strict=True):
             lies[max(left - near, 0) : reached + near + 1] = True
         return float(np.mean(lies))
 
     def chance(self, met: NDArray[np.bool_]) -> float:
-        """Return how likely as many moments meet a turn of their way as do, had they nothing to do with it."""
+        """Return the probability that at least as many moments meet a turn of their direction by chance."""
         return float(binom.sf(np.sum(met) - 1, met.size, 0.5 * self._share))
 
 

@@ -1,4 +1,4 @@
-"""A log: what a real or simulated machine recorded, as it was recorded."""
+"""A log: the recording of a real or simulated machine."""
 
 from __future__ import annotations
 
@@ -24,25 +24,25 @@ SUPPLY_PRESSURE = "supply_pressure"
 TEMPERATURE, HEAD_PRESSURE, ROD_PRESSURE, VOLTAGE = "temperature", "pressure_head", "pressure_rod", "voltage"
 PUSH = "push"
 HELD_MASS = "held_mass"
-JOINED = " + "  # between the sources of logs that were joined
+JOINED = " + "  # separates the sources of logs that were joined
 MEASURED = (POSITION, VELOCITY, EFFORT, CURRENT, TEMPERATURE, HEAD_PRESSURE, ROD_PRESSURE)
 KNOWN = (*MEASURED, "position_ref", "velocity_ref")
 OF_JOINTS = (*KNOWN, VOLTAGE, PUSH)
 OF_MACHINE = (SUPPLY_PRESSURE, HELD_MASS)
-# Words by which a column holds what was asked for and not what was measured.
+# Words that mark a column as a set point, not a measurement.
 SET_WORDS = {"ref", "reference", "target", "desired", "des", "cmd", "command", "commanded", "setpoint", "error", "goal"}
-LIKE = 0.8  # of likeness to a known quantity, from which on a column's name is taken for misspelt
+LIKE = 0.8  # similarity to a known quantity; a column's name at least so similar is taken as misspelt
 
 
 @dataclass(frozen=True, repr=False)
 class Log:
-    """A table of instants, in SI units.
+    """A table of samples over time, in SI units.
 
     ``time`` and ``segment`` have shape (n,); time increases within a segment.  ``columns`` holds every numeric column
     under its full name (``position.elbow_joint``), each of shape (n,).  ``joints`` are the joints that have a
-    position column, in the order of the file.  ``faults`` are those of the recording that were found and mended;
-    ``unusable`` marks samples of a column, (n,), that were recorded but say nothing.  Where rows were left out,
-    ``recorded`` (m,) is the time of every row of the file and ``kept`` (m,) marks the n that stand here.  ``joined``
+    position column, in the order of the file.  ``faults`` are those of the recording that were found and repaired;
+    ``unusable`` marks samples of a column, (n,), that were recorded but carry no information.  Where rows were left
+    out, ``recorded`` (m,) is the time of every row of the file and ``kept`` (m,) marks the n that remain.  ``joined``
     are the names of several logs that were joined, each with the time at which it begins here.
     """
 
@@ -58,7 +58,7 @@ class Log:
     joined: tuple[tuple[str, float], ...] = ()
 
     def __repr__(self) -> str:
-        """The file, how much it holds, and of which joints."""
+        """The file, its number of rows, its length, and its joints."""
         seconds = float(self.time[-1] - self.time[0]) if self.time.size else 0.0
         return f"<Log '{self.source}': {self.time.size} rows over {seconds:.4g} s; {', '.join(self.joints)}>"
 
@@ -69,7 +69,7 @@ class Log:
 
     @property
     def logs(self) -> tuple[tuple[str, Span], ...]:
-        """The name and the span of time of each of the logs that were joined; of one that was not, all of it."""
+        """The name and the time span of each log that was joined; the whole time for a single log."""
         if len(self.joined) < 2:
             return ((self.name, EVER),)
         spans = itertools.pairwise([*(begin for _, begin in self.joined), math.inf])
@@ -88,7 +88,7 @@ class Log:
         return out
 
     def holding(self, mass: float) -> Log:
-        """Return the log of a robot that held a mass (kg) all the while.
+        """Return the log with a constant held mass (kg): the robot carried it all the time.
 
         Raises :class:`LogError` for a mass below zero.
         """
@@ -105,7 +105,10 @@ class Log:
 
 
 def check_joints(log: Log, robot_name: str, robot_joints: tuple[str, ...]) -> None:
-    """Raise :class:`LogError` unless the log speaks of the robot's joints, all of them and no others."""
+    """Raise :class:`LogError` unless the log's joints are exactly the robot's, and one at least has effort or current.
+
+    Columns of joints that the robot lacks, and misspelt quantities, are errors as well.
+    """
     unknown = [joint for joint in log.joints if joint not in robot_joints]
     listed = ", ".join(robot_joints)
     if unknown and len(unknown) == len(log.joints):
@@ -146,8 +149,8 @@ def check_joints(log: Log, robot_name: str, robot_joints: tuple[str, ...]) -> No
 
 
 def _misspelt(log: Log, quantity: str, joint: str) -> str | None:
-    # The measurement that a log lacks and that an unknown column was probably meant to be.  What was asked of a drive is
-    # no measurement, and a log that has an effort needs no current.
+    # The measurement that the log lacks and that an unknown column was probably meant to be.  Set points are none, and
+    # a log with an effort needs no current.
     if quantity in OF_JOINTS or SET_WORDS & set(quantity.split("_")):
         return None
     for meant in difflib.get_close_matches(quantity, MEASURED, n=1, cutoff=LIKE):

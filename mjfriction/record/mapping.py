@@ -1,4 +1,4 @@
-"""Which of a file's columns is which of a log's: read from a mapping file, or guessed from the names."""
+"""The mapping of a file's columns to a log's columns: read from a mapping file, or guessed from the names."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ SCALES: dict[str, dict[str, float]] = {
 """What a unit in a column's name makes of its numbers, by the quantity that it can be a unit of."""
 PLAIN_UNITS = {"rad", "rads", "s", "sec", "m", "nm", "n", "a", "c", "celsius"}
 UNITS = PLAIN_UNITS.union(*SCALES.values())
-GENERIC = {"joint", "joints", "link", "axis", "motor"}  # words of a joint's name that columns leave out
+GENERIC = {"joint", "joints", "link", "axis", "motor"}  # words of a joint's name that column names may leave out
 
 
 class Source(BaseModel):
@@ -67,14 +67,14 @@ class Source(BaseModel):
 
 @dataclass(frozen=True)
 class Mapping:
-    """A log's columns by their names, and where each comes from."""
+    """The ``sources`` of a log's columns, by the columns' names."""
 
     sources: dict[str, Source]
 
     def applied(self, table: pa.Table, where: str) -> pa.Table:
-        """Return a table with the log's columns in the place of the file's; all others are left out.
+        """Return a table with the log's columns in place of the file's; all others are left out.
 
-        Raises :class:`LogError` for a column that the table has not, or that holds no numbers.
+        Raises :class:`LogError` for a column that the table lacks, or that is to be scaled and is not numeric.
         """
         names = [name.strip() for name in table.schema.names]
         table = table.rename_columns(names)
@@ -130,10 +130,10 @@ def read_mapping(path: Path) -> Mapping:
 
 
 def guess_mapping(names: Sequence[str], joints: Sequence[str]) -> Mapping:
-    """Guess from a table's column names which is which: quantities by their usual words, joints by name or number.
+    """Guess the mapping from a table's column names: quantities by their usual words, joints by name or number.
 
-    What is asked of a drive (reference, command) is not taken for what it did.  A guess is shown to whoever it is for;
-    :attr:`sources` is what was found, and may lack a joint or the time.
+    References and commands to a drive are not taken as measurements.  The guess is meant to be shown to the user.  Its
+    :attr:`sources` hold what was found, and may lack a joint or the time.
     """
     found: dict[str, Source] = {}
     numbered: list[tuple[str, int, Source]] = []
@@ -158,7 +158,7 @@ def guess_mapping(names: Sequence[str], joints: Sequence[str]) -> Mapping:
                 number = next((int(word) for word in reversed(plain) if word.isdigit()), None)
                 if number is not None:
                     numbered.append((quantity, number, source))
-    # Positions may count from nought and torques from one.
+    # Each quantity may number the joints from 0 or from 1: positions from 0 and torques from 1, for instance.
     first = {own: min(number for quantity, number, _ in numbered if quantity == own) for own, _, _ in numbered}
     for quantity, number, source in numbered:
         if number - first[quantity] < len(joints):
@@ -167,8 +167,9 @@ def guess_mapping(names: Sequence[str], joints: Sequence[str]) -> Mapping:
 
 
 def clocked(guess: Mapping, table: pa.Table) -> Mapping:
-    """Return a guess for a table's columns whose clock, where its name tells no unit, goes by its usual step: seconds,
-    or what of milli-, micro- and nanoseconds makes the log one of 10 Hz to 10 kHz.
+    """Return a guess for a table's columns with the clock's unit, where its name states none, chosen by its usual step.
+
+    The unit is seconds, or the one of milli-, micro- and nanoseconds that makes the log one of 10 Hz to 10 kHz.
     """
     source = guess.sources.get(TIME)
     if source is None or source.scale != 1.0:
@@ -181,7 +182,7 @@ def clocked(guess: Mapping, table: pa.Table) -> Mapping:
 
 
 def template(names: Sequence[str], joints: Sequence[str]) -> str:
-    """Return the text of a mapping file to fill in: every column that is needed, beside the names there are."""
+    """Return the text of a mapping file to fill in: every column that is needed, and the names in the file."""
     wanted = [TIME, *(f"{quantity}.{joint}" for joint in joints for quantity in (POSITION, EFFORT))]
     lines = ["# Take the '#' away and put in the column's name. The file's columns are:"]
     lines += [f"#   {name}" for name in names]
@@ -190,7 +191,7 @@ def template(names: Sequence[str], joints: Sequence[str]) -> str:
 
 
 def _words(name: str) -> list[str]:
-    # jointPos3_deg and q[3] (deg) are joint, pos, 3, deg and q, 3, deg; mA, degC and Nm are each one word.
+    # jointPos3_deg gives joint, pos, 3, deg; q[3] (deg) gives q, 3, deg; mA, degC and Nm are one word each.
     for unit in ("mA", "degC", "deg C", "Nmm", "mNm", "kNm", "kN", "Nm"):
         name = re.sub(rf"(?<![A-Za-z]){unit}(?![A-Za-z])", "celsius" if unit.startswith("deg") else unit.lower(), name)
     parted = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
@@ -203,7 +204,7 @@ def _scale(quantity: str, words: list[str]) -> float:
 
 
 def _quantity(words: list[str]) -> str | None:
-    # The q of vel_q1 and tau_q1 numbers a joint; alone it is its position.
+    # The q of vel_q1 and tau_q1 is the name of a joint; alone it means its position.  So positions are tried last.
     for quantity in (VELOCITY, EFFORT, CURRENT, TEMPERATURE, POSITION):
         if any(word in QUANTITIES[quantity] for word in words):
             return quantity
@@ -216,7 +217,7 @@ def _named(words: list[str], joints: Sequence[str]) -> str | None:
         own = _words(joint)
         core = [word for word in own if word not in GENERIC]
         bare = [word for word in words if word not in GENERIC]
-        # A number alone may count from nought or from one: it is no name unless the whole of the name is there.
+        # A number alone may count from 0 or from 1, so it identifies a joint only as part of the whole name.
         named = any(not word.isdigit() for word in core)
         if _holds(words, own) or (named and _holds(bare, core)):
             inside.append(joint)

@@ -1,4 +1,4 @@
-"""Several logs of one machine as one."""
+"""Several logs of one machine joined to one."""
 
 from __future__ import annotations
 
@@ -12,15 +12,16 @@ from mjfriction.record.clock_restarts import PAUSE
 from mjfriction.record.log import JOINED, Log
 from mjfriction.record.resample import read_clock
 
-APART = 1.25  # of a step, up to which two logs count as sampled at one rate
+APART = 1.25  # highest ratio of the time steps of two logs that count as sampled at one rate
 
 
 def merge_logs(logs: Sequence[Log]) -> Log:
-    """Join logs of the same joints, each a segment (or several) of its own; columns that not all have are left out.
+    """Join logs of the same joints, each with segments of its own; columns that not all logs have are left out.
 
-    The clock runs on: every log begins a pause after the one before it ended, so that what changed between them shows.
+    The clock runs on: every log begins a pause after the end of the one before, so that changes between logs show over
+    time.
 
-    Raises :class:`LogError` when they have not the same joints, or were not sampled at one rate.
+    Raises :class:`LogError` when the logs have different joints or different sampling rates.
     """
     first = logs[0]
     if len(logs) == 1:

@@ -1,4 +1,4 @@
-"""The motion a log recorded: position, velocity and acceleration without phase lag, and what the drives reported."""
+"""The motion in a log: position, velocity and acceleration without phase lag, and the torques that drives reported."""
 
 from __future__ import annotations
 
@@ -19,34 +19,35 @@ from mjfriction.record.noise import raw_noise
 from mjfriction.record.recorded_velocity import velocity_lateness
 from mjfriction.record.resample import SHORTEST_PIECE, Clock, Grid, grid_segments, long_grids, onto_grid, read_clock
 
-EDGE_PERIODS = 3  # periods of the cutoff by which a piece is continued at both ends before it is filtered
-SETTLING_PERIODS = 3.0  # periods of the cutoff at each end of a piece that the filter's start and end touch
-STILL = 1e-5  # rad or m; a joint that travels less does not move to speak of
-# A joint is held, and only gives a little, where its travel and its speed are both below this share of the largest
-# among joints of its kind (sliding or turning); and, since it may be the only one of its kind, below a smaller share of
-# the largest of all, 1 m counting as 1 rad.
+EDGE_PERIODS = 3  # periods of the cutoff by which a piece is extrapolated at both ends before it is filtered
+SETTLING_PERIODS = 3.0  # periods of the cutoff at each end of a piece that the filter's start and end affect
+STILL = 1e-5  # rad or m; a joint that travels less counts as at rest
+# A joint is held by its drive, and only yields a little, where its travel and its speed are both below this share of
+# the largest among joints of its kind (sliding or turning).  As it may be the only one of its kind, it is also held
+# below a smaller share of the largest of all joints, 1 m counting as 1 rad.
 HELD, HELD_BESIDE_ANOTHER_KIND = 0.01, 0.001
-DAWDLING = 0.04  # of both, among joints of its kind, below which friction never leaves what every law has near rest
-USUALLY = 0.98  # of the time, for a controller that takes hold may let a joint drop
-SURE = 3.0  # deviations of the velocity's noise beyond which the direction of motion is known
-TOP = 0.99  # of samples, in which a joint is slower than at its top speed
-LEAST_SPEED = 1e-12  # rad/s or m/s, for logs without any noise
+# The same among joints of one kind; below both, friction stays near rest, where all laws agree.
+DAWDLING = 0.04
+USUALLY = 0.98  # quantile that stands for a joint's speed, as a joint may drop briefly when its controller takes over
+SURE = 3.0  # standard deviations of the velocity's noise beyond which the direction of motion is known
+TOP = 0.99  # quantile of speed that stands for a joint's top speed
+LEAST_SPEED = 1e-12  # rad/s or m/s, in place of the velocity's noise for logs without any
 # A joint that stops from any steady deceleration seems to swing back by 1.8 % of its fastest speed within two periods
-# of the cutoff: so much does the zero-phase filter of fourth order ring.
+# of the cutoff, as the fourth-order zero-phase filter rings by that much.
 RINGING, RINGING_PERIODS = 0.02, 2.0
-UNFOLDED = 0.35  # of a thinner rate, above which little may be left
+UNFOLDED = 0.35  # of the thinned rate; drive torques are low-passed there before thinning, to avoid aliasing
 
 
 @dataclass(frozen=True)
 class Motion:
-    """What the joints did, on an even clock.
+    """The motion of the joints on an evenly spaced clock.
 
     ``position``, ``velocity``, ``acceleration`` have shape (n, joints): rad, rad/s, rad/s² (m on sliding joints).
     ``torque`` is what the drives reported, unfiltered, NaN where a joint has none; ``quantity`` says whether that is
     ``"effort"`` (N·m, N) or ``"current"`` (A).  ``velocity_noise`` (joints,) is the standard deviation of the
-    estimated velocity.  ``settled`` (n,) is False near the ends of pieces.  ``columns`` are the log's other columns on
-    the same clock.  ``sliding`` (joints,) says which joints slide.  ``jump_free`` are the joints, as indices, whose
-    sensors' jumps across play have been taken off.
+    estimated velocity's noise.  ``settled`` (n,) is False near the ends of pieces.  ``columns`` are the log's other
+    columns on the same clock.  ``sliding`` (joints,) says which joints slide.  ``jump_free`` are the indices of the
+    joints whose sensors' jumps across play (backlash) have been removed.
     """
 
     joints: tuple[str, ...]
@@ -69,13 +70,13 @@ class Motion:
 
     @functools.cached_property
     def pieces(self) -> tuple[slice, ...]:
-        """The samples of each piece, which are next to one another."""
+        """The contiguous samples of each piece."""
         bounds = [0, *(np.flatnonzero(np.diff(self.piece)) + 1).tolist(), self.piece.size]
         return tuple(slice(first, past) for first, past in itertools.pairwise(bounds))
 
     @property
     def travel_noise(self) -> Floats:
-        """How far the velocity's noise, white in the filter's band, seems to move a joint to and fro, (joints,)."""
+        """Apparent travel of a joint from the velocity's noise, which is white in the filter's band, (joints,)."""
         return np.asarray(self.velocity_noise * np.sqrt(3.0) / (2.0 * np.pi * self.cutoff))
 
     @functools.cached_property
@@ -85,13 +86,13 @@ class Motion:
 
     @property
     def resting_speed(self) -> Floats:
-        """Speed within which noise alone may make a joint at rest seem to move, (joints,); never quite 0."""
+        """Speed up to which noise alone can make a joint at rest seem to move, (joints,); always above 0."""
         return np.asarray(SURE * np.maximum(self.velocity_noise, LEAST_SPEED))
 
     @functools.cached_property
     def sure_speed(self) -> Floats:
-        """Speed beyond which a joint's direction of motion is known, (n, joints): three deviations of the velocity's
-        noise, and what the position's filter rings by after a stop.
+        """Speed beyond which a joint's direction of motion is known, (n, joints): the larger of three standard
+        deviations of the velocity's noise, and the ringing of the position filter after a stop.
         """
         reach = 2 * int(np.ceil(RINGING_PERIODS * self.rate / self.cutoff)) + 1
         fastest = np.concatenate([maximum_filter1d(np.abs(self.velocity[own]), reach, axis=0) for own in self.pieces])
@@ -101,7 +102,7 @@ class Motion:
     def moving(self) -> NDArray[np.bool_]:
         """Whether each joint moves anywhere in the log, shape (joints,).
 
-        One that its drive holds while others move, and that only gives a little, does not.
+        A joint that its drive holds while others move, and that only yields a little, does not.
         """
         least = np.maximum(20.0 * self.velocity_noise / max(self.cutoff, 1.0), STILL)
         travel, speed = self._usual_reach
@@ -111,10 +112,10 @@ class Motion:
 
     @property
     def dawdling(self) -> NDArray[np.bool_]:
-        """Whether each joint hardly moves beside others of its kind, sliding or turning, shape (joints,).
+        """Whether each joint hardly moves compared to others of its kind, sliding or turning, shape (joints,).
 
-        It is then all the time as slow as others are while they turn, and within the travel in which contacts yield:
-        what its friction does there is no word on its law.
+        Such a joint is always as slow as others are during reversals, and stays within the travel in which contacts
+        yield elastically.  Its friction there says nothing about its law.
         """
         return self._below(DAWDLING)
 
@@ -130,20 +131,20 @@ class Motion:
 
     @functools.cached_property
     def _usual_reach(self) -> tuple[Floats, Floats]:
-        # How far and how fast each joint goes.
+        # The travel and the usual speed of each joint.
         return np.ptp(self.position, axis=0), np.quantile(np.abs(self.velocity), USUALLY, axis=0)
 
     def part(self, samples: slice | Integers) -> Motion:
-        """Return the motion of some samples; its clock and grids stay those of the whole."""
+        """Return the motion of some samples; its clock and grids remain those of the whole."""
         sampled = ("time", "piece", "position", "velocity", "acceleration", "torque", "settled")
         columns = {name: values[samples] for name, values in self.columns.items()}
         return replace(self, columns=columns, **{name: getattr(self, name)[samples] for name in sampled})
 
     def thinned(self, every: int) -> Motion:
-        """Return the motion by one sample of so many.
+        """Return the motion by one sample in ``every``.
 
-        Positions have nothing left that fewer samples do not show, as long as there are a few of them in a period of
-        the cutoff; what the drives reported goes through a low-pass first, so that nothing of it folds into their band.
+        Positions are low-passed already and lose nothing, as long as a few samples remain per period of the cutoff.
+        The reported torques are low-passed first, so that nothing aliases into their band.
         """
         if every == 1:
             return self
@@ -154,7 +155,7 @@ class Motion:
         return replace(part, rate=self.rate / every, grids=tuple(grids))
 
     def differentiated(self, values: Floats) -> Floats:
-        """Return the derivative of values (n, …) along the motion, each piece by central differences."""
+        """Return the time derivative of values (n, …) along the motion, each piece by central differences."""
         out = np.empty_like(values)
         for own in self.pieces:
             course, change = values[own], out[own]
@@ -165,7 +166,7 @@ class Motion:
         return out
 
     def low_passed(self, values: Floats, band: float) -> Floats:
-        """Return values (n, …) along the motion, each piece through a low-pass at ``band`` (Hz) that shifts nothing."""
+        """Return values (n, …) along the motion, each piece through a zero-phase low-pass at ``band`` (Hz)."""
         out = np.empty_like(values)
         for own in self.pieces:
             out[own] = low_passed(values[own], self.rate, band)
@@ -173,13 +174,13 @@ class Motion:
 
 
 def estimate_motion(log: Log, joints: Sequence[str], cutoff: float, sliding: Sequence[bool] | None = None) -> Motion:
-    """Estimate velocity and acceleration of every joint by a filter that shifts nothing in time.
+    """Estimate velocity and acceleration of every joint by a zero-phase filter.
 
     Position is filtered forward and backward by a Butterworth low-pass of fourth order at ``cutoff`` (Hz) and
     differentiated by central differences of fourth order, piece by piece, so that nothing leaks across a gap or from
-    one segment into the next.  Where the log has a measured velocity that is quieter than the derivative of position
-    and agrees with it, velocity and acceleration come from that instead, as early as position tells.  ``sliding``
-    (joints,) says which joints slide; without it all count as turning.
+    one segment into the next.  Where the log has a measured velocity that is less noisy than the derivative of position
+    and agrees with it, velocity and acceleration come from that instead, with its lag behind position removed.
+    ``sliding`` (joints,) says which joints slide; without it all count as turning.
 
     Raises :class:`LogError` when no piece of the log is long enough, or where time does not increase from one segment
     to the next.
@@ -265,8 +266,8 @@ def estimate_motion(log: Log, joints: Sequence[str], cutoff: float, sliding: Seq
 def smooth_derivatives(motion: Motion, values: Floats, share: float = 1.0) -> list[Floats]:
     """Return values (n,) on a motion's clock through its position filter, with their two derivatives, each (n,).
 
-    What is held against filtered positions must be filtered alike; a ``share`` of its cutoff below 1 takes noise away
-    that the values carry themselves.
+    Values that are compared to filtered positions must be filtered in the same way.  A ``share`` of the cutoff below 1
+    removes noise of the values themselves.
     """
     cutoff = share * motion.cutoff
     slow = butterworth(ORDER, cutoff, motion.rate)
@@ -293,8 +294,8 @@ def back_to_log(motion: Motion, log: Log, values: Floats) -> Floats:
 
 
 def _low_pass(slow: LowPass, piece: Floats, edge: int) -> tuple[Floats, int]:
-    # A log often starts or ends in the middle of a motion.  The piece is continued at both ends by the cubic through
-    # its own end, so that velocity and acceleration run on, and returned with that margin so that derivatives at the
+    # A log often starts or ends in the middle of a motion.  The piece is extrapolated at both ends by a cubic fitted to
+    # each end, so that velocity and acceleration continue.  It is returned with that margin, so that derivatives at the
     # first and last sample are central ones too.
     margin = min(edge, piece.size - 1)
     before = _continued(piece[: margin + 1][::-1])[::-1]
@@ -310,8 +311,8 @@ def _continued(end: Floats) -> Floats:
 
 @functools.lru_cache(maxsize=64)
 def _cubic_through(known: int, count: int) -> tuple[Floats, Floats]:
-    # What gives the cubic through all but the first ``known`` of a ``count`` of values, and the values after them from
-    # that cubic, as many as there are but one.
+    # Two matrices for ``count`` values: one fits a cubic to all but the first ``known`` of them, the other evaluates it
+    # at the ``count`` − 1 samples that follow.
     before, beyond = np.arange(1 + known - count, 1) / count, np.arange(1, count) / count
     return np.asarray(np.linalg.pinv(np.vander(before, 4)), dtype=float), np.vander(beyond, 4)
 

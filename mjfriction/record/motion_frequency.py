@@ -1,4 +1,4 @@
-"""How quickly a joint moves."""
+"""The highest frequency in a joint's motion."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ import numpy as np
 from mjfriction.record.log import Floats
 
 MOTION_POWER = 0.9999  # share of the position's power that counts as the motion
-HARDLY = 0.04  # of the farthest travel of a kind, within which what a joint does is no motion to go by
-ABOVE_NOISE = 30.0  # times the noise's power in a bin from which on the bin is taken as motion
+HARDLY = 0.04  # of the farthest travel of joints of its kind; a joint that travels less is left out
+ABOVE_NOISE = 30.0  # times the noise's median power in a bin; a bin with more is taken as motion
 
 
 def motion_frequency(position: Floats, rate: float) -> float:
     """Return the highest frequency (Hz) of the motion in positions (n,) sampled at a ``rate`` (Hz), 0 where they rest.
 
-    Up to it are 99.99 % of their power, what is noise left out.
+    99.99 % of the positions' power lies below it, noise excluded.
     """
     count = position.size
     if count < 16 or np.ptp(position) == 0.0:
@@ -25,8 +25,9 @@ def motion_frequency(position: Floats, rate: float) -> float:
     frequency = np.fft.rfftfreq(count, 1.0 / rate)
     power = np.square(np.abs(spectrum))
     floor = float(np.median(power[3 * power.size // 4 :]))
-    # The power of noise in one bin is exponentially distributed: next to none of it reaches so far above its median.
-    # Position's power is counted, not velocity's, in which the lines of a coarse encoder would weigh too much.
+    # The power of noise in one bin is exponentially distributed, so hardly any bin reaches so far above the median.
+    # The power of position is counted rather than that of velocity, where the spectral lines of a coarse encoder would
+    # weigh too much.
     motion = np.cumsum(np.where(power > ABOVE_NOISE * floor, power, 0.0))
     if motion[-1] <= 0.0:
         return 0.0
@@ -36,8 +37,8 @@ def motion_frequency(position: Floats, rate: float) -> float:
 def quickest_motion(position: Floats, pieces: Sequence[slice], rate: float, sliding: Sequence[bool]) -> float:
     """Return the highest frequency (Hz) of the motion of several joints (n, joints), ``sliding`` or not (joints,).
 
-    Each is looked at in the one of its ``pieces`` in which it travels farthest, and one that hardly moves beside others
-    of its kind is not: at rest, and on short ways, a joint trembles as its drive does.
+    Each joint is examined in the one of the ``pieces`` in which it travels farthest.  A joint that hardly moves
+    compared to others of its kind is left out: at rest and over short travel, a joint vibrates with its drive.
     """
     travels = np.array([np.ptp(position[piece], axis=0) for piece in pieces])  # (pieces, joints)
     travel, slides = np.max(travels, axis=0), np.array(sliding)

@@ -1,4 +1,4 @@
-"""How noisy a sampled signal is, told from the signal alone."""
+"""The noise level of a sampled signal, estimated from the signal alone."""
 
 from __future__ import annotations
 
@@ -9,23 +9,23 @@ import numpy as np
 from mjfriction.record.log import Floats, Log
 from mjfriction.record.resample import Clock, even_grid, onto_grid
 
-ORDER = 8  # differences of this order leave noise and next to nothing of a motion sampled well
+ORDER = 8  # differences of this order keep the noise and almost nothing of a well-sampled motion
 TRIMMED = 0.01  # share of the largest differences left out: jumps at reversals and single-sample glitches
 
 
 def noise_level(pieces: list[Floats]) -> float:
     """Return the standard deviation of the white part of a signal.
 
-    The differences of order p of white noise have the variance C(2p, p)·σ²; a motion of frequency f sampled at rate r
-    leaves (2πf/r)^p of itself, so that p = 8 separates the two wherever the sampling is adequate.  ``pieces`` are
-    stretches sampled evenly, each of shape (n,).
+    The differences of order p of white noise have the variance C(2p, p)·σ².  A motion of frequency f sampled at rate r
+    keeps (2πf/r)^p of its amplitude, so that p = 8 separates the two wherever the sampling is adequate.  ``pieces`` are
+    evenly sampled stretches, each of shape (n,).
     """
     differences = [np.diff(piece, n=ORDER) for piece in pieces if piece.size > 2 * ORDER]
     if not differences:
         return 0.0
     squares = np.sort(np.square(np.concatenate(differences)))
     kept = squares[: max(1, int(squares.size * (1.0 - TRIMMED)))]
-    # The mean of a normal variable's squares without their largest 1 %.
+    # The mean of the squares of a standard normal variable, without the contribution of the largest 1 %.
     correction = 1.0 - 2.0 * _trimmed_share()
     return math.sqrt(float(np.mean(kept)) * (1.0 - TRIMMED) / (correction * math.comb(2 * ORDER, ORDER)))
 

@@ -1,4 +1,4 @@
-"""A joint's measured velocity, held against its position: whether it is that position's, when, and tells more."""
+"""A joint's measured velocity against its position: whether they agree, its lag, and whether it adds information."""
 
 from __future__ import annotations
 
@@ -11,24 +11,25 @@ from mjfriction.record.low_pass import ORDER, butterworth
 from mjfriction.record.noise import raw_noise
 from mjfriction.record.resample import Clock, long_grids, onto_grid, read_clock
 
-AGREEMENT = 0.03  # measured velocity is believed when its gain is within this of the derivative of position
-LIKENESS = 0.95  # correlation from which on a measured velocity is that of its position, whatever its unit or clock
-LATEST = 0.1  # periods of the cutoff by which it may come late, as a drive's does that is filtered
-SLOWLY = 0.1  # of the cutoff, below which both are compared
-# Hz, and of the rate, up to which from half of it on noise is looked for: above what arms do, and below what a drive's
-# low-pass leaves nothing of.
+AGREEMENT = 0.03  # a measured velocity is used only if its gain deviates less than this from the derivative of position
+LIKENESS = 0.95  # correlation beyond which a measured velocity belongs to its position, whatever its unit or clock
+LATEST = 0.1  # periods of the cutoff; longest lag that is accepted, such as a drive's low-pass causes
+SLOWLY = 0.1  # of the cutoff; both are low-passed there to be compared
+# Upper end of the band in which noise is examined, Hz and share of the sampling rate; it begins at half of that.  The
+# band is above an arm's motion, and below the frequencies that a drive's low-pass removes.
 QUICKLY, MOST_QUICKLY = 80.0, 0.4
-SPELL = 0.5  # s, of which coherence is averaged
-NOISE_ALONE = 3.0  # times what noise alone makes, that may be there for it to be noise
-COHERENT = 0.5  # of a velocity's power there, that goes with its position's
+SPELL = 0.5  # s, length of the windows over which coherence is averaged
+NOISE_ALONE = 3.0  # times the noise's power; a position with more power in the band than this also moves there
+COHERENT = 0.5  # mean coherence in the band beyond which a velocity is computed from its position
 
 
 def velocity_lateness(log: Log, joint: str, cutoff: float, clock: Clock) -> float | None:
-    """Return by how much (s) a joint's measured velocity comes after its position's: most drives filter theirs.
+    """Return how far (s) a joint's measured velocity lags behind its position's derivative: most drives filter theirs.
 
-    None where it is not the position's: another in gain, or in time by more than a low-pass of that ``cutoff`` (Hz)
-    allows; or where it is made of that position, noise and all, so that it tells nothing more, however smooth it is.
-    Both are compared slowly: where noise makes most of the acceleration, a velocity that comes late looks like none.
+    None where the two do not agree: in gain, or in time by more than LATEST periods of the ``cutoff`` (Hz).  None also
+    where the velocity is computed from that position, noise included, and so adds no information, however smooth it is.
+    Both are compared at low frequencies: where noise dominates the acceleration, a velocity that lags seems not to
+    agree at all.
     """
     compared = _compared_slowly(log, joint, cutoff, clock)
     if compared is None or _made_of_it(log, joint, clock):
@@ -41,15 +42,17 @@ def velocity_lateness(log: Log, joint: str, cutoff: float, clock: Clock) -> floa
 
 
 def velocity_ratio(log: Log, joint: str, cutoff: float) -> float | None:
-    """Return what a joint's measured velocity reads over what its position does on the log's clock, slowly, well below
-    ``cutoff`` (Hz); None where they are not alike at all, there is no such column, or the clock is none.
+    """Return a joint's measured velocity over the derivative of its position by the log's clock, at low frequencies,
+    well below ``cutoff`` (Hz).
+
+    None where the two are not correlated, the log has no such column, or its clock cannot be used.
     """
     if log.channel(VELOCITY, joint) is None:
         return None
     try:
         clock = read_clock(log)
     except LogError:
-        return None  # a few rows, or uneven ones, of a log that as a whole is none such
+        return None  # a part of a log may have too few or too uneven rows, even if the whole log has not
     compared = _compared_slowly(log, joint, cutoff, clock)
     if compared is None:
         return None
@@ -59,8 +62,8 @@ def velocity_ratio(log: Log, joint: str, cutoff: float) -> float | None:
 
 
 def _made_of_it(log: Log, joint: str, clock: Clock) -> bool:
-    # Whether a joint's velocity goes with its position at frequencies where that is nothing but noise.  (Differences
-    # of both, or the motion far below would leak into them.)
+    # Whether a joint's velocity is coherent with its position at frequencies where the position is only noise.  Both
+    # are differenced, or the motion at far lower frequencies would leak into the band.
     position, velocity = log.channel(POSITION, joint), log.channel(VELOCITY, joint)
     if position is None or velocity is None:
         return False
@@ -81,7 +84,7 @@ def _made_of_it(log: Log, joint: str, clock: Clock) -> bool:
 
 
 def _compared_slowly(log: Log, joint: str, cutoff: float, clock: Clock) -> tuple[Floats, Floats, Floats] | None:
-    # A joint's measured velocity, its rate of change, and the rate of change of its position, all low-passed alike.
+    # A joint's measured velocity, its rate of change, and the rate of change of its position, all low-passed equally.
     position, velocity = log.channel(POSITION, joint), log.channel(VELOCITY, joint)
     grids = long_grids(log, clock)
     if position is None or velocity is None or not grids:
@@ -92,7 +95,7 @@ def _compared_slowly(log: Log, joint: str, cutoff: float, clock: Clock) -> tuple
         [slow.to_and_fro(onto_grid(values, log.time, grid, smooth=True)) for grid in grids]
         for values in (position, velocity)
     ]
-    # What the filter's ends touch is left out.
+    # Samples near the ends, which the filter affects, are left out.
     edge = int(rate / (SLOWLY * cutoff))
     inner = [slice(edge, piece.size - edge) if piece.size > 4 * edge else slice(None) for piece in smooth[0]]
     own = np.concatenate([piece[part] for piece, part in zip(smooth[1], inner, strict=True)])

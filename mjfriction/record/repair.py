@@ -1,4 +1,4 @@
-"""A log with the faults of its recording taken out, and said."""
+"""Repair of a log: the faults of its recording are removed and reported."""
 
 from __future__ import annotations
 
@@ -19,16 +19,20 @@ from mjfriction.record.runs import Mask, spans
 from mjfriction.record.stuck import frozen, stuck
 from mjfriction.record.ticks import TICKS, tick_of
 
-SLOWEST_CLOCK = 1.0  # s, steps from which on no clock counts seconds: one in milliseconds makes them 1 kHz at most
-FASTEST = 30.0  # rad/s or m/s, that a joint is usually slower than
-ENDS = 0.01  # of a joint's samples, at either end of its travel, that glitches may be
-FEW_COUNTS = 20  # of a sensor
-MOST_CLIPPED = 0.8  # of a channel's samples; past that it is no recording of a torque
+# s; longer steps are not in seconds: steps of 1 or more in milliseconds are those of a log of 1 kHz at most.
+SLOWEST_CLOCK = 1.0
+FASTEST = 30.0  # rad/s or m/s, beyond the usual speed of any joint
+ENDS = 0.01  # share of a joint's samples at either end of its travel that are ignored, as they may be glitches
+FEW_COUNTS = 20  # distinct readings of a channel; with no more, its sensor is too coarse to detect clipping at rest
+MOST_CLIPPED = 0.8  # of a channel's samples; beyond this the channel is not a recording of a torque
 
 
 def in_seconds(log: Log) -> Log:
-    """Return the log with its clock read in milli-, micro- or nanoseconds, and that said, where it ticks too slowly for
-    one in seconds and no joint would be faster than any is: a log of a row every second or more is left as it is.
+    """Return the log with its clock read in milli-, micro- or nanoseconds where its steps are too long for seconds, and
+    a fault that reports it.
+
+    The clock is kept where a joint would then be faster than any real one: the log really has a row every second or
+    more.
     """
     steps = steps_of(log)
     step = float(np.median(np.diff(log.time))) if steps is None else burst_step(steps) or steps.ordinary
@@ -43,8 +47,9 @@ def in_seconds(log: Log) -> Log:
 
 
 def without_repeats(log: Log) -> Log:
-    """Return the log without rows that repeat earlier ones, at once or a stretch of them later, or hold one while the
-    machine moves on, and with that said.
+    """Return the log without repeated rows, and faults that report them.
+
+    Rows may be written twice, repeat an earlier stretch of rows, or hold one row while the machine moves on.
     """
     once = _without_repeated(log, written_again(log.time, log.segment, log.columns))
     return _without_repeated(once, repeated_rows(once.columns) | held_rows(once.columns, _unbroken(once)))
@@ -60,7 +65,7 @@ def _without_repeated(log: Log, repeated: Mask) -> Log:
 
 
 def repaired(log: Log) -> Log:
-    """Return the log with glitches bridged, stuck stretches left out and clipped efforts marked as unusable."""
+    """Return the log with glitches bridged, stuck positions left out, and clipped or stuck efforts marked unusable."""
     columns = dict(log.columns)
     faults = list(log.faults)
     unusable = dict(log.unusable)
@@ -80,7 +85,7 @@ def repaired(log: Log) -> Log:
         effort = next((columns[f"{own}.{joint}"] for own in (EFFORT, CURRENT) if f"{own}.{joint}" in columns), None)
         course = np.cumsum(speed * np.diff(log.time, prepend=log.time[0]))
         still = stuck(columns[f"{POSITION}.{joint}"], speed, piece, effort, course)
-        # What gives of a joint that is held goes by single counts.
+        # A joint that is held, and only yields, moves by single counts of its encoder, which would look stuck.
         if np.any(still) and travel[joint] > HELD * max(travel.values()):
             fault = _found_at(log, "data.stuck", f"{POSITION}.{joint}", still, "those rows were left out")
             faults.append(replace(fault, spans=_places(log, still)))
@@ -90,7 +95,7 @@ def repaired(log: Log) -> Log:
             name = f"{quantity}.{joint}"
             if name not in columns:
                 continue
-            # What a coarse sensor reads of a joint that is held is a few counts, the least and the most among them.
+            # Of a joint that is held, a coarse sensor reads only a few counts, so that it is often at its extremes.
             held_still = not np.any(moving) and np.unique(columns[name]).size > FEW_COUNTS
             flat = clipped(columns[name], ~moving if held_still else moving)
             held = frozen(columns[name], moving) & ~flat
@@ -110,13 +115,13 @@ def repaired(log: Log) -> Log:
 
 
 def _unbroken(log: Log) -> Integers:
-    # What was recorded without a break, by its number: segments, and what lies between their gaps.
+    # The number of the unbroken stretch that each row belongs to: segments, cut at their gaps.
     steps = steps_of(log)
     if steps is None:
         return log.segment
     ordinary = steps.ordinary
     if (sampled := burst_step(steps)) is not None:
-        ordinary = max(sampled, float(np.max(steps.length[steps.joined])) / GAP_STEPS)  # rows that come late are no gap
+        ordinary = max(sampled, float(np.max(steps.length[steps.joined])) / GAP_STEPS)  # pauses of bursts are no gaps
     return np.append(0, np.cumsum(~steps.joined | (np.abs(steps.length) > GAP_STEPS * ordinary)))
 
 
@@ -158,7 +163,7 @@ def _places(log: Log, mask: np.ndarray) -> tuple[tuple[float, float], ...]:
 def without_rows(log: Log, rows: Mask) -> Log:
     """Return the log without some of its rows, (n,)."""
     kept = ~rows
-    # What stands on either side of a stretch left out is not one motion, however short the stretch.
+    # A new segment begins after every stretch left out, however short: the rows on either side are not one motion.
     piece = np.cumsum(np.append(0, np.diff(log.segment) != 0) | np.append(False, rows[:-1] & ~rows[1:]))
     return replace(
         log,

@@ -1,4 +1,4 @@
-"""A part of a log, and a log with columns read as they should have been."""
+"""A part of a log, and a log whose columns are reinterpreted as they should have been read."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ Value = TypeVar("Value", bound=np.generic)
 
 
 def part_of(log: Log, span: Span) -> Log:
-    """Return the rows of a log within a span of time."""
+    """Return the rows of a log within a time span."""
     own = within(span, log.time)
     return log if np.all(own) else without_rows(log, ~own)
 
 
 def reread(log: Log, mend: Mend) -> Log:
-    """Return the log with columns times their factors, and those that were exchanged in their places, within the span
-    of the mend; columns that the log has not are left aside.
+    """Return the log with the mend applied within its span: columns multiplied by their factors, and exchanged columns
+    swapped back.  Columns that the log lacks are ignored.
     """
     own = within(mend.span, log.time)
     columns, unusable = dict(log.columns), dict(log.unusable)

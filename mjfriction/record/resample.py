@@ -1,4 +1,4 @@
-"""A log on an even clock: split where samples are missing, evened out where the clock only jitters."""
+"""A log on an evenly spaced clock: split where samples are missing, resampled where the clock only jitters."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from mjfriction.errors import LogError
 from mjfriction.record.log import Floats, Integers, Log
 
 GAP_STEPS = 4.0  # a step longer than this many ordinary ones is a gap, not jitter
-WORST_JITTER = 0.5  # spread of the steps, relative to the ordinary one, past which nothing can be differentiated
-SLOWEST = 0.1  # s between samples
-SHORTEST_PIECE = 60  # samples; shorter pieces are all edge
-EVEN = 1e-3  # spread up to which the samples are taken as even
+WORST_JITTER = 0.5  # standard deviation of the steps, relative to the ordinary one, beyond which a log is refused
+SLOWEST = 0.1  # s, longest ordinary step
+SHORTEST_PIECE = 60  # samples; in shorter pieces, the filter's ends affect every sample
+EVEN = 1e-3  # of a step; samples that deviate less from an even grid are taken as even
 
 
 @dataclass(frozen=True)
 class Clock:
-    """When a log was sampled: contiguous pieces, the ordinary step and how far real steps stray from it.
+    """When a log was sampled: contiguous pieces, the ordinary step (s), and the jitter around it, relative to the step.
 
     ``pieces`` are (first row, row past the last); ``gaps`` are (row before, row after) of missing stretches.
     """
@@ -33,7 +33,9 @@ class Clock:
 
 @dataclass(frozen=True)
 class Grid:
-    """One contiguous piece of a log on an even grid: ``rows`` of the log it stands for, and the even ``time``."""
+    """One contiguous piece of a log on an even grid: its ``rows`` of the log, the evenly spaced ``time``, and whether
+    that was ``moved`` from the log's own instants.
+    """
 
     rows: slice
     time: Floats
@@ -83,9 +85,9 @@ def even_grid(log: Log, clock: Clock, piece: tuple[int, int]) -> Grid:
 
 
 def onto_grid(values: Floats, log_time: Floats, grid: Grid, *, smooth: bool, late: float = 0.0) -> Floats:
-    """Return a column of the log on the grid: by cubic spline where it is smooth (positions), else linearly.
+    """Return a column of the log on the grid: by cubic spline where it is smooth (positions), otherwise linearly.
 
-    One that was recorded ``late`` (s) is put to the time it belongs to.
+    A column that was recorded ``late`` (s) is shifted back by that time.
     """
     piece = values[grid.rows]
     if not grid.moved and late == 0.0:
@@ -97,10 +99,10 @@ def onto_grid(values: Floats, log_time: Floats, grid: Grid, *, smooth: bool, lat
 
 
 def grid_segments(grids: list[Grid]) -> Integers:
-    """Return the number of the grid each of the concatenated grid samples belongs to."""
+    """Return the number of the grid that each of the concatenated grid samples belongs to."""
     return np.concatenate([np.full(grid.time.size, i, dtype=np.int64) for i, grid in enumerate(grids)])
 
 
 def long_grids(log: Log, clock: Clock) -> list[Grid]:
-    """Return the pieces of a log that are long enough to be filtered, each on an even grid."""
+    """Return the pieces of a log that are long enough to be filtered, each on its even grid."""
     return [even_grid(log, clock, piece) for piece in clock.pieces if piece[1] - piece[0] >= SHORTEST_PIECE]

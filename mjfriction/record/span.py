@@ -1,4 +1,4 @@
-"""A span of time, from a moment on and up to another."""
+"""A time span: from its first moment on, up to but excluding its last."""
 
 from __future__ import annotations
 
@@ -12,5 +12,5 @@ EVER: Span = (-math.inf, math.inf)
 
 
 def within(span: Span, time: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return which of the moments (n,), s, lie in a span."""
+    """Return which moments (n,), in s, lie in a span."""
     return (time >= span[0]) & (time < span[1])

@@ -1,4 +1,4 @@
-"""Channels that stand still in the middle of motion, or repeat themselves where they are noisy else."""
+"""Channels that stand still in the middle of motion, or repeat one value where they are otherwise noisy."""
 
 from __future__ import annotations
 
@@ -8,15 +8,17 @@ from mjfriction.record.counts import count_of, least_jump
 from mjfriction.record.runs import Floats, Integers, Mask, bounds_of, numbered, runs_of
 
 SHORTEST_STUCK = 20  # samples
-STUCK_SPEED = 0.4  # of the usual speed, just before or after a standstill, that no joint stops from at once
-NEAR = 6  # samples beside a standstill, that tell how fast a joint was
-KNOWN_BY = 3.5  # counts of an encoder, that a joint must have gone there for its speed to be known
-NO_RUN_UP = 0.7  # of the speed further away, that a joint has right beside a standstill if it did not slow down for it
-CAUGHT_UP = 2.5  # times the steps after it, that a reading makes which comes unstuck
-WORKS_ON, SMOOTHED = 0.3, 9  # of an effort's usual spread, that it has while its joint moves; samples of a mean
-LONGER = 4.0  # times the longest ordinary run of equal samples, for a run to be no rest of the encoder
-MOVED = 0.3  # of a frozen stretch that the joint moves in: more than a rest with its run-down
-RARELY = 0.01  # of the rows at rest, that noise repeats the one before in
+STUCK_SPEED = 0.4  # of the usual speed; no joint stops at once from a higher speed just before or after a standstill
+NEAR = 6  # samples beside a standstill, from which the joint's speed there is taken
+KNOWN_BY = 3.5  # encoder counts that a joint must have moved in these samples for its speed to be known
+NO_RUN_UP = 0.7  # of the speed farther away; a joint faster than this right beside a standstill did not slow down
+CAUGHT_UP = 2.5  # times the largest step that follows; a reading that becomes unstuck makes a larger step than this
+# Of an effort's earlier standard deviation; while its joint moves, the effort has more.  It is smoothed over SMOOTHED
+# samples.
+WORKS_ON, SMOOTHED = 0.3, 9
+LONGER = 4.0  # times an ordinarily long run of equal samples; a shorter run is the encoder's resolution
+MOVED = 0.3  # of a frozen stretch; the joint moves in more of it than in a rest together with the slowing down to it
+RARELY = 0.01  # highest share of rows at rest in which a noisy channel repeats the row before
 
 
 def stuck(
@@ -26,14 +28,16 @@ def stuck(
     effort: Floats | None = None,
     course: Floats | None = None,
 ) -> Mask:
-    """Return where a channel stands still at once in the middle of motion, (n,).
+    """Return where a channel abruptly stands still in the middle of motion, (n,).
 
-    ``speed`` (n,) is how fast the joint moves by another account (its own neighbours' samples, or its velocity column).
-    A rest has a run-down before or a run-up after; a stuck channel has not, and is at once where the joint has gone.
-    Where it moves on by that account, it is stuck however it comes loose; ``course`` (n,) is where it is by then: the
-    noise of a velocity goes nowhere.  ``piece`` (n,) numbers what was recorded without a break: the next one begins
-    where the joint is by then.  A joint that stands still up to the end of one rests where its ``effort`` (n,) rests
-    too; where none is given it is stuck.
+    ``speed`` (n,) is the joint's speed from the neighbouring samples or from its velocity column.  A real rest has a
+    run-down before it or a run-up after it.  A stuck channel has neither, and jumps to where the joint has moved.
+
+    Where ``speed`` shows that the joint moves on during the standstill, the channel is stuck however it comes loose.
+    ``course`` (n,), the integral of ``speed``, must then move too, as the noise of a measured velocity integrates to
+    nothing.  ``piece`` (n,) numbers the stretches recorded without a break: the next one begins where the joint is by
+    then.  A joint that stands still up to the end of a piece is at rest if its ``effort`` (n,) is steady as well; where
+    no effort is given, it is stuck.
     """
     out = np.zeros(values.size, dtype=bool)
     piece = numbered(piece, values.size)
@@ -55,22 +59,23 @@ def stuck(
             out[a:b] = True
         if step > jump or b - a < LONGER * ordinary:
             continue
-        # A coarse encoder flickers while its joint rests, and of one that creeps it tells the pace by single counts.
+        # A coarse encoder flickers while its joint rests, and shows a creeping joint's speed only by single counts.
         came = abs(values[first] - values[a]) > KNOWN_BY * count
         went = abs(values[min(past, int(end[a]) - 1)] - values[b - 1]) > KNOWN_BY * count
         before, after = np.abs(speed[first:a]), np.abs(speed[b - 1 : past])
         from_motion = came and _at_once(before[::-1], usual)
-        # What was hidden of a motion is made up for in one step; a joint that begins to move makes no longer one than
-        # those that follow.
+        # A stuck reading makes up for the hidden motion in one step.  The first step of a joint that starts to move is
+        # no longer than those that follow.
         into_motion = went and _at_once(after, usual)
         into_motion = into_motion and step > CAUGHT_UP * float(np.max(np.abs(np.diff(values[b:past])), initial=0.0))
-        # A velocity that is measured says so itself, though it be filtered late.
+        # A measured velocity shows motion during the standstill, even if the drive's filter delays it.
         moving = float(np.median(np.abs(speed[(a + b) // 2 : b - 1]))) > STUCK_SPEED * usual
         moving = moving and (course is None or float(np.ptp(course[a:b])) > KNOWN_BY * count)
         if moving or (from_motion and into_motion):
             out[a:b] = True
         elif into_motion or (from_motion and (effort is None or b < end[a] or _works_on(effort[begin[a] : b], b - a))):
-            # A joint that sticks stops at once too, and begins where it was; beyond a piece's end nothing is known.
+            # A joint held by stiction also stops abruptly, but moves on from where it was.  Beyond the end of a piece,
+            # nothing is known.
             if a == begin[a] or b == end[a]:
                 open_ended.append((a, b))
             else:
@@ -81,7 +86,7 @@ def stuck(
 
 
 def _works_on(effort: Floats, last: int) -> bool:
-    # Whether an effort goes up and down in its last samples as it did before, short of its noise.
+    # Whether an effort, smoothed against noise, varies in its ``last`` samples about as much as before.
     spread = [
         float(np.std(np.convolve(own, np.ones(SMOOTHED) / SMOOTHED, mode="valid"))) if own.size >= SMOOTHED else 0.0
         for own in (effort[:-last], effort[-last:])
@@ -90,7 +95,8 @@ def _works_on(effort: Floats, last: int) -> bool:
 
 
 def _at_once(speed: Floats, usual: float) -> bool:
-    # Speeds (k,) from the standstill outwards: fast, and no slower right beside it than further away.
+    # Whether speeds (k,), ordered from the standstill outwards, are high, and not lower right beside it than farther
+    # away.
     if speed.size < 4:
         return False
     beyond = float(np.median(speed[1:]))
@@ -98,8 +104,10 @@ def _at_once(speed: Floats, usual: float) -> bool:
 
 
 def frozen(values: Floats, moving: Mask) -> Mask:
-    """Return where a noisy channel repeats one value exactly while its joint moves, (n,); or while it rests, where that
-    is noisy in as many other rows at rest, and the value is none that a drive reads which is switched off.
+    """Return where a noisy channel repeats one value exactly while its joint moves, (n,).
+
+    A stretch at rest counts as well, if more other rows at rest show that the channel is noisy there, and the value is
+    not 0, which a drive reads that is switched off.
     """
     out = np.zeros(values.size, dtype=bool)
     lengths = np.sort(np.diff(bounds_of(values)))

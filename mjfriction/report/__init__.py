@@ -1,1 +1,1 @@
-"""What a person and a program read of a diagnosis; the only room that imports Rerun or a plotting library."""
+"""Reports of a diagnosis for people and programs; the only package that imports Rerun or a plotting library."""

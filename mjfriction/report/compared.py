@@ -1,4 +1,4 @@
-"""What the pictures of a report need: a stated robot and a better one, held against the same rows of a log."""
+"""What the pictures of a report need: a stated robot and a better one, compared on the same rows of a log."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from mjfriction.record.log import Floats
 
 
 class Compared(Protocol):
-    """``gap`` is that of the stated robot, ``heldout`` (rows, joints) what the better one leaves on motion not fitted,
-    ``joints`` both errors.
+    """The stated robot's ``gap``, the better robot's held-out residual ``heldout`` (rows, joints), and the errors of
+    both at the ``joints``.
     """
 
     @property
@@ -21,7 +21,7 @@ class Compared(Protocol):
 
     @property
     def heldout(self) -> Floats:
-        """What the better robot leaves."""
+        """The better robot's held-out residual, (rows, joints)."""
         ...
 
     @property

@@ -1,4 +1,4 @@
-"""comparison.json, report.html and recording.rrd of several robots held against one log."""
+"""comparison.json, report.html and recording.rrd of several robots compared with one log."""
 
 from __future__ import annotations
 

@@ -13,16 +13,16 @@ from plotly.subplots import make_subplots
 from mjfriction.record.log import Floats
 from mjfriction.report.compared import Compared
 
-# Told apart by people who see colours differently, on light ground and on dark.
+# Colours that readers with colour blindness can distinguish, on a light and on a dark background.
 BEFORE, AFTER, MEASURED, NOISE = "#d1495b", "#1b80c4", "#8a8d91", "#b7a26a"
 MODELS = (BEFORE, AFTER, "#2a9d6f", "#8f5bb5", "#c98a1b")
 INK = "#7d8590"
 MOST_POINTS = 3000
-COUNTED, ROOM = 0.995, 1.4  # of the errors that count, a quantile, and how far beyond it an axis goes
+COUNTED, ROOM = 0.995, 1.4  # quantile of the errors on clear rows, and the end of the error's axis as a multiple of it
 
 
 def error_bars(compared: Compared, after: str) -> go.Figure:
-    """Held-out RMS error of every joint before and after, beside the sensor's noise."""
+    """Return bars of every joint's held-out RMS error, before and after, beside the sensor's noise."""
     joints = compared.joints
     errors = {
         "as stated": [error.rms_heldout_before for error in joints],
@@ -33,7 +33,7 @@ def error_bars(compared: Compared, after: str) -> go.Figure:
 
 
 def time_course(compared: Compared, joint_name: str, after: str) -> go.Figure:
-    """Measured effort of a joint, and what the stated and the better robot leave of it, along the log."""
+    """Return a joint's measured effort along the log, with predictions and errors of the stated and better robot."""
     gap = compared.gap
     joint = gap.robot.joints.index(joint_name)
     unit = float(gap.per_reported[joint])
@@ -45,8 +45,10 @@ def time_course(compared: Compared, joint_name: str, after: str) -> go.Figure:
 def courses(
     time: Floats, measured: Floats, left: Mapping[str, Floats], unit: str, clear: NDArray[np.bool_]
 ) -> go.Figure:
-    """A measured course (rows,), what each named model predicts of it, and below what it leaves: grey where rows are
-    not ``clear`` (rows,) of rests and reversals, which may stick out.
+    """Return a measured effort (rows,) with each named model's prediction of it, and below that the model's error.
+
+    ``left`` holds the errors (rows,).  They are grey where rows are not ``clear`` (rows,), that is near rests and
+    reversals; these may exceed the axis.
     """
     figure = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.08, subplot_titles=("effort", "error"))
     kept = thinned(time.size)
@@ -70,7 +72,7 @@ def courses(
 
 
 def bars(joints: Sequence[str], errors: Mapping[str, Sequence[float]], noise: Sequence[float], unit: str) -> go.Figure:
-    """RMS errors of every joint by each named model, beside the sensor's noise."""
+    """Return bars of the RMS error of each named model at every joint, beside the sensor's noise."""
     figure = go.Figure()
     for (name, values), colour in zip(errors.items(), itertools.cycle(MODELS)):
         figure.add_bar(name=name, x=list(joints), y=list(values), marker_color=colour)
@@ -80,13 +82,13 @@ def bars(joints: Sequence[str], errors: Mapping[str, Sequence[float]], noise: Se
 
 
 def joint_unit(compared: Compared, joint: int) -> str:
-    """Return the unit of what an examined joint (its index) reports."""
+    """Return the unit that an examined joint (its index) reports in."""
     name = compared.gap.robot.joints[joint]
     return next(error.unit for error in compared.joints if error.joint == name)
 
 
 def thinned(count: int) -> slice:
-    """Return which of many points to draw."""
+    """Return which of ``count`` points to draw: evenly spaced ones, at most MOST_POINTS."""
     return slice(None, None, max(1, -(-int(count) // MOST_POINTS)))
 
 
@@ -107,7 +109,7 @@ def styled(figure: go.Figure, height: int) -> go.Figure:
 
 
 def figure_html(figure: go.Figure, name: str) -> str:
-    """Return a figure as a piece of page; the plotting script itself is put into the page once."""
+    """Return a figure as HTML without the plotting script, which the page includes once."""
     return str(
         figure.to_html(
             full_html=False, include_plotlyjs=False, div_id=name, config={"displayModeBar": False, "responsive": True}

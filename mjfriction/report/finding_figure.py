@@ -1,4 +1,4 @@
-"""The picture of a finding that convinces a sceptic: the residual against what the cause acts on, before and after."""
+"""The picture that proves a finding: the residual against the covariate the cause acts on, before and after."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ UNITS = {
     "time": ("s", "s"),
 }
 LOOP_SECONDS = 4.0
-OCTAVES = 1.3  # above the wave that was found, that a spectrum reaches
-PER_LOBE = 6.0  # points of a spectrum for every two waves that the stroke can tell apart
+OCTAVES = 1.3  # how far a spectrum extends above the wavenumber that was found
+PER_LOBE = 6.0  # points of a spectrum per resolvable step in wavenumber, 2π over the stroke
 
 
 @dataclass(frozen=True)
 class _Seen:
-    """A finding's joint: what the stated and the extended model leave of its rows, (2, rows), in its own unit."""
+    """A finding's joint, and the residuals ``left`` by the stated and the extended model, (2, rows), in ``unit``."""
 
     gap: Gap
     joint: int
@@ -53,10 +53,10 @@ class _Seen:
 def finding_figure(diagnosis: Diagnosis, finding: Finding) -> go.Figure:
     """Return the picture of a finding.
 
-    Most causes: what is left of the effort at the joint where the cause shows most, against the covariate it acts on,
-    before and after, rows near reversals and at rest grey.  What turns with the direction of motion is drawn in that
-    direction.  Waves are drawn as a spectrum along the stroke, a build-up of friction against the travel since the
-    joint turned, a delay as the loop of measured over predicted effort.
+    For most causes it shows the residual at the joint where the cause shows most, against the covariate it acts on,
+    before and after; rows near reversals and at rest are grey.  A residual whose sign turns with the direction of
+    motion is multiplied by that direction.  Waves are drawn as a spectrum along the stroke, a build-up of friction
+    against the travel since the last reversal, and a delay as the loop of measured over predicted effort.
     """
     gap = diagnosis.gap
     joint = gap.robot.joints.index(finding.shown_at)
@@ -82,7 +82,7 @@ def _panels(seen: _Seen, values: Floats, left: Floats, label: str, *, against: b
     shown = values > 0.0 if log else np.ones(values.size, dtype=bool)
     clear = seen.gap.clear[:, seen.joint]
     if log:
-        clear = shown  # what a build-up is seen by lies near the reversals
+        clear = shown  # a build-up shows near reversals, where rows are not clear
     for k, ((_, colour), residual) in enumerate(zip(SIDES, left, strict=True), start=1):
         for rows, shade, faint in ((shown & ~clear, INK, 0.2), (shown & clear, colour, 0.4)):
             kept = np.flatnonzero(rows)[thinned(int(np.count_nonzero(rows)))]
@@ -103,7 +103,7 @@ def _travel(seen: _Seen) -> go.Figure:
 
 
 def _since_the_turn(gap: Gap, joint: int) -> tuple[Floats, Floats]:
-    # How far the joint has gone since its last reversal, and which way, at the rows; 0 before a piece's first reversal.
+    # The joint's travel since its last reversal, 0 before a piece's first one, and its direction, −1 to 1, at the rows.
     motion = gap.motion
     velocity, position = motion.velocity[:, [joint]], motion.position[:, [joint]]
     travel, known = travel_since_turn(velocity, position, motion.pieces)
@@ -153,7 +153,7 @@ def _loop(seen: _Seen, measured: Floats) -> go.Figure:
 
 
 def _worst_stretch(seen: _Seen) -> NDArray[np.intp]:
-    # The rows of the seconds, of one piece of motion, in which the stated model errs most.
+    # The rows of the LOOP_SECONDS, within one piece of motion, in which the stated model's squared error is largest.
     time, piece = seen.gap.chain.time, seen.gap.chain.piece
     error = np.concatenate([[0.0], np.cumsum(np.square(seen.left[0]))])
     past = np.searchsorted(time, time + LOOP_SECONDS)

@@ -1,4 +1,4 @@
-"""A folder of results that appears whole or not at all."""
+"""Atomic output: a folder or a file of results appears whole or not at all."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from mjfriction.errors import OutputError
 
 @contextlib.contextmanager
 def whole_folder(target: Path) -> Iterator[Path]:
-    """Give a hidden folder beside the target to write into; its files move into the target when all are there.
+    """Yield a hidden folder beside the target to write into; its files move into the target when all are written.
 
     Raises :class:`OutputError` at once when the target cannot be written; leaves nothing behind on any failure.
     """
     target = target.absolute()
     if target.exists() and not target.is_dir():
         raise OutputError(f"{target}: is a file; give a folder to write the results to")
-    # The name is known before the folder is there, so that an interrupt at any moment finds what to take away.
+    # The name is chosen before the folder exists, so that after an interrupt at any moment the folder is removed.
     draft = target.parent / f".{target.name}-{secrets.token_hex(8)}"
     try:
         _make(draft, target)
@@ -42,8 +42,8 @@ def whole_folder(target: Path) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def undisturbed() -> Iterator[None]:
-    """Hold off interrupts from the keyboard: what puts away after one must not be cut short by the next."""
-    if threading.current_thread() is not threading.main_thread():  # interrupts reach the main thread alone
+    """Ignore keyboard interrupts: the cleanup after one must not be cut short by the next."""
+    if threading.current_thread() is not threading.main_thread():  # only the main thread receives interrupts
         yield
         return
     heeded = signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -66,7 +66,10 @@ def _make(draft: Path, target: Path) -> None:
 
 @contextlib.contextmanager
 def whole_file(target: Path) -> Iterator[Path]:
-    """Give a hidden path beside the target to write to; it takes the target's place when it is complete."""
+    """Yield a hidden path beside the target to write to; the file replaces the target when it is complete.
+
+    Raises :class:`OutputError` when the target cannot be written.
+    """
     target = target.absolute()
     try:
         target.parent.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""The picture of the proof in motion: how the stated and the extended robot leave the machine's course."""
+"""The picture of the free runs: how the stated and the extended robot drift off the machine's path."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ SIDES = (("as stated", BEFORE), ("extended", AFTER))
 
 
 def free_run_figure(run: FreeRun, joint: int, *, sliding: bool) -> go.Figure:
-    """Return how far a joint (its index) is off in every free run, as stated and extended, and the RMS of all."""
+    """Return the position error of a joint (its index) in every free run, as stated and extended, and its ± RMS."""
     figure = make_subplots(rows=1, cols=2, shared_yaxes=True, subplot_titles=[name for name, _ in SIDES])
     time = np.append(0.0, run.time)
     for k, ((_, colour), off) in enumerate(zip(SIDES, (run.stated, run.extended), strict=True), start=1):
-        # From where the machine was; a break between two runs keeps them apart in one line.
+        # Each run starts where the machine was, with no error.  NaN between two runs breaks the line that draws all.
         courses = 1e3 * np.pad(off[..., joint], ((0, 0), (1, 0)))
         apart = np.pad(courses, ((0, 0), (0, 1)), constant_values=np.nan).ravel()
         line = {"color": colour, "width": 1}

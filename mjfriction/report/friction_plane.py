@@ -1,4 +1,4 @@
-"""Friction against velocity in a Rerun recording: the clouds of a whole log, and where the joint is at each instant."""
+"""Friction against velocity in a Rerun recording: point clouds of a whole log, and the point at each instant."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from mjfriction.record.log import Floats
 from mjfriction.report.entity import place_of
 
 MOST_POINTS = 4000
-TALL = 0.6  # of the picture's width; Rerun scales both axes alike, so that both are drawn relative to their ends
+TALL = 0.6  # height over width; Rerun scales both axes equally, so that both quantities are divided by their maxima
 
 
 def send_plane(
@@ -25,17 +25,17 @@ def send_plane(
     colours: Sequence[tuple[int, int, int]],
     units: tuple[str, str],
 ) -> None:
-    """Put a plane of friction over velocity into a recording.
+    """Write a plot of friction over velocity to a recording.
 
-    ``velocity`` (rows,) and each named course of ``friction`` (rows,) become a cloud and, at each of ``time`` (rows,),
-    one large point, in its colour; ``units`` are those of velocity and friction.
+    ``velocity`` (rows,) and each named series of ``friction`` (rows,) become a point cloud and, at each ``time``
+    (rows,), one large point, in the series' colour.  ``units`` are those of velocity and friction.
     """
     top = float(np.max(np.abs(velocity), initial=1e-12))
     most = max(float(np.max(np.abs(course), initial=1e-12)) for course in friction.values())
     _axes(stream, entity, f"{top:.3g} {units[0]}", f"{most:.3g} {units[1]}")
     kept = slice(None, None, max(1, -(-velocity.size // MOST_POINTS)))
     for (name, course), colour in zip(friction.items(), colours, strict=True):
-        # Down is positive in Rerun's pictures.
+        # In Rerun's 2D views, y points down.
         place = np.column_stack([velocity / top, -TALL * course / most]).astype(np.float32)
         cloud = rr.Points2D(place[kept], radii=0.006, colors=[colour])
         stream.log(f"{entity}/{place_of(name)}", cloud, static=True)
@@ -52,7 +52,7 @@ def send_plane(
 
 
 def plane_view(entity: str) -> rrb.Spatial2DView:
-    """Return the view of a plane."""
+    """Return the view of such a plot."""
     frame = rrb.VisualBounds2D(x_range=[-1.15, 1.15], y_range=[-1.15 * TALL, 1.15 * TALL])
     return rrb.Spatial2DView(origin=entity, name="friction over velocity", visual_bounds=frame)
 

@@ -1,4 +1,4 @@
-"""report.html: one page that holds everything it shows and opens without a network."""
+"""report.html: a self-contained page that opens without a network."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def _driven(diagnosis: Diagnosis, joints: Sequence[str]) -> list[tuple[str, Mark
 
 
 def _followed(report: Report) -> list[tuple[str, list[tuple[float, float]]]]:
-    # By joint, the shares before and after over every covariate; none of one that the motion does not vary.
+    # By joint, the shares before and after for every covariate; 0 for one that the motion does not vary.
     shares = {(entry.joint, entry.covariate): (entry.share_before, entry.share_after) for entry in report.structure}
     joints = dict.fromkeys(entry.joint for entry in report.structure)
     return [(joint, [shares.get((joint, covariate), (0.0, 0.0)) for covariate in COVARIATES]) for joint in joints]
@@ -85,7 +85,7 @@ def _page(template: str, compared: Compared, report: Report, first: Sequence[str
 
 
 def rendered(template: str, **values: object) -> str:
-    """Return a page: a template with its values and the plotting script."""
+    """Return a page: a template filled with values and the plotting script."""
     environment = Environment(
         loader=PackageLoader("mjfriction.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
     )

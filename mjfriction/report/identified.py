@@ -1,4 +1,4 @@
-"""report.json: the machine's version of an identification."""
+"""report.json of an identification: its machine-readable form."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from mjfriction.report.result import (
 
 
 def make_identified_report(identification: Identification) -> Report:
-    """Return the report of an identification; its verdict is ``unexplained`` where laws leave structure."""
+    """Return the report of an identification; its verdict is ``unexplained`` unless all laws are trusted."""
     gap = identification.gap
     named = {law.joint for law in identification.laws}
     return Report(

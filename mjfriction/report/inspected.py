@@ -1,4 +1,4 @@
-"""What is in a log, as data."""
+"""The contents of a log, as plain data."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from mjfriction.record.resample import read_clock
 from mjfriction.robot.effort import reported_unit
 from mjfriction.robot.robot import Robot
 
-PLAIN_CUTOFF = 10.0  # Hz, of derivatives where no robot says how fast its joints can be
-_UNSURE = {CURRENT: "A", EFFORT: "N·m or N"}  # where no robot says how a joint moves
-FASTEST = 0.99  # quantile of the speed that counts as the top
+PLAIN_CUTOFF = 10.0  # Hz, cutoff of derivatives without a robot, whose joints' speeds would set it
+_UNSURE = {CURRENT: "A", EFFORT: "N·m or N"}  # units without a robot, which would state whether a joint turns or slides
+FASTEST = 0.99  # quantile of the speed that counts as the top speed
 
 
 def inspected_table(log: Log, robot: Robot | None, tell: Tell = silently) -> dict[str, Any]:
-    """Return what a log holds as plain data, as it is written, and, with a robot, the least effect of every cause that
-    could be found; none where it is not sure how the log should have been read.
+    """Return the contents of a log, as it is written, as plain data, and, with a robot, what the log could show.
 
-    ``tell`` hears how far it is.
+    That is the least effect of every cause that could be found; the list is empty where it is not certain how the log
+    should have been read.  ``tell`` receives the progress.
 
     Raises :class:`~mjfriction.errors.LogError` or :class:`~mjfriction.errors.RobotError` when either cannot be used.
     """
@@ -51,7 +51,7 @@ def inspected_table(log: Log, robot: Robot | None, tell: Tell = silently) -> dic
         ],
     }
     if audit is not None:
-        # What a log could show that cannot be read right is another's.
+        # Nothing is listed for a log that cannot be read correctly: it would be about wrong data.
         told["could_show"] = (
             [] if audit.refused else [_visible(audit.gap, one) for one in visible_causes(audit.gap, tell)]
         )

@@ -14,8 +14,10 @@ POINTS = 401
 
 
 def friction_against_speed(identification: Identification, law: JointLaw) -> go.Figure:
-    """What the rest of the balance leaves against velocity, where the direction is clear; the stated laws and the
-    identified one; and the passes forward and backward, where the log has them.
+    """Return a figure of a joint's friction against velocity, measured, stated and identified.
+
+    The measured points are what the balance of efforts leaves for friction, on clear rows.  Forward and backward passes
+    are added where the log has them.
     """
     gap = identification.gap
     joint = gap.robot.joints.index(law.joint)

@@ -1,4 +1,4 @@
-"""What a law looks like: its description and portrait, in the terminal and as a page."""
+"""A law's description and portrait, in the terminal and as a page."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PANELS = (
     ("lag", "Lag: sliding faster and slower", "velocity, rad/s"),
     ("breakaway", "Breakaway from rest at three speeds", "travel, rad"),
 )
-# Each panel's legend, in the corner that its curves leave free.
+# The position of each panel's legend, in the corner that its curves leave free.
 LEGENDS = {
     "steady": {"x": 0.445, "y": 0.63, "yanchor": "bottom"},
     "presliding": {"x": 0.995, "y": 0.63, "yanchor": "bottom"},
@@ -29,7 +29,7 @@ COLOURS = ("#1b80c4", "#d1495b", "#b7a26a")
 
 
 def describe(law: Law, width: int = 80) -> str:
-    """Return a law as lines of text: what it is, its formula and parameters, its steady curve and loop."""
+    """Return a law as lines of text: its summary, formula and parameters, its steady curve and presliding loop."""
 
     def wrapped(label: str, text: str) -> str:
         return textwrap.fill(text, width, initial_indent=f"{label:<10}", subsequent_indent=" " * 10)
@@ -62,7 +62,7 @@ def _text(curve: Curve, width: int, title: str, across: str) -> str:
 
 
 def law_figure(law: Law, drawn: Portrait) -> go.Figure:
-    """Return the four panels of a law's portrait; of a law without states the first, for it has no more to show."""
+    """Return the four panels of a law's portrait; only the first for a law without states, which needs no others."""
     if not law.has_state:
         figure = go.Figure()
         for curve, colour in zip(drawn.steady, COLOURS, strict=False):
@@ -89,7 +89,7 @@ def _title(law: Law) -> str:
 
 
 def write_law_page(law: Law, path: Path) -> None:
-    """Write a law's portrait as one page that needs no network."""
+    """Write a law's portrait as a self-contained page that needs no network."""
     beside = path.with_name(f".{path.name}.part")
     beside.write_text(law_figure(law, portrait(law)).to_html(include_plotlyjs=True, full_html=True), encoding="utf-8")
     beside.replace(path)

@@ -15,12 +15,12 @@ from mjfriction.report.html import rendered
 from mjfriction.reproduce.outcome import Picture, Reproduction
 
 DIGITS = 4
-MOST_POINTS = 1500  # of a line
+MOST_POINTS = 1500  # of a drawn line
 DRAWN_AS_MEASURED = ("measured", "passes", "true", "reference")
 
 
 def reproduced_table(found: Sequence[Reproduction]) -> list[dict[str, object]]:
-    """Return the outcomes as plain data, numbers to four digits."""
+    """Return the outcomes as plain data, with numbers to four digits."""
     return [
         {
             "document": one.name,
@@ -73,7 +73,7 @@ def _drawn(picture: Picture) -> go.Figure:
             else {"mode": "lines", "line": {"color": colour, "width": 1.6}}
         )
         kept = slice(None, None, max(1, -(-line.x.size // MOST_POINTS)))
-        # Not on the graphics card: a browser gives a page no more than some sixteen drawings there.
+        # Without WebGL: a browser allows a page only about sixteen WebGL contexts.
         figure.add_scatter(x=line.x[kept], y=line.y[kept], name=line.name, **look)
     figure.update_xaxes(title_text=picture.across, type="log" if picture.logarithmic else "linear")
     figure.update_yaxes(title_text=picture.up)

@@ -1,4 +1,4 @@
-"""recording.rrd: the arm in motion and, a tab a joint, what it did and what each model says of it."""
+"""recording.rrd: the arm in motion and, in one tab per joint, what was measured and what each model predicts."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ from mjfriction.sim.scene import Scene
 
 CLOCK = "log_time_s"
 NAMESPACE = uuid.UUID("6f1f2f0e-6f0c-4d4e-9d6b-6d6a66726963")
-RATE = 200.0  # Hz of courses that are not rows; recordings are for the eye
-MOST_SAMPLES = 40_000  # of a course: what ten minutes of six joints with their states keep below 100 MB
+RATE = 200.0  # Hz, of time series that are not sampled at the rows; enough for viewing
+MOST_SAMPLES = 40_000  # of a time series: it keeps ten minutes of six joints with their states below 100 MB
 
 
 @dataclass(frozen=True)
 class _Model:
-    """A named model: its own gap, and what it leaves of the rows (rows, joints), on motion not fitted if fitted."""
+    """A named model: its own ``gap``, and its residual ``left`` (rows, joints), held-out if the model was fitted."""
 
     name: str
     gap: Gap
@@ -59,7 +59,7 @@ def write_identified_recording(identification: Identification, report: Report, p
 
 
 def write_compared_recording(comparison: Comparison, path: Path) -> None:
-    """Write the recording of several robots held against one log."""
+    """Write the recording of several robots compared with one log."""
     models = [_Model(name, gap, gap.residual) for name, gap in zip(comparison.names, comparison.gaps, strict=True)]
     text = f"# {' · '.join(comparison.names)}\n\n{comparison.summary}"
     _write(models, [], text, comparison.summary, path)
@@ -136,7 +136,7 @@ def _send_joint(stream: rr.RecordingStream, models: Sequence[_Model], name: str)
 
 
 def _send_run(stream: rr.RecordingStream, run: FreeRun, models: Sequence[_Model], name: str) -> None:
-    # Points, for from one run's end to the next one's beginning nothing goes.
+    # Points rather than a line, which would connect one run's end to the next one's start.
     joint = models[0].gap.robot.joints.index(name)
     moments = (run.begin[:, None] + run.time).ravel()
     for model, off, colour in zip(models, (run.stated, run.extended), MODELS, strict=False):
@@ -151,7 +151,7 @@ def _rgb(colour: str) -> tuple[int, int, int]:
 
 
 def thinned_to_see(time: Floats) -> slice:
-    """Return which samples at even times (n,) a recording keeps."""
+    """Return which samples at evenly spaced times (n,) a recording keeps."""
     rate = (time.size - 1) / max(float(time[-1] - time[0]), 1e-300)
     return slice(None, None, max(1, round(rate / RATE), -(-time.size // MOST_SAMPLES)))
 
@@ -159,7 +159,7 @@ def thinned_to_see(time: Floats) -> slice:
 def send(
     stream: rr.RecordingStream, entity: str, time: Floats, values: Floats, colour: tuple[int, int, int] | None = None
 ) -> None:
-    """Put a course of numbers, (n,) each, into a recording, in a colour or whichever the viewer takes."""
+    """Write a time series, (n,) each, to a recording; where no colour is given, the viewer picks one."""
     if colour is not None:
         stream.log(entity, rr.SeriesLines(colors=[colour]), static=True)
     stream.send_columns(
@@ -173,7 +173,7 @@ def _scene(gap: Gap) -> tuple[Floats, Scene] | None:
     try:
         return scene_along(gap.robot, gap.motion.time, gap.motion.position)
     except SimulationError:
-        return None  # a model that MuJoCo cannot read is diagnosed all the same; only its picture is missing
+        return None  # a model that MuJoCo cannot read can still be diagnosed; only its picture is missing
 
 
 def _tab(name: str, *, current: bool, states: Sequence[str], driven: bool) -> rrb.Horizontal:

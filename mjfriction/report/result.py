@@ -1,4 +1,4 @@
-"""report.json: the machine's version of a diagnosis."""
+"""report.json of a diagnosis: its machine-readable form."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ from mjfriction.report.digits import kept
 
 SCHEMA: Literal["mjfriction.report/1"] = "mjfriction.report/1"
 
-# Seven digits: more than any log carries, and few enough that libraries' last bits do not show.
+# Seven digits: more than any log carries, and few enough to hide differences in the last bits between libraries.
 Number = Annotated[float, PlainSerializer(kept, return_type=float)]
 Interval = tuple[Number, Number]
 
-UNEVEN = 0.12  # spread of a clock's steps, from which on it is worth a word: less is how computers note the time
+UNEVEN = 0.12  # relative spread of a clock's steps above which it is reported: less is usual for computers' timestamps
 
 
 class Entry(BaseModel):
-    """A table of the report; unknown keys are refused when a report is read back."""
+    """A table of the report; unknown keys are rejected when a report is read back."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class JointEntry(Entry):
-    """Errors of one joint; ``heldout`` is on motion the extended robot was not fitted to."""
+    """RMS errors of one joint; ``heldout`` ones are on motion that the extended robot was not fitted to."""
 
     joint: str
     signal: Literal["effort", "current"]
@@ -57,7 +57,7 @@ class ParameterEntry(Entry):
 
 
 class GainEntry(Entry):
-    """What one finding takes off the error of its joint, on motion not fitted."""
+    """The held-out reduction of a joint's error by one finding."""
 
     rms_before: Number
     rms_after: Number
@@ -78,7 +78,7 @@ class FindingEntry(Entry):
 
 
 class DataProblem(Entry):
-    """A fault of the log itself, where it lies, and what was done about it."""
+    """A fault of the log itself, where it is, and what was done about it."""
 
     kind: str
     where: str
@@ -86,7 +86,7 @@ class DataProblem(Entry):
 
 
 class DriftEntry(Entry):
-    """How far a joint ends up from where the machine was, RMS over all free runs, and what the extended robot gains."""
+    """A joint's position error in free runs (RMS), as stated and extended, and the reduction by the extended robot."""
 
     joint: str
     unit: str
@@ -97,8 +97,9 @@ class DriftEntry(Entry):
 
 
 class SimulationEntry(Entry):
-    """The stated and the extended robot in MuJoCo, driven freely by the log's efforts, so many ``runs`` of so many
-    ``seconds`` on motion that the extended robot was not fitted to.
+    """The stated and the extended robot in MuJoCo, driven freely by the log's efforts.
+
+    There are ``runs`` of ``seconds`` each, on motion that the extended robot was not fitted to.
     """
 
     seconds: Number
@@ -107,7 +108,7 @@ class SimulationEntry(Entry):
 
 
 class AdjustmentEntry(Entry):
-    """A stated value that the extended robot holds moved, without that being a finding."""
+    """A stated value that was refitted along in the extended robot, without being a finding."""
 
     what: str
     joint: str
@@ -118,7 +119,7 @@ class AdjustmentEntry(Entry):
 
 
 class StructureEntry(Entry):
-    """Share of a joint's error that a smooth curve over one covariate predicts, before and after."""
+    """The share of a joint's squared error that a smooth curve over one covariate predicts, before and after."""
 
     joint: str
     covariate: str
@@ -127,7 +128,7 @@ class StructureEntry(Entry):
 
 
 class CandidateEntry(Entry):
-    """A law that was tried on a joint, and its RMS error on motion not fitted."""
+    """A law that was tried on a joint, its number of parameters, and its held-out RMS error."""
 
     law: str
     parameters: int
@@ -135,7 +136,7 @@ class CandidateEntry(Entry):
 
 
 class PassEntry(Entry):
-    """Friction at one speed, from passes forward and backward, at the joint."""
+    """Friction of a joint at one speed, from forward and backward passes."""
 
     speed: Number
     friction: Number
@@ -143,11 +144,12 @@ class PassEntry(Entry):
 
 
 class LawEntry(Entry):
-    """A friction law identified at a joint; ``by_slope`` are law (14)'s values by the slope near zero, where asked.
+    """A friction law identified at a joint.
 
-    ``falls``: friction still falls at the fastest speed of the log.  ``apart_by_pendulum`` (N·m): half of what friction
-    forward and friction backward differ by when gravity is taken away as a pendulum's, the stated model's and a fitted
-    one, where there are passes.
+    ``by_slope`` are the values of law (14) by the slope near zero, where that was fitted.  ``falls``: friction still
+    falls at the fastest speed of the log.  ``apart_by_pendulum`` (N·m), where there are passes: half the difference of
+    forward and backward friction (RMS) if gravity is removed as a pendulum's, first the stated model's, then a fitted
+    one.
     """
 
     joint: str
@@ -166,7 +168,7 @@ class LawEntry(Entry):
 
     @property
     def doubt(self) -> str:
-        """Why a law that is not to be trusted is not, in words."""
+        """The reason why a law is not trusted, in words."""
         if self.falls:
             return FASTER
         share = f"{100 * self.structure:.0f} % of what is left"
@@ -178,8 +180,10 @@ class LawEntry(Entry):
 
 
 class Report(Entry):
-    """The whole report; ``effort_bandwidth`` (Hz, by joint) are those of drives found to low-pass their efforts;
-    ``not_simulated`` says why there is no ``simulation``; of a log that is ``refused`` as at fault nothing was fitted.
+    """The whole report.
+
+    ``effort_bandwidth`` (Hz, by joint) are those of drives found to low-pass their efforts.  ``not_simulated`` says why
+    there is no ``simulation``.  If the log was ``refused`` as faulty, nothing was fitted.
     """
 
     schema_: Literal["mjfriction.report/1"] = Field(default=SCHEMA, alias="schema")
@@ -205,7 +209,7 @@ class Report(Entry):
 
     @property
     def driven(self) -> str:
-        """What came of driving both robots freely, in words: at the joint where most was found."""
+        """The outcome of the free runs, in words, at the first finding's joint, or where the error fell most."""
         run = self.simulation
         if run is None or not run.joints:
             return f"Not driven in MuJoCo: {self.not_simulated}." if self.not_simulated else ""
@@ -220,7 +224,7 @@ class Report(Entry):
 
     @property
     def low_passed(self) -> str:
-        """Of drives that low-pass the efforts they report, in words; nothing where none was found to."""
+        """A sentence on drives that low-pass the efforts they report; empty where none was found to."""
         if not self.effort_bandwidth:
             return ""
         listed = ", ".join(f"{joint} above {value:.3g} Hz" for joint, value in self.effort_bandwidth.items())
@@ -262,12 +266,12 @@ def make_report(diagnosis: Diagnosis) -> Report:
 
 
 def report_json(report: Report) -> str:
-    """Return a report as text, the same for the same report."""
+    """Return a report as JSON text, identical for equal reports."""
     return report.model_dump_json(by_alias=True, indent=2) + "\n"
 
 
 def made_by() -> dict[str, str]:
-    """Return the versions of what a report was made with."""
+    """Return the versions of the packages that a report was made with."""
     return {name: version(name) for name in ("mjfriction", "mujoco", "pin", "numpy", "scipy")}
 
 
@@ -287,7 +291,7 @@ def _finding(finding: Finding) -> FindingEntry:
 
 
 def parameter_entry(fitted: Fitted) -> ParameterEntry:
-    """Return a fitted quantity as a report holds it."""
+    """Return a fitted quantity as an entry of a report."""
     return ParameterEntry(
         name=fitted.name,
         value=fitted.value,
@@ -330,7 +334,7 @@ def _structure(before: tuple[Structure, ...], after: tuple[Structure, ...]) -> l
 
 
 def data_problems(gap: Gap, faults: tuple[Fault, ...] = ()) -> list[DataProblem]:
-    """Return the faults of a log: those that the audit found, those mended when it was read, gaps and its clock."""
+    """Return the faults of a log: those found by the audit, those repaired on reading, gaps, and an uneven clock."""
     log, clock = gap.log, gap.motion.clock
     every = (*faults, *log.faults)
     problems = [DataProblem(kind=fault.kind, where=fault.where, action=fault.action) for fault in every]

@@ -1,4 +1,4 @@
-"""The recording of a simulated run: the machine in motion, its drives, its friction and what its bristles do."""
+"""The recording of a simulated run: the machine in motion, its drives, its friction and the friction's states."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from mjfriction.sim.scene import Scene
 
 
 def write_run(robot: Robot, run: Run, path: Path) -> None:
-    """Write a recording of a run that was kept whole: the robot in 3D and, a tab a joint, torque, friction, states."""
+    """Write a recording of a run that was kept whole: the robot in 3D and, per joint, torque, friction and states."""
     course = hashlib.sha256(run.played.torque.tobytes()).hexdigest()
     identity = uuid.uuid5(NAMESPACE, f"run of {robot.name} {course}")
     stream = rr.RecordingStream("mjfriction", recording_id=identity, send_properties=False)

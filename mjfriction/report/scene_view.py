@@ -13,11 +13,11 @@ from mjfriction.robot.simulation import robot_spec
 from mjfriction.sim.scene import Scene, Shape, draw
 
 ROOT = "robot"
-FRAMES = 30.0  # pictures a second; more is not seen
+FRAMES = 30.0  # pictures per second; more would not be visible
 
 
 def scene_along(robot: Robot, time: Floats, position: Floats) -> tuple[Floats, Scene]:
-    """Return when and how a robot is drawn along a course of its joints, (n,) and (n, joints).
+    """Return the instants (s) and the scene of a robot drawn along its motion, ``time`` (n,), ``position`` (n, joints).
 
     Raises :class:`~mjfriction.errors.SimulationError` where MuJoCo cannot read the model.
     """
@@ -27,7 +27,7 @@ def scene_along(robot: Robot, time: Floats, position: Floats) -> tuple[Floats, S
 
 
 def send_scene(stream: rr.RecordingStream, time: Floats, scene: Scene, clock: str) -> None:
-    """Put a scene into a recording: its shapes once, and where every body is at each instant of ``time`` (n,)."""
+    """Write a scene to a recording: its shapes once, and the pose of every body at each instant of ``time`` (n,)."""
     stream.log(ROOT, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     shown = {shape.body for shape in scene.shapes}
     for i, body in enumerate(scene.bodies):
@@ -47,7 +47,7 @@ def send_scene(stream: rr.RecordingStream, time: Floats, scene: Scene, clock: st
 
 
 def scene_view(scene: Scene) -> rrb.Spatial3DView:
-    """Return the view of a scene, seen from far enough for all of it."""
+    """Return the view of a scene, from far enough to see all of it."""
     reach = max((max(shape.size) + float(np.linalg.norm(shape.position)) for shape in scene.shapes), default=0.1)
     low, high = (bound(scene.position, axis=(0, 1)) for bound in (np.min, np.max))
     middle, size = 0.5 * (low + high), float(np.linalg.norm(high - low)) + 2.0 * min(reach, 1.0)
@@ -79,7 +79,7 @@ def _drawn(shape: Shape) -> rr.AsComponents:
             radii=[a], lengths=[2.0 * b], centers=place, quaternions=[turned], colors=colour, fill_mode="solid"
         )
     if shape.kind == "capsule":
-        # Rerun's capsule begins at its origin and goes along z, MuJoCo's is centred there.
+        # Rerun's capsule starts at its origin and extends along z; MuJoCo's is centred at its origin.
         start = np.array(shape.position) - _rotation(shape.quaternion)[:, 2] * b
         return rr.Capsules3D(
             radii=[a], lengths=[2.0 * b], translations=[start], quaternions=[turned], colors=colour, fill_mode="solid"

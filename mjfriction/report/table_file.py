@@ -1,4 +1,4 @@
-"""A table in a file, by the file's name: CSV or Parquet."""
+"""A table written to a file, as CSV or Parquet by the file's name."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from mjfriction.report.folder import whole_file
 
 
 def check_table_name(target: Path, what: str) -> None:
-    """Raise :class:`OutputError` unless the name says how to write the table; ``what`` is what it holds."""
+    """Raise :class:`OutputError` unless the file name ends in .csv or .parquet; ``what`` names the table's content."""
     if target.suffix.lower() not in (".csv", ".parquet"):
         raise OutputError(f"{target}: {what} is written as .csv or .parquet; name it so")
 
 
 def write_table(table: pa.Table, target: Path) -> None:
-    """Write a table whole or not at all."""
+    """Write a table to a file, whole or not at all."""
     with whole_file(target) as draft:
         if target.suffix.lower() == ".csv":
             pyarrow.csv.write_csv(table, draft)

@@ -1,4 +1,4 @@
-"""Results in a terminal, in 80 columns."""
+"""Results printed to a terminal, in 80 columns."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from mjfriction.report.result import FindingEntry, ParameterEntry, Report
 from mjfriction.reproduce.outcome import Reproduction
 
 WIDTH = 80
-COLUMNS = 8  # of the table of causes, in that width
+COLUMNS = 8  # places (the arm and its joints) that fit side by side in the table of causes
 DITTO = "″"
-HIDDEN = 0.3  # of a joint's effort; a cause that has to make more to be found is as good as invisible
+HIDDEN = 0.3  # of a joint's RMS effort; a cause that must make more than this to be found is listed as not visible
 COLOURS = {"explained": "green", "consistent": "green", "ambiguous": "yellow", "unexplained": "red", "bad_data": "red"}
 
 
@@ -39,7 +39,7 @@ def print_report(report: Report, console: Console) -> None:
     for finding in report.findings:
         console.print()
         _print_finding(finding, console)
-    if report.verdict != "bad_data" or len(report.data_problems) > 1:  # one alone has been told
+    if report.verdict != "bad_data" or len(report.data_problems) > 1:  # the summary states a single one already
         _print_problems(report, console)
     moved = [entry for entry in report.adjustments if abs(entry.fitted - entry.stated) > 0.01 * abs(entry.stated)]
     if moved:
@@ -50,7 +50,7 @@ def print_report(report: Report, console: Console) -> None:
 
 
 def print_reproduced(found: Sequence[Reproduction], console: Console) -> None:
-    """Print what came out of reproduced experiments as their documents say, and what did not."""
+    """Print which claims of the source documents the reproduced experiments confirm, and which they do not."""
     for k, one in enumerate(found):
         if k:
             console.print()
@@ -64,7 +64,7 @@ def print_reproduced(found: Sequence[Reproduction], console: Console) -> None:
 
 
 def print_identified(report: Report, console: Console) -> None:
-    """Print the laws of an identification."""
+    """Print the identified laws of all joints."""
     trusted = report.verdict != "unexplained"
     head = Text("IDENTIFIED", style="bold green") if trusted else Text("IDENTIFIED, NOT EXPLAINED", style="bold red")
     console.print(head, Text(report.summary), sep="\n")
@@ -130,7 +130,11 @@ def _print_finding(finding: FindingEntry, console: Console) -> None:
 
 
 def print_comparison(comparison: Comparison, console: Console) -> None:
-    """Print who is nearest, and a table: one row a joint in torque, one in current where all robots can tell."""
+    """Print which robot is nearest, and a table of errors.
+
+    Each joint has a row in torque, one in current where all robots can predict it, and one in position where the robots
+    were simulated.
+    """
     console.print(f"{comparison.summary}\n")
     console.print(f"RMS error while the joint moves, below {comparison.gap.chain.band:.3g} Hz", style="italic")
     table = Table(box=None, padding=(0, 2, 0, 0))
@@ -157,7 +161,7 @@ def print_comparison(comparison: Comparison, console: Console) -> None:
 
 
 def print_mapping(guess: Mapping, log: Path, written: Path | None, console: Console) -> None:
-    """Print a guess of a file's columns, and how to take it."""
+    """Print the guessed mapping of a file's columns, and how to accept it."""
     console.print(f"The columns of {log} have other names. They look like this:", style="bold", markup=False)
     for own, source in guess.sources.items():
         scaled = "" if source.scale == 1.0 else f" times {source.scale:.6g}"
@@ -167,14 +171,14 @@ def print_mapping(guess: Mapping, log: Path, written: Path | None, console: Cons
 
 
 def print_unguessed(names: Sequence[str], log: Path, written: Path, console: Console) -> None:
-    """Print that a file's columns were not guessed, and where a mapping to fill in is."""
+    """Print that a file's columns could not be guessed, and where the mapping file to fill in is."""
     told = f"{', '.join(names[:6])}{', …' * (len(names) > 6)}"
     console.print(f"The names of the columns of {log} tell too little ({told}).", markup=False)
     console.print(f"{written} has a line for each that is needed: fill it in, and give it with --map.", markup=False)
 
 
 def print_inspected(told: dict[str, Any], console: Console) -> None:
-    """Print what a log holds, and what it could show."""
+    """Print what a log contains, and what it could show."""
     segments = f", {told['segments']} segments" if told["segments"] > 1 else ""
     jitter = f", steps uneven by {100 * told['jitter']:.2g} %" if told["jitter"] > 1e-3 else ""
     console.print(told["log"], soft_wrap=True, markup=False)

@@ -1,4 +1,4 @@
-"""The four files of a diagnosis or an identification, in one folder."""
+"""Writing the four files of a diagnosis or an identification to one folder."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from mjfriction.robot.files import write_robot
 
 
 def write_results(diagnosis: Diagnosis, report: Report, folder: Path) -> None:
-    """Write report.json, report.html, recording.rrd and robot.toml with the model file it names, and
-    next_experiment.parquet where a motion would tell causes apart.
+    """Write report.json, report.html, recording.rrd, robot.toml with the model file it names, and
+    next_experiment.parquet if the diagnosis has a motion that would distinguish causes.
     """
     (folder / "report.json").write_text(report_json(report), encoding="utf-8")
     (folder / "report.html").write_text(report_html(diagnosis, report), encoding="utf-8")
@@ -30,9 +30,9 @@ def write_results(diagnosis: Diagnosis, report: Report, folder: Path) -> None:
 
 
 def save_diagnosis(diagnosis: Diagnosis, folder: Path | str) -> Report:
-    """Write what ``mjfriction diagnose`` writes into a folder, whole or not at all, and return the report.
+    """Write the files of ``mjfriction diagnose`` to a folder, all or none, and return the report.
 
-    Raises :class:`~mjfriction.errors.OutputError` where the folder cannot be written.
+    Raises :class:`~mjfriction.errors.OutputError` if the folder cannot be written.
     """
     report = make_report(diagnosis)
     with whole_folder(Path(folder)) as draft:

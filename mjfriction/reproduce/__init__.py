@@ -1,1 +1,1 @@
-"""The source documents' experiments on simulated machines, our figures beside the printed ones."""
+"""The source documents' experiments on simulated machines, our numbers beside the printed ones."""

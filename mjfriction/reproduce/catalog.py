@@ -1,4 +1,4 @@
-"""Which documents can be reproduced, and all of them at once."""
+"""The documents that can be reproduced, and a function that runs several of them."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ DOCUMENTS = ("table", "hydraulic", "manipulator")
 def reproduce(documents: Sequence[str], tell: Tell = silently, *, seed: int = 0, jobs: int = 1) -> list[Reproduction]:
     """Run the experiments of documents by name, ``jobs`` at a time, and return them in their order.
 
-    ``tell`` hears what is going on.  The results are the same whatever ``jobs`` is.
+    ``tell`` receives progress reports.  The results are the same whatever ``jobs`` is.
     """
     if jobs == 1 or len(documents) == 1:
         return [_run(name, seed, _part(tell, k, documents)) for k, name in enumerate(documents)]
-    # Fresh processes: the one MuJoCo callback and what is compiled belong to a process.
+    # Fresh processes: each process has its own MuJoCo callback and compiled code.
     with ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
-        # The longest first.
+        # Start the longest first.
         running = {name: pool.submit(_run, name, seed) for name in sorted(documents, key=DOCUMENTS.index, reverse=True)}
         out = []
         for k, name in enumerate(documents):
@@ -39,7 +39,7 @@ def _run(name: str, seed: int, tell: Tell = silently) -> Reproduction:
 
 
 def _part(tell: Tell, number: int, documents: Sequence[str]) -> Tell:
-    # What one document's experiments tell, as a part of the whole.
+    # Report the progress of one document's experiments as a part of the whole.
     def told(step: str, done: float | None = None) -> None:
         tell(f"{documents[number]}: {step}", (number + (done or 0.0)) / len(documents))
 

@@ -1,4 +1,4 @@
-"""What a reproduced experiment hands on: tables, pictures, and what came out as the document says and what did not."""
+"""The results of a reproduced experiment: tables, pictures, and which claims of the document held."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from mjfriction.laws.law import Floats
 
 @dataclass(frozen=True)
 class Row:
-    """One line of a table: what it is, and its cells, numbers or words, None where there is none."""
+    """One line of a table: its name and its cells, which are numbers or words, None where empty."""
 
     name: str
     cells: tuple[float | str | None, ...]
@@ -17,7 +17,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Table:
-    """Figures beside the document's: ``columns`` name the cells of every row."""
+    """Numbers beside the document's: ``columns`` name the cells of every row."""
 
     title: str
     columns: tuple[str, ...]
@@ -27,7 +27,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Line:
-    """One course of a picture, (n,) each; ``marks`` draws points in place of a line."""
+    """One curve of a picture, ``x`` and ``y`` (n,); ``marks`` draws points instead of a line."""
 
     name: str
     x: Floats
@@ -37,7 +37,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Picture:
-    """One picture, after the document's ``figure`` where it has such a one."""
+    """One picture; ``figure`` names the document's figure that it corresponds to, if any."""
 
     title: str
     across: str
@@ -49,7 +49,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Claim:
-    """A sentence of the document, whether it held here, and with what figures."""
+    """A sentence of the document, whether it held here, and the numbers for it."""
 
     sentence: str
     holds: bool
@@ -58,7 +58,7 @@ class Claim:
 
 @dataclass(frozen=True)
 class Reproduction:
-    """One document's experiments: ``how`` tells the machine and the procedure, ``differs`` where ours is another."""
+    """One document's experiments: ``how`` describes machine and procedure, ``differs`` says where ours differ."""
 
     name: str
     title: str

@@ -1,1 +1,1 @@
-"""A robot file in and out: the rigid bodies, the friction laws, the drives and their sensors, as one thing."""
+"""Read and write robot files: rigid bodies, friction laws, drives and sensors in one object."""

@@ -1,4 +1,4 @@
-"""How much of a log's frequency range can be believed."""
+"""How much of a log's frequency range is usable."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from mjfriction.record.resample import read_clock
 from mjfriction.robot.effort import effort_per_reported
 from mjfriction.robot.robot import Robot
 
-HIGHEST = 100.0  # Hz; manipulators do nothing above it that rigid bodies and friction explain
-HARMONICS = 5.0  # the band must hold this many times the frequencies that the motion itself has
-NOISE_SHARE = 0.5  # what position noise, seen as inertia torque, may add relative to the effort's own noise
-EFFORT_SHARE = 0.01  # and what it may always add, relative to the effort itself
+HIGHEST = 100.0  # Hz; above it, rigid bodies and friction explain nothing of what a manipulator does
+HARMONICS = 5.0  # the cutoff is at least this many times the highest frequency of the motion itself
+NOISE_SHARE = 0.5  # largest inertia torque from position noise, as a fraction of the effort's own noise
+EFFORT_SHARE = 0.01  # inertia torque from position noise that is always accepted, as a fraction of the effort's std
 
 
 def choose_cutoff(log: Log, robot: Robot, body: Body, highest: float = HIGHEST) -> float:
     """Return the cutoff (Hz) for the position filter of a log.
 
-    Differentiated twice, white position noise σ_q leaves a low-pass of cutoff f as inertia torque of standard deviation
-    J·σ_q·(2πf)²·√(2f/5r) at sampling rate r; white effort noise leaves it as σ_τ·√(2f/r). The cutoff is the highest f
-    at which, on every joint, the first stays under half of the second or under 1 % of the effort, whichever is more. A
-    measured velocity that is the position's needs one differentiation less, and counts where it is quieter. The cutoff
-    is at most ``highest`` (Hz) and a fifth of the rate, and at least five times the highest frequency of the motion
-    itself.
+    After a low-pass of cutoff f and two differentiations, white position noise σ_q appears as an inertia torque of
+    standard deviation J·σ_q·(2πf)²·√(2f/5r) at sampling rate r; white effort noise appears as σ_τ·√(2f/r). The cutoff
+    is the highest f at which, on every joint, the first stays below half of the second or below 1 % of the effort's
+    standard deviation, whichever is larger. A measured velocity that agrees with the position and is not merely derived
+    from it needs one differentiation less and is used where it is quieter. The cutoff is at most ``highest`` (Hz) and
+    at most a fifth of the rate, and within that at least five times the highest frequency of the motion itself.
 
     Raises :class:`LogError` when no joint of the log moves.
     """

@@ -1,4 +1,4 @@
-"""What a robot.toml says of its links and of what they hold: masses, where they are, and when."""
+"""Tables of robot.toml for links and held masses: mass, place and time."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from pydantic import ValidationInfo, field_validator
 
 from mjfriction.robot.table import Finite, NonNegative, Positive, Table, Vector
 
-ROUNDING = 1e-9  # of a link's moments, by which numbers written to a file may miss what is physical
+# Tolerance of the check for physical moments of inertia, relative to their sum: numbers in a file are rounded.
+ROUNDING = 1e-9
 
 
 class Payload(Table):
@@ -26,8 +27,9 @@ class Place(Table):
 
 
 class TakenUp(Place):
-    """A mass held for a while: kg beyond the payload, below none where that much of it is put down, from ``begin`` to
-    ``end`` on the log's clock (s), or to the log's end.
+    """A mass held for a while: kg in addition to the payload, negative where part of the payload is put down.
+
+    It is held from ``begin`` to ``end`` on the log's clock (s), or to the log's end.
     """
 
     mass: Finite
@@ -44,8 +46,10 @@ class TakenUp(Place):
 
 
 class LinkInertia(Table):
-    """The inertia of the link that a joint moves: ``mass`` (kg), its centre ``com`` (m, along the axes of the link's
-    frame from the joint on) and ``inertia`` about that, xx, yy, zz, xy, xz, yz (kg·m²).
+    """The inertia of the link that a joint moves.
+
+    ``mass`` (kg), its centre ``com`` (m, from the joint along the axes of the link's frame) and ``inertia`` about that
+    centre: xx, yy, zz, xy, xz, yz (kg·m²).
     """
 
     mass: Positive

@@ -1,4 +1,4 @@
-"""Drives that two joints turn, stated in a robot."""
+"""Change the drives that a robot file states as shared by two joints."""
 
 from __future__ import annotations
 
@@ -8,23 +8,22 @@ from mjfriction.robot.schema import CommonDrive
 
 
 def with_common_drive(robot: Robot, joint: str, drive: CommonDrive) -> Robot:
-    """Return the robot with one more drive stated at a joint, besides what the joint has of its own."""
+    """Return the robot with one more shared drive stated at a joint, in addition to what the joint already has."""
     table = robot.joint(joint)
     return robot.with_joint(table.model_copy(update={"common_drive": (*table.common_drive, drive)}))
 
 
 def with_drive_turned_too(robot: Robot, joint: str, drive: CommonDrive) -> Robot:
-    """Return the robot with a drive that is the joint's own, and turns with another joint too: its friction and its
-    rotor are no longer stated of the joint, as far as they were.
+    """Return the robot with the joint's own drive restated as one that turns with another joint too.
+
+    The drive's friction and rotor inertia are subtracted from what is stated for the joint itself, down to 0.
     """
     lowered = raised_levels(robot, joint, -drive.coulomb, -drive.viscous)
     return with_common_drive(without_rotor(lowered, joint, drive.inertia), joint, drive)
 
 
 def without_rotor(robot: Robot, joint: str, inertia: float) -> Robot:
-    """Return the robot with an inertia (at the joint, kg·m² or kg) taken from what is stated of the joint's rotor, as
-    far as any is.
-    """
+    """Return the robot with ``inertia`` (at the joint, kg·m² or kg) subtracted from the joint's rotor, down to 0."""
     table = robot.joint(joint)
     rest = max(0.0, table.actuator.rotor_inertia - inertia / table.actuator.gear_ratio**2)
     actuator = table.actuator.model_copy(update={"rotor_inertia": rest})

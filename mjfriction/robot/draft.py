@@ -1,4 +1,4 @@
-"""A robot file to begin with, drawn up from a model file alone."""
+"""Draft a robot file from a model file alone."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ HEAD = """\
 # rotor_inertia (kg·m² at the motor); a log of currents needs the first two. The numbers behind '#' are examples, but
 # those of friction are the model file's.
 """
-GRIPPERS = ("finger", "gripper", "knuckle")  # words in names of joints that are held while an arm moves
+GRIPPERS = ("finger", "gripper", "knuckle")  # words in the names of gripper joints, which are held while an arm moves
 DRIVE = "# actuator = { gear_ratio = 100.0, torque_constant = 0.1, rotor_inertia = 1e-5 }"
 FRICTION = '# friction = {{ law = "coulomb_viscous", parameters = {{ coulomb = {:.4g}, viscous = {:.4g} }} }}'
 
 
 def draft_robot(model: str, folder: Path, wanted: Sequence[str] | None = None) -> str:
-    """Return the text of a robot file, to be written into ``folder``, for a URDF or MJCF.
+    """Return the text of a robot file for a URDF or MJCF, to be written into ``folder``.
 
     ``model`` is a path, or ``package://example-robot-data/…``.  The joints are those of ``wanted``, in that order, or
-    every hinge and slide of the model but a gripper's.  Raises :class:`RobotError` for a model that cannot be read or
-    has no such joints.
+    by default every hinge and slide of the model except a gripper's.  Raises :class:`RobotError` for a model that
+    cannot be read or has no such joints.
     """
     packaged = model.startswith("package://")
     path = resolve_model(model, Path()) if packaged else Path(model)
@@ -61,7 +61,7 @@ def draft_robot(model: str, folder: Path, wanted: Sequence[str] | None = None) -
 
 
 def _of_the_arm(known: Sequence[str]) -> list[str]:
-    # Logs hardly ever have a gripper's joints; a model of nothing else keeps them.
+    # Logs rarely contain a gripper's joints; a model that has no others keeps them.
     return [name for name in known if not any(word in name.lower() for word in GRIPPERS)] or list(known)
 
 

@@ -1,10 +1,12 @@
-"""What a robot says its drives would report along a motion: the balance of the model, joint by joint.
+"""The effort that a robot's model predicts its drives to report along a motion, joint by joint.
 
 effort = rnea(q, q̇, q̈) + rotor_inertia·gear_ratio²·q̈ + friction(q̇, q, …) + cogging(q) + spring(q) + coupling
 reported = scale·effort(t − delay)/(1 + ripple(q)) + offset,      current = reported / (gear_ratio·torque_constant)
 
-the effort low-passed where the drive's bandwidth is stated, q being where the links are: what the sensors read, less
-their offsets, less what the transmissions give.
+The effort is low-passed where the drive's bandwidth is stated.  Links and springs are taken at the link's position: the
+sensor's reading less its offset and less the transmission's deflection and play.  Rotors, cogging and ripple are taken
+at the motor's position, which has only the offset removed.  Friction acts on the motor's side unless the transmission
+states otherwise.
 """
 
 from __future__ import annotations
@@ -28,15 +30,17 @@ from mjfriction.robot.schema import EffortSensor, Joint
 from mjfriction.robot.spring import spring_along
 from mjfriction.robot.transmission import Link, lag
 
-GIVING_ROUNDS = 2  # enough for what gives a few percent of the motion
-POSES = 50.0  # Hz: between two of these no joint turns far enough for its inertia to bend
+GIVING_ROUNDS = 2  # fixed-point rounds for the links' motion; enough if the deflection is a few percent of the motion
+# Hz, rate at which quantities that depend on the pose are computed, with linear interpolation between: within one
+# period no joint turns far enough for them to be visibly nonlinear.
+POSES = 50.0
 
 
 @dataclass(frozen=True)
 class Loads:
-    """What links and rotors take along a motion, each of shape (n, joints), N·m or N at the joint.
+    """The torques of links and rotors along a motion, each of shape (n, joints), N·m or N at the joint.
 
-    ``rigid``: links, payload, gravity and rotors; ``rotor``: the part of each drive's own rotor in that.
+    ``rigid``: links, payload, gravity and rotors; ``rotor``: the part of that due to each drive's own rotor.
     """
 
     rigid: Floats
@@ -44,14 +48,16 @@ class Loads:
 
     @functools.cached_property
     def load(self) -> Floats:
-        """What passes the transmissions to the links, (n, joints): the load that friction may grow with."""
+        """The torque that the transmissions pass to the links, (n, joints): the load that friction may grow with."""
         return self.rigid - self.rotor
 
 
 @dataclass(frozen=True)
 class Effort(Loads):
-    """Predicted effort along a motion: ``friction`` besides what links and rotors take; ``total``: these with cogging
-    and springs; ``reported``: what the drive's sensor would say, each (n, joints), N·m or N.
+    """Predicted effort along a motion, each (n, joints), N·m or N.
+
+    ``friction`` comes on top of the torques of links and rotors.  ``total`` is their sum with cogging, springs and
+    couplings.  ``reported`` is what the drive's sensor would report.
     """
 
     friction: Floats
@@ -61,8 +67,10 @@ class Effort(Loads):
 
 @dataclass(frozen=True)
 class Carried(Loads):
-    """What the drives carry along a motion: what links and rotors take, the ``motor``'s motion, that of where the links
-    are (``linked``) and of where friction acts (``rubbing``).
+    """The torques of links and rotors along a motion, and the motions they are computed from.
+
+    ``motor`` is the motion of the motors, ``linked`` that of the links, and ``rubbing`` that of the side on which
+    friction acts.
     """
 
     motor: Motion
@@ -71,15 +79,15 @@ class Carried(Loads):
 
 
 def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
-    """Predict the effort of every joint along a motion, as its sensors saw it.
+    """Predict the effort of every joint along a motion as its sensors recorded it.
 
-    At rest friction is not known from the motion; :func:`~mjfriction.robot.rubbing.direction` says what is taken.
+    At rest, the motion does not determine friction; see :func:`~mjfriction.robot.rubbing.direction` for what is used.
     """
     return effort_of(robot, motion, carry(robot, body, motion))
 
 
 def effort_of(robot: Robot, motion: Motion, carried: Carried) -> Effort:
-    """Return the effort of a robot whose links and rotors are ``carried`` along the motion."""
+    """Return the effort of a robot along a motion, given what its drives carry along it (:func:`carry`)."""
     motor, linked, rubbing, rigid = carried.motor, carried.linked, carried.rubbing, carried.rigid
     friction = friction_along(robot, rubbing, carried.load, carried.rotor)
     total = np.empty_like(rigid)
@@ -99,15 +107,16 @@ def effort_of(robot: Robot, motion: Motion, carried: Carried) -> Effort:
 
 
 def reported_of(robot: Robot, motion: Motion, total: Floats) -> Floats:
-    """Return what the drives' sensors say of torques (n, joints) along a motion, their offsets included."""
+    """Return what the drives' sensors report for torques (n, joints) along a motion, including their offsets."""
     position = without_offsets(robot, motion).position
     seen = [as_reported(joint, total[:, i], motion, position[:, i]) for i, joint in enumerate(robot.table.joint)]
     return np.asarray(np.column_stack(seen) + [joint.effort_sensor.offset for joint in robot.table.joint])
 
 
 def unheard(robot: Robot) -> Robot:
-    """Return the robot with effort sensors that do nothing, but for those whose word other joints' torques depend on:
-    robots that are equal so need the same torques.
+    """Return the robot with its effort sensors reset to ideal ones, except those that other joints' torques depend on.
+
+    Robots that are equal after this need the same torques.
     """
     shared = {coupling.joint for joint in robot.table.joint for coupling in joint.coupling if coupling.effort}
     joints = tuple(
@@ -118,8 +127,9 @@ def unheard(robot: Robot) -> Robot:
 
 
 def bare(robot: Robot) -> Robot:
-    """Return the robot with what its links, rotors and transmissions need and no more: robots that are equal so carry
-    the same.  Where friction acts behind what gives, it is the robot itself.
+    """Return the robot reduced to what :func:`carry` depends on: robots that are equal after this carry the same.
+
+    Where a transmission carries friction, its deflection depends on the friction too, and the robot is returned as is.
     """
     if any(joint.transmission.carries_friction for joint in robot.table.joint):
         return robot
@@ -138,10 +148,9 @@ def bare(robot: Robot) -> Robot:
 
 
 def shared_effort(robot: Robot, motion: Motion, joint: int, predicted: Floats) -> Floats:
-    """Return the effort (n,) that a joint shares with others: as its drive reported it, where it did, else as
-    ``predicted``.
+    """Return the effort (n,) that a joint shares with others: as reported by its drive if complete, else ``predicted``.
 
-    A joint that sticks carries what its drive gives, which its motion does not tell.
+    A sticking joint carries whatever torque its drive gives, which cannot be predicted from its motion.
     """
     table, reported = robot.table.joint[joint], motion.torque[:, joint]
     if not np.all(np.isfinite(reported)):
@@ -151,17 +160,17 @@ def shared_effort(robot: Robot, motion: Motion, joint: int, predicted: Floats) -
 
 
 def friction_states(robot: Robot, body: Body, motion: Motion) -> dict[str, dict[str, Floats]]:
-    """Return what friction's states are along a motion as its sensors saw it: by joint and law, (n, states)."""
+    """Return the friction states along a motion as its sensors recorded it: by joint and law, (n, states)."""
     carried = carry(robot, body, motion)
     return states_along(robot, carried.rubbing, carried.load, carried.rotor)
 
 
 def carry(robot: Robot, body: Body, motion: Motion) -> Carried:
-    """Return what a robot's drives carry along a motion as its sensors saw it."""
+    """Return what a robot's drives carry along a motion as its sensors recorded it."""
     motor = without_offsets(robot, motion)
     linked = link_motion(robot, body, motor)
     rigid = links_torque(robot, body, linked)
-    # Rotors turn with the sensor, not with the link.
+    # Rotors move with the sensor, not with the link.
     rotor = body.armature * motor.acceleration
     rigid += rotor - body.armature * linked.acceleration
     for i, joint in enumerate(robot.table.joint):
@@ -174,10 +183,9 @@ def carry(robot: Robot, body: Body, motion: Motion) -> Carried:
 
 
 def as_reported(joint: Joint, torque: Floats, motion: Motion, position: Floats) -> Floats:
-    """Return what a drive's sensor makes of torques at its joint, (n, ...), all but its offset.
+    """Return what a drive's sensor reports for torques at its joint, (n, ...), without its offset.
 
-    They are worth more or less current by the drive's ripple at its own ``position`` (n,), come late, are low-passed,
-    and are scaled.
+    The torques are divided by the ripple factor at the drive's ``position`` (n,), delayed, low-passed and scaled.
     """
     if joint.actuator.ripple:
         worth = 1.0 / (1.0 + waves_along(joint.actuator.ripple, position))
@@ -188,10 +196,9 @@ def as_reported(joint: Joint, torque: Floats, motion: Motion, position: Floats) 
 
 
 def as_given(joint: Joint, reported: Floats, motion: Motion, position: Floats) -> Floats:
-    """Return the torques (n,) that a drive gave when its sensor reported these: what :func:`as_reported` does, undone,
-    but for what a low-pass has taken.
+    """Return the torques (n,) that a drive gave when its sensor reported ``reported``: the inverse of its sensor.
 
-    ``position`` (n,) is the drive's own.
+    This undoes :func:`as_reported` and the offset, except for the low-pass.  ``position`` (n,) is the drive's own.
     """
     sensor = joint.effort_sensor
     given = delayed((reported - sensor.offset) / sensor.scale, motion, -sensor.delay)
@@ -199,7 +206,7 @@ def as_given(joint: Joint, reported: Floats, motion: Motion, position: Floats) -
 
 
 def without_offsets(robot: Robot, motion: Motion) -> Motion:
-    """Return where the sensors' joints are: what they read, less their offsets."""
+    """Return the motion with the position sensors' offsets removed."""
     offset = np.array([joint.position_sensor.offset for joint in robot.table.joint])
     return replace(motion, position=motion.position - offset) if np.any(offset) else motion
 
@@ -216,9 +223,10 @@ def _where_friction_acts(robot: Robot, motor: Motion, linked: Motion) -> Motion:
 
 
 def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
-    """Return the motion of the links behind the motors' motion: what the transmissions give is taken off.
+    """Return the motion of the links: the motors' motion less the transmissions' deflection and play.
 
-    The load on a transmission is what the link needs along its own motion, found in rounds from the motors'.
+    The load on a transmission is what the link needs along its own motion.  It is found by fixed-point iteration that
+    starts from the motors' motion.
     """
     transmissions = [
         joint.transmission.jump_free if i in motion.jump_free else joint.transmission
@@ -251,7 +259,8 @@ def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
 
 
 def _at_poses(motion: Motion, told: Callable[[Floats], Floats]) -> Floats:
-    # What changes with the pose, (n, joints), and so no faster than a joint goes from one pose to another.
+    # Evaluate a function of the pose at a few samples and interpolate it, (n, joints): it changes no faster than the
+    # pose does.
     count, change = motion.time.size, np.flatnonzero(np.diff(motion.piece))
     every = np.arange(0, count, max(1, int(motion.rate / POSES)))
     some = np.unique([*every, *change, *(change + 1), count - 1])
@@ -259,21 +268,21 @@ def _at_poses(motion: Motion, told: Callable[[Floats], Floats]) -> Floats:
 
 
 def _stiffness_along(body: Body, position: Floats) -> Floats:
-    # How the load of each joint that stands still grows with its own position, (n, joints).
+    # The derivative of each joint's load with respect to its own position at standstill, (n, joints).
     still = np.zeros_like(position)
     return np.diagonal(motion_derivatives(body, position, still, still)[0], axis1=1, axis2=2)
 
 
 def later(joint: Joint, delay: float) -> Joint:
-    """Return a joint whose drive reports its effort so much later (s)."""
+    """Return the joint with its effort sensor's delay increased by ``delay`` (s)."""
     sensor = joint.effort_sensor.model_copy(update={"delay": joint.effort_sensor.delay + delay})
     return joint.model_copy(update={"effort_sensor": sensor}) if delay else joint
 
 
 def delayed(effort: Floats, motion: Motion, delay: float) -> Floats:
-    """Return what was there so much earlier (s) of (n, ...) along a motion, its pieces apart.
+    """Return values (n, ...) along a motion delayed by ``delay`` (s), each piece on its own.
 
-    Between samples it runs straight, before the first of a piece and after the last it stays as it was there.
+    Values are interpolated linearly between samples and held constant beyond the ends of a piece.
     """
     if delay == 0.0:
         return effort
@@ -287,7 +296,7 @@ def delayed(effort: Floats, motion: Motion, delay: float) -> Floats:
 
 
 def _moved(course: Floats, samples: int) -> Floats:
-    # A course (n, ...) so many samples later, or earlier, held at its ends.
+    # Shift a course (n, ...) by a number of samples, later or (negative) earlier, holding the value at its end.
     if samples == 0:
         return course
     count = min(abs(samples), course.shape[0])
@@ -301,9 +310,9 @@ def reported_unit(quantity: str | None, sliding: bool) -> str:
 
 
 def effort_per_reported(joint: Joint, quantity: str | None, robot_name: str) -> float:
-    """Return what turns a log's reported quantity into effort at the joint: 1, or N·m per ampere.
+    """Return the factor from a log's reported quantity to effort at the joint: 1, or N·m (N) per ampere.
 
-    Raises :class:`RobotError` when the log has currents and the robot no torque constant.
+    Raises :class:`RobotError` if the log has currents but the robot file states no torque constant.
     """
     if quantity != CURRENT:
         return 1.0

@@ -1,4 +1,4 @@
-"""Robot files: reading with one-line messages, writing so that what is written reads back equal."""
+"""Read robot files, with one-line error messages, and write them so that they read back equal."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from mjfriction.robot.schema import RobotTable
 
 
 def read_robot(source: Path | str) -> Robot:
-    """Read a robot file, that of a folder of results, or one of the bundled robots by its name.
+    """Read a robot file, the ``robot.toml`` of a folder, or one of the bundled robots by its name.
 
-    Raises :class:`RobotError`: file, key, what is allowed.
+    Raises :class:`RobotError` naming the file, the key and what is allowed.
     """
     path = Path(source)
     if not path.suffix and not path.exists():
@@ -46,8 +46,8 @@ def read_robot(source: Path | str) -> Robot:
 def write_robot(robot: Robot, folder: Path, *, comment: str = "") -> Path:
     """Write ``robot.toml`` and the model file it names into a folder, and return the robot file's path.
 
-    A model of example-robot-data stays named as such; one that stands alone is copied beside; one that includes other
-    files is named by its absolute path.
+    A model from example-robot-data keeps its package name.  A model that needs no other files is copied next to the
+    robot file; one that includes other files is named by its absolute path.
     """
     table = robot.table
     if not table.model.startswith("package://"):
@@ -68,14 +68,14 @@ def _stands_alone(model: Path) -> bool:
     text = model.read_text(encoding="utf-8", errors="replace")
     if "<mujoco" in text:
         return re.search(r"<include|\bfile\s*=", text) is None
-    return True  # a URDF's meshes are for the eye; masses and inertias stand in the file
+    return True  # a URDF's meshes are only visual; masses and inertias are in the file itself
 
 
 def _checked(table: dict[str, Any], path: Path) -> RobotTable:
     try:
         return RobotTable.model_validate(table)
     except ValidationError as error:
-        # A misspelt key is both unknown and missing; the first says more.
+        # A misspelt key is reported both as unknown and as missing; the former says more.
         worst = min(error.errors(), key=lambda detail: detail["type"] != "extra_forbidden")
         raise RobotError(_one_line(worst, table, path)) from None
     except LawError as error:
@@ -93,7 +93,7 @@ def _one_line(detail: ErrorDetails, table: dict[str, Any], path: Path) -> str:
 
 
 def _place(location: tuple[int | str, ...], table: dict[str, Any]) -> str:
-    # ('joint', 3, 'friction', 0, 'side') reads: joint 'elbow_joint': friction.side
+    # Example: ('joint', 3, 'friction', 0, 'side') becomes "joint 'elbow_joint': friction.side".
     words = [str(part) for part in location if not isinstance(part, int)]
     if len(location) > 1 and location[0] == "joint" and isinstance(location[1], int):
         joint = table["joint"][location[1]]

@@ -1,4 +1,4 @@
-"""Changing a robot's friction: its levels, its directions, further laws."""
+"""Read and change a robot's friction: its levels, its directions, additional laws."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ def terms(joint: Joint) -> tuple[FrictionTerm, ...]:
 
 
 def reflection(term: FrictionTerm, joint: Joint) -> tuple[float, float]:
-    """Return what turns a law's own torque and torque-per-speed into the joint's: 1, or the gear ratio's powers."""
+    """Return the factors from a law's torque and torque per speed to the joint's: 1, or |gear ratio| and its square."""
     ratio = joint.actuator.gear_ratio if term.side == "motor" else 1.0
     return abs(ratio), ratio * ratio
 
 
 def coulomb_level(term: FrictionTerm) -> float:
-    """Return the level that a law keeps at speed, on its own side, its directions averaged."""
+    """Return the Coulomb level of a law at speed, on the law's own side, averaged over the directions."""
     if "stribeck_fall" in term.parameters:
         return term.value("static") + 0.5 * math.pi * term.value("stribeck_fall")
     if "coulomb" not in term.parameters and isinstance(term.parameters.get("level"), tuple):
@@ -54,13 +54,13 @@ def coulomb_level(term: FrictionTerm) -> float:
 
 
 def viscous_rate(term: FrictionTerm) -> float:
-    """Return a law's linear damping on its own side, its directions averaged."""
+    """Return a law's linear damping, on the law's own side, averaged over the directions."""
     pairs = (("viscous_positive", "viscous_negative"), ("viscous_extending", "viscous_retracting"))
     return term.value("viscous") + sum(0.5 * (term.value(one) + term.value(other)) for one, other in pairs)
 
 
 def stated_levels(joint: Joint) -> tuple[float, float]:
-    """Return Coulomb and viscous friction as stated, summed over the laws, at the joint."""
+    """Return the stated Coulomb and viscous levels at the joint, summed over its laws."""
     coulomb = viscous = 0.0
     for term in terms(joint):
         level, rate = reflection(term, joint)
@@ -70,7 +70,7 @@ def stated_levels(joint: Joint) -> tuple[float, float]:
 
 
 def stribeck_excess(joint: Joint) -> float:
-    """Return how much friction near rest is stated above the Coulomb level, at the joint."""
+    """Return how far friction near rest is stated above the Coulomb level, at the joint, summed over Stribeck laws."""
     return sum(
         reflection(term, joint)[0] * (term.value("static") - term.value("coulomb"))
         for term in terms(joint)
@@ -79,7 +79,7 @@ def stribeck_excess(joint: Joint) -> float:
 
 
 def stribeck_shapes(joint: Joint) -> tuple[tuple[float, float], ...]:
-    """Return the Stribeck velocity, at the joint, and the exponent of every Stribeck law that is stated."""
+    """Return the Stribeck velocity (at the joint) and the exponent of every stated Stribeck law."""
     return tuple(
         (
             term.value("stribeck_velocity") / reflection(term, joint)[0],
@@ -91,7 +91,7 @@ def stribeck_shapes(joint: Joint) -> tuple[tuple[float, float], ...]:
 
 
 def with_less_stribeck(robot: Robot, joint: str, excess: float) -> Robot:
-    """Return the robot with so much less friction near rest above the Coulomb level, at the joint, down to none."""
+    """Return the robot with the friction near rest above a joint's Coulomb level lowered by ``excess``, down to 0."""
     table = robot.joint(joint)
     kept = max(0.0, 1.0 - excess / stribeck_excess(table))
 
@@ -114,10 +114,10 @@ def with_less_stribeck(robot: Robot, joint: str, excess: float) -> Robot:
 
 
 def raised_levels(robot: Robot, joint: str, coulomb: float, viscous: float) -> Robot:
-    """Return the robot with Coulomb and viscous friction of a joint raised (or lowered) by so much, at the joint.
+    """Return the robot with a joint's Coulomb and viscous levels raised (or lowered) by amounts given at the joint.
 
-    The change goes into the first law that has such levels, as far as they stay at least 0, then into the next; what
-    no law can take becomes a Coulomb-viscous law of its own.
+    The change goes into the first law that has such levels, as far as they stay at or above 0, then into the next.  An
+    increase that no law can take becomes a new Coulomb-viscous law; a decrease that no law can take is dropped.
     """
     table = robot.joint(joint)
     changed = []
@@ -140,7 +140,8 @@ def raised_levels(robot: Robot, joint: str, coulomb: float, viscous: float) -> R
 
 
 def _taken(change: float, per_step: float, values: list[float]) -> tuple[float, float]:
-    # The step of values that none of them takes below 0, and what it leaves of the change: nothing at all, or below 0.
+    # The largest step of the values, up to the whole change, that takes none of them below 0, and the rest of the
+    # change: 0, or negative.
     step, lowest = change / per_step, -min(values)
     return (step, 0.0) if step >= lowest else (lowest, change - lowest * per_step)
 
@@ -173,7 +174,7 @@ def _changed(term: FrictionTerm, steps: Mapping[str, float]) -> FrictionTerm:
 
 
 def _stretched(term: FrictionTerm, factor: float) -> FrictionTerm:
-    # Level and stiffness together: every element still breaks away after the same travel.
+    # Scale level and stiffness together, so that every element still breaks away after the same travel.
     own = {name: tuple(factor * x for x in array(term.parameters, name)) for name in ("level", "stiffness")}
     return term.model_copy(update={"parameters": {**term.parameters, **own}})
 
@@ -188,7 +189,7 @@ def with_term(robot: Robot, joint: str, law: str, parameters: Values, *, load_in
 def with_friction_wave(robot: Robot, joint: str, wave: Wave) -> Robot:
     """Return the robot with one more wave on a joint's friction level.
 
-    Where no plain Coulomb-viscous law at the joint can carry it, one of no level is added.
+    If the joint has no plain Coulomb-viscous law to carry the wave, one with zero levels is added.
     """
     robot = _with_plain_law(robot, joint)
     table = robot.joint(joint)
@@ -216,7 +217,7 @@ def _with_plain_law(robot: Robot, joint: str) -> Robot:
 def with_asymmetric_damping(robot: Robot, joint: str, asymmetry: float) -> Robot:
     """Return the robot with a joint's damping raised by ``asymmetry`` forward and lowered by it backward.
 
-    The joint's Coulomb-viscous law, or the damping of its other laws, becomes an asymmetric law.
+    The joint's Coulomb-viscous and asymmetric laws, and the damping of its other laws, merge into one asymmetric law.
     """
     table = robot.joint(joint)
     coulomb = {"coulomb_positive": 0.0, "coulomb_negative": 0.0}
@@ -227,7 +228,7 @@ def with_asymmetric_damping(robot: Robot, joint: str, asymmetry: float) -> Robot
         values = dict(term.parameters)
         if term.law in (COULOMB_VISCOUS.name, ASYMMETRIC.name):
             ways = ("positive", "negative")
-            # A motor that turns against its joint sees the joint's forward motion as its own backward one.
+            # With a negative gear ratio, forward motion of the joint is backward motion of the motor.
             turned = ways[::-1] if term.side == "motor" and table.actuator.gear_ratio < 0.0 else ways
             sides = {"positive": values, "negative": {**values, **(term.negative or {})}}
 
@@ -242,13 +243,13 @@ def with_asymmetric_damping(robot: Robot, joint: str, asymmetry: float) -> Robot
             continue
         viscous += rate * term.value("viscous")
         kept.append(_still(term))
-    # Damping cannot be negative in either direction; past that, friction would drive the joint.
+    # Damping must not be negative in either direction: negative friction would drive the joint.
     damping = {
         "viscous_positive": max(viscous + asymmetry, 0.0),
         "viscous_negative": max(viscous - asymmetry, 0.0),
     }
     if table.friction_waves or table.friction_spots:
-        # They need a plain law to vary: it keeps of the Coulomb level what both directions have.
+        # Waves and spots need a plain law: keep one with the part of the Coulomb level that both directions share.
         level = min(coulomb.values())
         coulomb = {way: own - level for way, own in coulomb.items()}
         kept.insert(0, FrictionTerm(law=COULOMB_VISCOUS.name, parameters={"coulomb": level, "viscous": 0.0}))

@@ -1,4 +1,4 @@
-"""What a robot.toml says of a joint's friction: its laws, and what varies them."""
+"""Tables of robot.toml for a joint's friction: its laws, and what varies them."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from mjfriction.robot.table import Finite, Positive, Table, Wave
 
 
 class LevelTable(Table):
-    """What scales the level of a law, all but its linear damping, by 1 + the following.
+    """A factor on the level of a law (all but its linear damping): 1 + the sum of the following.
 
-    ``per_load``: 1/(N·m) or 1/N of the load on the law's side.  ``per_kelvin``: 1/K above ``reference_temperature``
-    (°C).  ``waves``: shares that repeat along the stroke of the law's side.
+    ``per_load``: 1/(N·m) or 1/N, times the load on the law's side.  ``per_kelvin``: 1/K, times the temperature above
+    ``reference_temperature`` (°C).  ``waves``: relative variation along the stroke of the law's side.
     """
 
     per_load: Finite = 0.0
@@ -24,11 +24,11 @@ class LevelTable(Table):
 
 
 class FrictionTerm(Table):
-    """One friction law on a joint; ``side`` is the side whose velocity and torque the law speaks of.
+    """One friction law on a joint; ``side`` is the side of the gear whose velocity and torque the law refers to.
 
-    ``negative`` are the parameters for motion backward, where they differ; ``level`` scales the law's level.  The load
-    that a law reads is what passes the transmission to the links, with ``load_includes_rotor`` what the drive's rotor
-    takes too.
+    ``negative`` holds the parameters for backward motion where they differ; ``level`` scales the law's level.  The load
+    that a law reads is the torque that passes the transmission to the links; with ``load_includes_rotor`` it includes
+    the torque of the drive's rotor.
     """
 
     law: str
@@ -39,9 +39,10 @@ class FrictionTerm(Table):
     load_includes_rotor: bool = False
 
     def friction(self, gear_ratio: float, *, where: str = "") -> Friction:
-        """Return the law as it stands at a joint whose drive has that gear ratio.
+        """Return the law as seen from a joint whose drive has the given gear ratio.
 
-        Raises :class:`~mjfriction.errors.LawError`, ``where`` (the joint) in front, for what the law does not allow.
+        Raises :class:`~mjfriction.errors.LawError`, with ``where`` (the joint) in front, for values that the law does
+        not allow.
         """
         waves = tuple(LevelWave(wave.wavenumber, wave.cosine, wave.sine) for wave in self.level.waves)
         level = Level(self.level.per_load, self.level.per_kelvin, self.level.reference_temperature, waves)
@@ -57,15 +58,16 @@ class FrictionTerm(Table):
         )
 
     def value(self, name: str) -> float:
-        """Return a parameter that is one number: forward and backward averaged, 0 where the law has none of it."""
+        """Return a scalar parameter, averaged over the directions; 0 if the law has none of that name."""
         sets = [self.parameters, {**self.parameters, **(self.negative or {})}]
         found = [values.get(name, 0.0) for values in sets]
         return sum(0.0 if isinstance(value, tuple) else value for value in found) / len(sets)
 
 
 class Thermal(Table):
-    """Friction that follows the logged temperature: (``coulomb_per_kelvin`` · sgn q̇ + ``viscous_per_kelvin`` · q̇) times
-    the temperature above ``reference_temperature`` (°C).
+    """Friction that depends on the logged temperature T (°C).
+
+    (``coulomb_per_kelvin`` · sgn q̇ + ``viscous_per_kelvin`` · q̇) · (T − ``reference_temperature``).
     """
 
     coulomb_per_kelvin: Finite = 0.0
@@ -74,8 +76,10 @@ class Thermal(Table):
 
 
 class WarmUp(Table):
-    """Friction that settles with running time t (s): (``coulomb`` · sgn q̇ + ``viscous`` · q̇) · (1 − e^(−t/τ)), τ the
-    ``time_constant``, t counted from ``begin`` on the log's clock.
+    """Friction that changes with running time t (s) and settles.
+
+    (``coulomb`` · sgn q̇ + ``viscous`` · q̇) · (1 − e^(−t/τ)), where τ is the ``time_constant`` and t counts from
+    ``begin`` on the log's clock.
     """
 
     coulomb: Finite = 0.0
@@ -85,7 +89,7 @@ class WarmUp(Table):
 
 
 class Event(Table):
-    """Friction that steps at a ``time`` of the log (s) and stays: ``coulomb`` · sgn q̇ + ``viscous`` · q̇ from then."""
+    """A lasting step of friction at a ``time`` of the log (s): ``coulomb`` · sgn q̇ + ``viscous`` · q̇ from then on."""
 
     time: Finite
     coulomb: Finite = 0.0
@@ -93,8 +97,9 @@ class Event(Table):
 
 
 class PressureFriction(Table):
-    """Friction that the chambers press on: (``head`` · p₁ + ``rod`` · p₂ + ``difference`` · |p₁ − p₂|) · sgn q̇, N or
-    N·m per Pa.
+    """Friction that grows with the chamber pressures; the coefficients are N (or N·m) per Pa.
+
+    (``head`` · p₁ + ``rod`` · p₂ + ``difference`` · |p₁ − p₂|) · sgn q̇.
     """
 
     head: Finite = 0.0

@@ -1,4 +1,4 @@
-"""Changing a robot's links: their masses and inertias, and where their centres of mass are."""
+"""Change a robot's links: their masses, inertias and centres of mass."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ UNMOVED: Shift = (0.0, 0.0, 0.0)
 
 
 def link_scale(robot: Robot, link: str) -> float:
-    """Return the mass and inertia of the link that a joint moves, relative to the model file."""
+    """Return the stated factor on the mass and inertia of the link that a joint moves."""
     return robot.table.link_scale.get(link, 1.0)
 
 
 def link_shift(robot: Robot, link: str) -> Shift:
-    """Return how far (m) a link's centre of mass is from where the model file has it."""
+    """Return the stated displacement (m) of a link's centre of mass."""
     return robot.table.link_shift.get(link, UNMOVED)
 
 

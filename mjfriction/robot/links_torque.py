@@ -1,4 +1,4 @@
-"""What the links of a robot and what it holds need along a motion."""
+"""The torques that a robot's links and the masses it holds need along a motion."""
 
 from __future__ import annotations
 
@@ -17,15 +17,17 @@ from mjfriction.robot.robot import Robot
 
 
 def held_mass(robot: Robot, motion: Motion) -> Floats | None:
-    """Return the mass (n,), kg, that the motion's log says was held where the robot holds one; None where either is
-    silent.
+    """Return the held mass (n,), kg, from the log's column.
+
+    None if the log has no such column or the robot file does not state where the mass is held.
     """
     return None if robot.table.held is None else motion.columns.get(HELD_MASS)
 
 
 def held_torque(robot: Robot, body: Body, motion: Motion) -> Floats:
-    """Return the torques of what is held beside the payload, (n, joints), N·m or N: by the word of the motion's log,
-    and what the robot takes up for a while.
+    """Return the torques of the masses held in addition to the payload, (n, joints), N·m or N.
+
+    These are the mass that the motion's log reports, and the masses that the robot takes up for a while.
     """
     out, mass, held = np.zeros_like(motion.position), held_mass(robot, motion), robot.table.held
     if mass is not None and held is not None:
@@ -37,14 +39,14 @@ def held_torque(robot: Robot, body: Body, motion: Motion) -> Floats:
 
 
 def is_held(begin: float, end: float | None, time: Floats) -> NDArray[np.bool_]:
-    """Return at which of the moments (n,), s, that is held which is taken up at ``begin`` and put down at ``end``."""
+    """Return at which of the times (n,), s, a mass is held that is taken up at ``begin`` and put down at ``end``."""
     return within((begin, np.inf if end is None else end), time)
 
 
 def _of_one_kilogram(
     robot: Robot, body: Body, place: Place, motion: Motion, own: slice | NDArray[np.bool_], key: str
 ) -> Floats:
-    # A point mass at a fixed place of a link needs so many times what one kilogram there needs.
+    # The torque of a point mass at a fixed place of a link is proportional to the mass: compute it per kilogram.
     try:
         alone = body.weightless().holding(Load(1.0, place.com, place.parent))
     except RobotError as error:
@@ -53,7 +55,7 @@ def _of_one_kilogram(
 
 
 def links_torque(robot: Robot, body: Body, motion: Motion) -> Floats:
-    """Return the torques of links, payload, rotors and of what is held besides, (n, joints), N·m or N."""
+    """Return the torques of links, payload, rotors and additional held masses, (n, joints), N·m or N."""
     torque = inverse_dynamics(body, motion.position, motion.velocity, motion.acceleration)
     besides = robot.table.taken_up or held_mass(robot, motion) is not None
     return torque + held_torque(robot, body, motion) if besides else torque

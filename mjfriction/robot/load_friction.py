@@ -1,4 +1,4 @@
-"""Changing how a robot's friction grows with the load: what its laws state of that together, and others of them."""
+"""Read and change how a robot's friction grows with load, over all its load-dependent laws."""
 
 from __future__ import annotations
 
@@ -15,13 +15,16 @@ from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Joint
 
-# The coefficients of a law by which friction grows: where the drive works against the load, and where the load drives.
+# Parameter names of each law's load coefficients: where the drive works against the load, and where the load drives.
 COEFFICIENTS = {LOAD_DEPENDENT.name: ("load", "load"), GEARED_LOAD.name: ("load_driving", "load_braking")}
 
 
 def stated_loads(joint: Joint, *, includes_rotor: bool = False) -> tuple[float, float]:
-    """Return how fast friction is stated to grow with the transmitted load, counted without or with what the rotor
-    takes, where the drive works against it and where the load drives; the same on either side of the gear.
+    """Return the stated load coefficients of friction, summed over the laws.
+
+    The first is for motion where the drive works against the load, the second for motion where the load drives.  With
+    ``includes_rotor`` only laws whose load includes the rotor's torque count, otherwise only the others.  The
+    coefficients are the same on either side of the gear.
     """
     own = [term for term in terms(joint) if _of_load(term, includes_rotor)]
     driving, braking = ([term.value(COEFFICIENTS[term.law][way]) for term in own] for way in (0, 1))
@@ -29,13 +32,15 @@ def stated_loads(joint: Joint, *, includes_rotor: bool = False) -> tuple[float, 
 
 
 def stated_load(joint: Joint, *, includes_rotor: bool = False) -> float:
-    """Return how fast friction is stated to grow with the load in either direction of power."""
+    """Return the stated load coefficient common to both directions of power: the smaller of the two."""
     return min(stated_loads(joint, includes_rotor=includes_rotor))
 
 
 def with_less_load(robot: Robot, joint: str, less: float, *, includes_rotor: bool = False) -> Robot:
-    """Return the robot with friction of a joint that grows by so much less with the load than is stated, in the laws
-    that :func:`stated_load` sums up, as far as they go.
+    """Return the robot with a joint's load coefficient lowered by ``less`` in all directions of motion and power.
+
+    The reduction is taken from the laws that :func:`stated_load` sums up, one after another; no coefficient falls below
+    0, so less than ``less`` is taken where they state too little.
     """
     table, changed = robot.joint(joint), []
     for term in terms(table):
@@ -49,8 +54,10 @@ def with_less_load(robot: Robot, joint: str, less: float, *, includes_rotor: boo
 
 
 def with_more_load(robot: Robot, joint: str, more: tuple[float, float], *, includes_rotor: bool = False) -> Robot:
-    """Return the robot with friction of a joint that grows by so much more (or less, to nothing at least) with the load
-    than is stated, where the drive works against it and where the load drives; all of that in a law of its own.
+    """Return the robot with a joint's load coefficients changed by ``more``, down to no less than 0.
+
+    ``more`` holds the changes where the drive works against the load and where the load drives.  All load dependence,
+    stated and added, moves into one law of its own.
     """
     table = robot.joint(joint)
     own = [term for term in terms(table) if _of_load(term, includes_rotor)]
@@ -75,7 +82,7 @@ def _of_load(term: FrictionTerm, includes_rotor: bool) -> bool:
 
 
 def _ways(term: FrictionTerm) -> list[list[float]]:
-    # The two coefficients for motion forward, and for motion backward.
+    # The two load coefficients for forward motion, then the two for backward motion.
     sides = (term.parameters, {**term.parameters, **(term.negative or {})})
     return [[scalar(values, name) for name in COEFFICIENTS[term.law]] for values in sides]
 

@@ -1,4 +1,4 @@
-"""The motion a log recorded of a robot, without what its transmissions are stated to make its sensors jump by."""
+"""The recorded motion of a robot, without the sensor jumps across play that its transmissions are stated to have."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from mjfriction.robot.robot import Robot
 
 
 def measured_motion(log: Log, robot: Robot, body: Body, cutoff: float) -> Motion:
-    """Estimate the motion of a robot's joints, with a position filter of that ``cutoff`` (Hz).
+    """Estimate the motion of a robot's joints with a position filter of the given ``cutoff`` (Hz).
 
-    Where play is stated that is crossed at once, and the log shows when, its jumps are taken off the positions: that is
-    a better word on when it was crossed than any predicted load.
+    Where the robot states play that is crossed instantly and the jumps are visible in the log, they are subtracted from
+    the positions: the visible jumps tell better when the play was crossed than any predicted load.
 
     Raises what :func:`~mjfriction.record.motion.estimate_motion` raises.
     """
@@ -31,7 +31,7 @@ def measured_motion(log: Log, robot: Robot, body: Body, cutoff: float) -> Motion
 
 
 def seen_jumps(log: Log, robot: Robot, body: Body, motion: Motion) -> dict[int, Jumps]:
-    """Return the jumps of a log's position sensors, by joint, along the ``motion`` that was estimated with them."""
+    """Return the jumps of a log's position sensors by joint; ``motion`` is the one estimated with the jumps in it."""
     tight = _jump_free(robot)
     return find_jumps(log, motion, lambda along: carry(tight, body, along).load)
 

@@ -1,7 +1,8 @@
-"""How drives move a robot's MuJoCo model along a measured motion, so that it goes as the robot says the machine does.
+"""Drive torques that make a robot's MuJoCo model move along a measured motion as the robot file says the machine does.
 
-A model file holds links, rotors, springs and friction laws.  What a robot states besides (cogging, couplings, levels
-that change with time, what transmissions give, late and scaled sensors) is no part of it, but known along the motion.
+The MuJoCo model contains links, rotors, springs and friction laws.  The robot file states more: cogging, couplings,
+levels that change with time, deflection of transmissions, delayed and scaled sensors.  These are not in the model, but
+their effect is known along the measured motion.
 """
 
 from __future__ import annotations
@@ -30,8 +31,10 @@ AROUND = (TEMPERATURE, HEAD_PRESSURE, ROD_PRESSURE)
 
 @dataclass(frozen=True)
 class Driven:
-    """What drives a model along a motion, ``torque`` (N·m or N), NaN where a drive reported nothing; and where its
-    links are by what the sensors read, ``position`` and ``velocity``; each (n, joints).
+    """What drives a model along a motion, each (n, joints).
+
+    ``torque`` (N·m or N) is NaN where a drive reported nothing.  ``position`` and ``velocity`` are those of the links
+    according to the sensors' readings.
     """
 
     torque: Floats
@@ -40,11 +43,11 @@ class Driven:
 
 
 def drive_model(robot: Robot, motion: Motion) -> Driven:
-    """Return how a robot's model is driven along a motion: by what its drives gave, less what it states besides.
+    """Return the torques that drive a robot's model along a motion: what its drives gave, less what the model omits.
 
-    With τ̂ the balance of the whole robot along the motion and τ̂ₘ that of its model alone along its links' motion, the
-    torque is given − τ̂ + τ̂ₘ.  What a low-pass has taken of a report stays away: a model that falls for a moment does
-    not feel it.
+    τ̂ is the predicted effort of the whole robot along the motion, and τ̂ₘ is that of the MuJoCo model alone along the
+    links' motion.  The torque is given − τ̂ + τ̂ₘ.  What a sensor's low-pass has removed from the report is not
+    restored: a model that runs freely for a short time is not affected by it.
     """
     pairs = zip(robot.table.joint, motion.quantity, strict=True)
     worth = np.array([effort_per_reported(joint, quantity, robot.name) for joint, quantity in pairs])
@@ -57,8 +60,10 @@ def drive_model(robot: Robot, motion: Motion) -> Driven:
     body = robot.body()
     whole, plain = (one.with_stated_friction(body) for one in (robot, plain))
     carried = carry(whole, body, motion)
-    # A model in MuJoCo is at room temperature, and holds nothing that the log says was held.  That friction turns where
-    # the motor does is left to the model: the moments between that and where the link turns are in doubt.
+    # The MuJoCo model is at room temperature and holds none of the mass that the log reports as held, so its motion has
+    # no columns.  Both predictions take friction at the same motion (``rubbing``), so the torque does not correct for
+    # friction that reverses with the motor, while the model's reverses with the link: between the two reversals the
+    # samples are in doubt anyway.
     links, rubbing = (replace(one, columns={}) for one in (carried.linked, carried.rubbing))
     alone = effort_of(plain, links, replace(carry(plain, body, links), rubbing=rubbing))
     torque = given - effort_of(whole, motion, carried).total + alone.total
@@ -72,5 +77,5 @@ def _at_zero(robot: Robot) -> Robot:
 
 
 def _read_beside(motion: Motion) -> bool:
-    # Whether the log has columns that links or friction may be read by.
+    # Whether the log has columns that the torques of links or friction may depend on.
     return any(name == HELD_MASS or name.partition(".")[0] in AROUND for name in motion.columns)

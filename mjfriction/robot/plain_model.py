@@ -1,4 +1,4 @@
-"""MJCF files in the plain words in which the rigid-body room reads them."""
+"""MJCF files in the expanded, plain form that the rigid-body package reads."""
 
 from __future__ import annotations
 
@@ -10,10 +10,9 @@ from mjfriction.errors import RobotError, SimulationError
 
 
 def in_plain_words(path: Path) -> str | None:
-    """Return what an MJCF file says of bodies and joints, as :func:`~mjfriction.sim.plain_tree.plain_tree` puts it;
-    None for any other file.
+    """Return an MJCF file's bodies and joints as text written by :func:`~mjfriction.sim.plain_tree.plain_tree`.
 
-    Raises :class:`RobotError` where there is no such file, or MuJoCo cannot read it.
+    None for any file that is not an MJCF.  Raises :class:`RobotError` if the file is missing or MuJoCo cannot read it.
     """
     return _as_it_was(path, changed(path))
 

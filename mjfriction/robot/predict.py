@@ -1,4 +1,4 @@
-"""What a robot says a log would have read."""
+"""Predict what a log would have read according to a robot file."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from mjfriction.robot.robot import Robot
 
 
 def predict_log(log: Log, robot: Robot) -> dict[str, Floats]:
-    """Return ``time`` and, for every effort or current the log measured, what the robot says it would read.
+    """Return ``time`` and, for every effort or current in the log, the reading that the robot file predicts.
 
-    All columns have the rows of the log's file; rows that were left out as faulty, and those of stretches too short to
-    differentiate, are NaN.  Raises :class:`~mjfriction.errors.LogError` or :class:`~mjfriction.errors.RobotError` when
-    log or robot cannot be used.
+    All columns have the rows of the log's file; rows that were dropped as faulty, and those in stretches too short to
+    differentiate, are NaN.  Raises :class:`~mjfriction.errors.LogError` or :class:`~mjfriction.errors.RobotError` if
+    the log or the robot cannot be used.
     """
     body = robot.body()
     robot = robot.with_stated_friction(body)

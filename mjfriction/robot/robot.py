@@ -1,4 +1,4 @@
-"""A robot as every command speaks of it: the table of its file, and where that file's model lies."""
+"""A robot as every command uses it: the table of its file, and the folder that its model path starts from."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ EXAMPLE_ROBOT_DATA = "package://example-robot-data/"
 
 @dataclass(frozen=True, repr=False)
 class Robot:
-    """A robot: ``table`` holds the keys of its file, ``folder`` is what a relative model path starts from."""
+    """A robot: ``table`` holds the keys of its file, ``folder`` is the base of a relative model path."""
 
     table: RobotTable
     folder: Path
@@ -43,24 +43,24 @@ class Robot:
         return tuple(joint.name for joint in self.table.joint)
 
     def joint(self, name: str) -> Joint:
-        """Return a joint's table; :class:`RobotError` names the nearest joint when there is none of that name."""
+        """Return a joint's table; :class:`RobotError` suggests the nearest joint if there is none of that name."""
         for joint in self.table.joint:
             if joint.name == name:
                 return joint
         raise RobotError(f"robot '{self.name}' has no joint '{name}'{suggestion(name, self.joints)}")
 
     def with_joint(self, changed: Joint) -> Robot:
-        """Return the robot with one joint's table exchanged for another of the same name."""
+        """Return the robot with the joint's table of the same name replaced."""
         joints = tuple(changed if joint.name == changed.name else joint for joint in self.table.joint)
         return Robot(self.table.model_copy(update={"joint": joints}), self.folder)
 
     @property
     def model_path(self) -> Path:
-        """The model file, wherever the robot file's ``model`` key points."""
+        """The path of the model file that the robot file's ``model`` key names."""
         return resolve_model(self.table.model, self.folder)
 
     def body(self) -> Body:
-        """Read the rigid bodies: the model file with this robot's gravity, payload and rotor inertias."""
+        """Read the rigid bodies: the model with this robot's gravity, payload, link changes, rotors and top speeds."""
         payload = self.table.payload
         try:
             body = load_body(
@@ -83,7 +83,7 @@ class Robot:
         return replace(body, top_speed=np.array(top))
 
     def with_stated_friction(self, body: Body) -> Robot:
-        """Return the robot with the model file's damping and dry friction written out where a joint states no law."""
+        """Return the robot with the model file's damping and dry friction as a law on each joint that states none."""
         robot = self
         for i, joint in enumerate(self.table.joint):
             if joint.friction is None:
@@ -94,10 +94,10 @@ class Robot:
 
 
 def resolve_model(model: str, folder: Path) -> Path:
-    """Return the path a ``model`` key means.
+    """Return the path that a ``model`` key names.
 
     Relative paths start from the robot file's folder; ``package://example-robot-data/…`` is looked up in the installed
-    example-robot-data.  Raises :class:`RobotError` for any other package, and when that one is not installed.
+    example-robot-data.  Raises :class:`RobotError` for any other package, or if that one is not installed.
     """
     if not model.startswith("package://"):
         return Path(os.path.normpath(folder / model))
@@ -110,7 +110,7 @@ def resolve_model(model: str, folder: Path) -> Path:
 
 
 def packaged_model(path: Path) -> str | None:
-    """Return the ``package://…`` name of a model file of the installed example-robot-data, None for any other file."""
+    """Return the ``package://…`` name of a model file in the installed example-robot-data, None for any other file."""
     share = _example_robots().resolve()
     return (
         EXAMPLE_ROBOT_DATA + path.resolve().relative_to(share).as_posix() if share in path.resolve().parents else None

@@ -1,4 +1,4 @@
-"""Friction along a motion: every law, shared drives, and what varies with place, temperature, time and pressure."""
+"""Friction along a motion: all laws, shared drives, and variation with position, temperature, time and pressure."""
 
 from __future__ import annotations
 
@@ -16,16 +16,19 @@ from mjfriction.robot.schema import Joint
 from mjfriction.robot.spots import spots_along
 from mjfriction.robot.table import Wave
 
-RESTING_SAMPLES = 200  # places of a motion that the level at rest is sought at
-MOST_SHARE = 0.9  # of the places, whose level is not higher
-SLID, SLIDES = 10.0, 200  # times the travel of a law's springs, after which they have forgotten; steps to follow it in
-UNSETTLED = 0.05  # of a law's level at rest, that it may be off by for what its springs held before
-RESTING = 0.5  # of the way that a joint turning at a steady acceleration would go, below which it rests
+RESTING_SAMPLES = 200  # samples of a motion at which the level at rest is evaluated (at least, where it has as many)
+MOST_SHARE = 0.9  # quantile of the level at rest over those samples
+# A law's springs have forgotten their initial state after SLID times their yield travel; SLIDES steps simulate it.
+SLID, SLIDES = 10.0, 200
+UNSETTLED = 0.05  # friction is unsettled if the unknown initial state shifts it by more than this share of its level
+# A joint rests if it strays less than this fraction of the distance of a reversal at constant acceleration.
+RESTING = 0.5
 
 
 def friction_along(robot: Robot, motion: Motion, load: Floats, rotor: Floats) -> Floats:
-    """Return the friction of every joint along a motion of which the links need the ``load``, the drives' own rotors
-    ``rotor`` besides, all (n, joints).
+    """Return the friction of every joint along a motion, (n, joints).
+
+    ``load`` and ``rotor`` (n, joints) are the torques of the links and of the drives' own rotors.
     """
     friction = np.zeros_like(load)
     for i, joint in enumerate(robot.table.joint):
@@ -44,9 +47,11 @@ def friction_along(robot: Robot, motion: Motion, load: Floats, rotor: Floats) ->
 
 
 def states_along(robot: Robot, motion: Motion, load: Floats, rotor: Floats) -> dict[str, dict[str, Floats]]:
-    """Return the states of friction along a motion of which the links need the ``load``, the drives' own rotors
-    ``rotor`` besides (n, joints): by joint and law, (n, states), side by side where a joint has a law twice.  What
-    :func:`term_torque` takes at its steady curve has none.
+    """Return the friction states along a motion by joint and law, (n, states).
+
+    ``load`` and ``rotor`` (n, joints) are the torques of the links and of the drives' own rotors.  Where a joint has
+    the same law twice, the states stand side by side.  Laws that :func:`term_torque` evaluates at their steady curve
+    have no entry.
     """
     out: dict[str, dict[str, Floats]] = {}
     for i, joint in enumerate(robot.table.joint):
@@ -64,10 +69,10 @@ def states_along(robot: Robot, motion: Motion, load: Floats, rotor: Floats) -> d
 
 
 def unsettled_along(robot: Robot, motion: Motion, load: Floats, rotor: Floats) -> NDArray[np.bool_]:
-    """Return where the friction of a joint still depends on what its springs held as a piece of the motion began, which
-    nobody knows, (n, joints): by 5 % of its level, between none and as much as they hold after sliding either way.
+    """Return where a joint's friction still depends on the unknown initial state of a piece of the motion, (n, joints).
 
-    ``load`` and ``rotor`` (n, joints) are those of :func:`friction_along`.
+    True where starting with the springs undeflected, or deflected as after sliding in either direction, changes the
+    friction by more than 5 % of its level.  ``load`` and ``rotor`` (n, joints) are those of :func:`friction_along`.
     """
     out = np.zeros(load.shape, dtype=bool)
     for i, joint in enumerate(robot.table.joint):
@@ -81,7 +86,7 @@ def unsettled_along(robot: Robot, motion: Motion, load: Floats, rotor: Floats) -
 
 
 def _unsettled(friction: Friction, velocity: Floats, around: Floats, step: float) -> NDArray[np.bool_]:
-    # Of one piece.
+    # Where friction is unsettled within one piece of the motion.
     out = np.zeros(velocity.size, dtype=bool)
     way = SLID * friction.travel
     until = slice(int(np.searchsorted(np.cumsum(np.abs(velocity)) * step, way)) + 1)
@@ -99,8 +104,10 @@ def _followed(friction: Friction, motion: Motion, index: int) -> bool:
 
 
 def resting_level(robot: Robot, motion: Motion, load: Floats, rotor: Floats, slow: Floats) -> Floats:
-    """Return the friction that each joint may hold while its direction of motion is not known, (joints,): the most its
-    laws give at any speed below ``slow`` (joints,), under the ``load`` of the links and of the ``rotor`` (n, joints).
+    """Return the friction that each joint may hold while its direction of motion is unknown, (joints,).
+
+    This is the largest friction that its laws give at any speed below ``slow`` (joints,), as the 90 % quantile along
+    the motion.  ``load`` and ``rotor`` (n, joints) are those of :func:`friction_along`.
     """
     out = np.zeros(len(robot.joints))
     some = slice(None, None, max(1, motion.time.size // RESTING_SAMPLES))
@@ -117,15 +124,15 @@ def resting_level(robot: Robot, motion: Motion, load: Floats, rotor: Floats, slo
 
 
 def forward_share(motion: Motion, index: int) -> Floats:
-    """Return the direction of friction on a joint, −1 to 1, between the two while it may be stuck, (n,)."""
+    """Return the direction of friction on a joint, −1 to 1, with values in between while it may be stuck, (n,)."""
     forward, _ = direction(motion.velocity[:, index], motion.sure_speed[:, index])
     return 2.0 * forward - 1.0
 
 
 def varying_friction(joint: Joint, motion: Motion, index: int, forward: Floats) -> Floats:
-    """Return what varies the friction of a joint along the stroke, with temperature, time and pressure, (n,).
+    """Return the friction of a joint that varies along the stroke, with temperature, time and pressure, (n,).
 
-    ``forward`` (n,) is the direction of friction.
+    ``forward`` (n,) is the direction of friction, −1 to 1.
     """
     velocity, time = motion.velocity[:, index], motion.time
     position = motion.position[:, index]
@@ -149,7 +156,7 @@ def varying_friction(joint: Joint, motion: Motion, index: int, forward: Floats) 
 
 
 def warmed(time: Floats, time_constant: float) -> Floats:
-    """Return 1 − e^(−t/τ), the share of a warm-up that is over after a ``time`` (n,) of it; none before it begins."""
+    """Return 1 − e^(−t/τ), the fraction of a warm-up completed after ``time`` (n,); 0 before it begins."""
     return np.asarray(-np.expm1(-np.maximum(time, 0.0) / time_constant))
 
 
@@ -162,7 +169,7 @@ def waves_along(waves: tuple[Wave, ...], position: Floats) -> Floats:
 
 
 def wave_slopes_along(waves: tuple[Wave, ...], position: Floats) -> Floats:
-    """Return how the sum of waves along the stroke changes with position, at positions (n,)."""
+    """Return the derivative of the sum of waves with respect to position, at positions (n,)."""
     turned = (
         Wave(wavenumber=wave.wavenumber, cosine=wave.wavenumber * wave.sine, sine=-wave.wavenumber * wave.cosine)
         for wave in waves
@@ -171,7 +178,7 @@ def wave_slopes_along(waves: tuple[Wave, ...], position: Floats) -> Floats:
 
 
 def surroundings(joint: Joint, motion: Motion, index: int, load: Floats, rotor: Floats) -> Floats:
-    """Return what the joint's friction may read along a motion, shape (n, 7); room temperature where none is logged."""
+    """Return the ambient quantities of a joint along a motion, (n, 7); room temperature where none is logged."""
 
     def column(name: str, otherwise: float) -> Floats | float:
         return motion.columns.get(f"{name}.{joint.name}", otherwise)
@@ -199,10 +206,11 @@ def term_torque(
 ) -> Floats:
     """Return one friction law's torque at the joint along a motion, shape (n,).
 
-    ``around`` (n, 7) is what surrounds the joint.  A law with a state is followed sample by sample, from rest at the
-    start of every piece.  One without takes the direction of :func:`direction`, or ``turned``, where it is known, and
-    so does one whose springs yield within the noise of the motion: followed, it would tell of nothing but noise.  With
-    ``follow`` it is followed all the same, so that what is told is smooth in its parameters.
+    ``around`` (n, 7) holds the ambient quantities of the joint.  A law with a state is simulated sample by sample, from
+    rest at the start of every piece.  A law without a state is evaluated at its steady curve with the direction and
+    speed of :func:`direction`, or with ``turned`` if given.  So is a law whose springs yield within the noise of the
+    motion, since simulating it would only follow the noise.  With ``follow`` it is simulated all the same, so that the
+    result is smooth in its parameters.
     """
     friction = term.friction(gear_ratio)
     velocity = motion.velocity[:, index]
@@ -216,12 +224,13 @@ def term_torque(
 
 
 def direction(velocity: Floats, sure: Floats) -> tuple[Floats, Floats]:
-    """Return how far friction points against forward motion, 0 to 1, and the joint's speed (never quite 0), each (n,).
+    """Return the share of friction that acts against forward motion, 0 to 1, and the speed (never 0), each (n,).
 
     Where the velocity is within ``sure`` (n,), :attr:`~mjfriction.record.motion.Motion.sure_speed`, the joint may be
-    stuck.  One that passes through that without pause turns somewhere between: friction then goes from its value before
-    to its value after, taken as evenly in time.  One that rests may hold any friction within its level, of either
-    direction: none is the best guess, as it is before the first and after the last motion.
+    stuck.  A joint that passes through this range without pause reverses somewhere within it, so the share is
+    interpolated linearly in time between its values before and after.  A joint that rests may hold any friction within
+    its level in either direction; the best guess is none (a share of ½).  The same holds before the first and after
+    the last motion.
     """
     speed = np.maximum(np.abs(velocity), sure / SURE)
     known = np.flatnonzero(np.abs(velocity) > sure)
@@ -230,7 +239,8 @@ def direction(velocity: Floats, sure: Floats) -> tuple[Floats, Floats]:
     sample = np.arange(velocity.size)
     ahead = (velocity[known] > 0.0).astype(np.float64)
     forward = np.interp(sample, known, ahead, left=0.5, right=0.5)
-    # A sample stands for the time halfway to its neighbours: one that turns from one to the next does so at once.
+    # A sample stands for the interval halfway to its neighbours.  A joint that reverses between two adjacent samples
+    # does so instantly at the interpolated zero crossing; the sample whose interval contains that gets a share between.
     turned = known[:-1][(np.diff(known) == 1) & (np.diff(ahead) != 0.0)]
     at = velocity[turned] / (velocity[turned] - velocity[turned + 1]) - 0.5
     forward[turned] += np.sign(velocity[turned + 1]) * np.maximum(0.0, -at)
@@ -244,9 +254,9 @@ def direction(velocity: Floats, sure: Floats) -> tuple[Floats, Floats]:
 
 
 def _rests(velocity: Floats, sure: Floats, spans: NDArray[np.intp]) -> NDArray[np.bool_]:
-    # Whether a joint rests within each of some spans (first sample, and the one past it).  One that turns at a steady
-    # acceleration strays by a quarter of Σ sure, one that passes on by more; what strays by less than half of that
-    # stays where it is.
+    # Whether a joint rests within each of some spans (first sample, and the one past the last).  A joint that reverses
+    # at constant acceleration strays by a quarter of Σ sure, and one that passes through strays by more.  A joint that
+    # strays by less than half of that quarter rests.
     travelled, ends = np.cumsum(velocity), spans.ravel()
     strayed = (np.maximum.reduceat(travelled, ends) - np.minimum.reduceat(travelled, ends))[::2]
     return np.asarray(strayed < RESTING * 0.25 * np.add.reduceat(sure, ends)[::2])

@@ -1,4 +1,4 @@
-"""What a robot.toml may hold: the keys, their types and their bounds."""
+"""The schema of robot.toml: its keys, their types and their bounds."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ class Actuator(Table):
 
     ``gear_ratio``: motor radians per joint radian (per metre on a sliding joint), negative where the motor turns
     against the joint.  ``torque_constant``: N·m/A at the motor.  ``rotor_inertia``: kg·m² at the motor.
-    ``current_limit``: A, where the drive saturates.  ``current_bandwidth``: Hz of the loop that makes the current,
-    which in a simulation lags what the controller asks for.  ``ripple``: by what share of itself the torque of a given
-    current varies along the stroke.
+    ``current_limit``: A, where the drive saturates.  ``current_bandwidth``: Hz, bandwidth of the current loop; in a
+    simulation the current lags the command accordingly.  ``ripple``: the relative variation along the stroke of the
+    torque that a given current produces.
     """
 
     gear_ratio: Finite = 1.0
@@ -34,12 +34,12 @@ class Actuator(Table):
 
     @property
     def reflected_inertia(self) -> float:
-        """``rotor_inertia`` · ``gear_ratio``²: what the joint feels of the rotor, kg·m² or kg."""
+        """``rotor_inertia`` · ``gear_ratio``²: the rotor's inertia reflected to the joint, kg·m² or kg."""
         return self.rotor_inertia * self.gear_ratio**2
 
     @property
     def effort_per_ampere(self) -> float | None:
-        """``gear_ratio`` · ``torque_constant``: effort at the joint for a current, N·m/A or N/A; none where not stated.
+        """``gear_ratio`` · ``torque_constant``: effort at the joint per ampere, N·m/A or N/A; None if not stated.
 
         Negative where the motor turns against the joint.
         """
@@ -61,13 +61,13 @@ class Actuator(Table):
 
 
 class Hydraulics(Table):
-    """A cylinder that moves a sliding joint: double acting, its rod on one side, its valve proportional.
+    """A hydraulic cylinder that moves a sliding joint: double-acting, single-rod, with a proportional valve.
 
     effort = ``head_area``·p₁ − ``rod_area``·p₂ (m²; Pa above the tank).  ``head_volume``, ``rod_volume``: oil in each
     chamber and its hose with the joint at zero, m³; ``bulk_modulus``: of the oil, Pa; ``hose_compliance``: m³/Pa of
     each hose; ``leakage``: past the piston, m³/(s·Pa).  Valve: ``rated_flow`` (m³/s) at ``voltage_limit`` (V) and
     ``rated_drop`` (Pa) over one edge, ``valve_bandwidth`` (Hz) of its spool.  ``supply_pressure``: Pa.
-    ``pressure_resolution`` and ``pressure_noise`` (Pa) shape what a simulation reports.
+    ``pressure_resolution`` and ``pressure_noise`` (Pa) only affect simulated readings.
     """
 
     head_area: Positive
@@ -89,9 +89,9 @@ class Hydraulics(Table):
 class EffortSensor(Table):
     """What the drive reports: ``scale`` · effort(t − ``delay``) + ``offset`` (s; N·m or N at the joint).
 
-    With ``bandwidth`` (Hz) the effort is low-passed there: a Butterworth of fourth order forward and backward, which
-    shifts nothing in time; what a drive's own filter adds to that is ``delay``.  ``resolution`` and ``noise`` (its
-    standard deviation) shape what a simulation reports.
+    With ``bandwidth`` (Hz) the effort is low-passed at that frequency by a fourth-order Butterworth filter, applied
+    forward and backward so that it adds no lag; the lag of a drive's own filter belongs to ``delay``.  ``resolution``
+    and ``noise`` (standard deviation) only affect simulated readings.
     """
 
     scale: Positive = 1.0
@@ -103,8 +103,9 @@ class EffortSensor(Table):
 
 
 class Spring(Table):
-    """A spring on a joint: ``preload`` + ``stiffness`` · q + ``quadratic`` · q² + ``cubic`` · q³, the last two for
-    balancers and hoses whose torque bends along the stroke.
+    """A spring on a joint: ``preload`` + ``stiffness`` · q + ``quadratic`` · q² + ``cubic`` · q³.
+
+    The last two terms are for balancers and hoses whose torque is not linear in position.
     """
 
     stiffness: Finite = 0.0
@@ -116,7 +117,7 @@ class Spring(Table):
 class Coupling(Table):
     """What another joint's motion or effort adds to this joint's effort through the transmission.
 
-    ``coulomb`` · sgn q̇ₖ + ``viscous`` · q̇ₖ + ``inertia`` · q̈ₖ + ``effort`` · effortₖ, k being the other ``joint``.
+    ``coulomb`` · sgn q̇ₖ + ``viscous`` · q̇ₖ + ``inertia`` · q̈ₖ + ``effort`` · effortₖ; k is the other ``joint``.
     """
 
     joint: str
@@ -127,9 +128,10 @@ class Coupling(Table):
 
 
 class CommonDrive(Table):
-    """A drive that turns with q̇ + ``ratio`` · q̇ₖ = u, k being the other ``joint``, as in coupled wrists.
+    """A drive shared by two joints, as in coupled wrists.
 
-    F = ``coulomb`` · sgn u + ``viscous`` · u + ``inertia`` · u̇ acts on this joint, ``ratio`` · F on the other.
+    It turns at u = q̇ + ``ratio`` · q̇ₖ, where k is the other ``joint``.  F = ``coulomb`` · sgn u + ``viscous`` · u +
+    ``inertia`` · u̇ acts on this joint, ``ratio`` · F on the other.
     """
 
     joint: str
@@ -140,14 +142,15 @@ class CommonDrive(Table):
 
 
 class Transmission(Table):
-    """What lies between the position sensor, on the motor's side, and the link.
+    """The elasticity and play between the position sensor, on the motor's side, and the link.
 
     The link lags the sensor by ``compliance`` · load + ½ · ``backlash`` · sgn(load): rad/(N·m) and rad (m/N and m).
-    With ``damping_ratio``, of critical, it swings on its compliance, else it follows its load at once.
-    With ``coasting`` the link crosses its play by its own inertia when the load changes sign, else as the load says:
-    tanh(load / ``crossing_load``) in place of sgn(load), at once where that is 0.  With ``carries_friction`` the
-    joint's friction acts on the link's side and belongs to the load; with ``rubs_with_link`` it acts there and does
-    not, as where it is the sensor's mount that gives.
+    With ``damping_ratio`` (relative to critical damping) the link oscillates on its compliance; without it, the
+    deflection follows the load without delay.  With ``coasting`` the link crosses its play by its own inertia when the
+    load changes sign.  Without, the load sets its place in the play: tanh(load / ``crossing_load``) replaces sgn(load),
+    and the link crosses instantly where ``crossing_load`` is 0.  With ``carries_friction`` the joint's friction acts on
+    the link's side and is part of the load; with ``rubs_with_link`` it acts on the link's side but is not part of the
+    load, as when it is the sensor's mount that is compliant.
     """
 
     compliance: NonNegative = 0.0
@@ -160,26 +163,26 @@ class Transmission(Table):
 
     @property
     def jump(self) -> float:
-        """By how much the sensor jumps as the load changes sign, rad or m: play that is crossed at once."""
+        """How far the sensor jumps when the load changes sign, rad or m: play that is crossed instantly."""
         return 0.0 if self.coasting or self.crossing_load > 0.0 else self.backlash
 
     @property
     def gives(self) -> bool:
-        """Whether the link is anywhere but at its sensor."""
+        """Whether the link may deviate from its sensor's position."""
         return self.compliance > 0.0 or self.backlash > 0.0
 
     @property
     def jump_free(self) -> Transmission:
-        """The transmission without what makes its sensor jump."""
+        """The transmission without the play that makes its sensor jump."""
         return self.model_copy(update={"backlash": self.backlash - self.jump})
 
 
 class PositionSensor(Table):
     """What the position sensor reads: position + ``offset``.
 
-    ``resolution``, ``noise`` and ``velocity_noise`` (standard deviations) shape what a simulation reports.  With
-    ``velocity_bandwidth`` (Hz) the velocity it reports is the drive's estimate: the difference of the positions read,
-    through a low-pass of first order.
+    ``resolution``, ``noise`` and ``velocity_noise`` (standard deviations) only affect simulated readings.  With
+    ``velocity_bandwidth`` (Hz) the simulated velocity is the drive's estimate: differences of the positions read,
+    through a first-order low-pass.
     """
 
     offset: Finite = 0.0
@@ -192,10 +195,10 @@ class PositionSensor(Table):
 class Joint(Table):
     """One joint.
 
-    Several friction laws add up; without any, the model file's own damping and dry friction hold.  ``friction_waves``,
-    ``friction_spots``, ``thermal``, ``warm_up``, ``events`` and ``pressure_friction`` add to them against the motion;
-    ``cogging`` and ``spring`` do not turn with its direction.  ``top_speed`` (rad/s, m/s) bounds planned motions, in
-    the place of the model file's own.
+    Several friction laws add up; without any, the model file's own damping and dry friction apply.  ``friction_waves``,
+    ``friction_spots``, ``thermal``, ``warm_up``, ``events`` and ``pressure_friction`` add to them and act against the
+    motion; ``cogging`` and ``spring`` do not depend on its direction.  ``top_speed`` (rad/s, m/s) bounds planned
+    motions and replaces the model file's own limit.
     """
 
     name: str
@@ -226,10 +229,10 @@ class Joint(Table):
 class RobotTable(Table):
     """A whole robot file.
 
-    ``held`` is where the arm holds what logs speak of in their column ``held_mass``; ``taken_up`` is what it holds
-    besides for a while.  For links, each named by the joint that moves it: ``link_inertia`` takes the place of what the
-    model says; ``link_shift`` is by how much the centre of mass lies elsewhere, m along the axes of the link's frame;
-    ``link_scale`` is what multiplies the mass and inertia, a payload on the link included.
+    ``held`` is the place where the arm holds the mass that logs report in their column ``held_mass``; ``taken_up``
+    lists masses that it holds in addition for a while.  Links are named by the joint that moves them: ``link_inertia``
+    replaces the model file's mass and inertia; ``link_shift`` displaces the centre of mass, m along the axes of the
+    link's frame; ``link_scale`` multiplies the mass and inertia, including a payload on the link.
     """
 
     name: str

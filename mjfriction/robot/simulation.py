@@ -32,9 +32,9 @@ BESIDE = (
 def robot_spec(robot: Robot, *, with_taken_up: bool = False) -> Spec:
     """Read the model file as a MuJoCo spec with the robot's gravity, payload, links, rotors and springs built in.
 
-    Friction is not in it: :func:`mjfriction.attach` puts :func:`robot_laws` on.  ``with_taken_up`` adds a body without
-    mass, ``taken_up_0`` and so on, for each thing that the robot takes up.  Raises
-    :class:`~mjfriction.errors.SimulationError` where MuJoCo cannot read the file.
+    Friction is not included: :func:`mjfriction.attach` adds the laws of :func:`robot_laws`.  ``with_taken_up`` adds a
+    massless body (``taken_up_0``, ``taken_up_1``, …) for each mass that the robot takes up.  Raises
+    :class:`~mjfriction.errors.SimulationError` if MuJoCo cannot read the file.
     """
     table = robot.table
     loads = {} if table.payload is None else {PAYLOAD: _point_load(table.payload, table.payload.mass)}
@@ -59,19 +59,19 @@ def _point_load(held: Payload | TakenUp, mass: float) -> PointLoad:
 
 
 def taken_up_bodies(robot: Robot) -> dict[str, TakenUp]:
-    """Return what a robot takes up, by the names of the bodies that stand for it in its spec."""
+    """Return the masses that a robot takes up, by the names of their bodies in its spec."""
     return {f"taken_up_{k}": load for k, load in enumerate(robot.table.taken_up)}
 
 
 def not_in_model(joint: Joint) -> list[str]:
-    """Return the keys of a joint that neither its spec nor its laws hold; the machines of ``plant`` play them too."""
+    """Return the keys a joint states that neither its spec nor its laws contain; ``plant`` simulates them too."""
     plain = Joint(name=joint.name)
     ripple = ["actuator.ripple"] if joint.actuator.ripple else []
     return ripple + [key for key in BESIDE if getattr(joint, key) != getattr(plain, key)]
 
 
 def in_model(robot: Robot) -> Robot:
-    """Return the robot without what neither its spec nor its laws hold."""
+    """Return the robot without the keys that neither its spec nor its laws contain."""
     joints = tuple(_in_model(joint) for joint in robot.table.joint)
     return Robot(robot.table.model_copy(update={"joint": joints, "held": None, "taken_up": ()}), robot.folder)
 
@@ -87,15 +87,16 @@ def robot_laws(robot: Robot) -> dict[str, list[Friction]]:
     """Return the friction laws that each joint states, as :func:`mjfriction.attach` takes them.
 
     Raises :class:`RobotError` for ``friction_waves`` or ``friction_spots`` on a joint without a plain
-    ``coulomb_viscous`` law on its side.
+    ``coulomb_viscous`` law on the joint's side.
     """
     laws = {joint.name: joint_laws(joint) for joint in robot.table.joint}
     return {name: own for name, own in laws.items() if own}
 
 
 def joint_laws(joint: Joint) -> list[Friction]:
-    """Return a joint's laws; its ``friction_waves`` and ``friction_spots``, these as waves too, go onto the level of
-    its Coulomb-viscous law.
+    """Return a joint's laws, with ``friction_waves`` and ``friction_spots`` built into its Coulomb-viscous law.
+
+    That law becomes a position-dependent one; spots are expressed as waves.
     """
     laws = [term.friction(joint.actuator.gear_ratio) for term in joint.friction or ()]
     if not joint.friction_waves and not joint.friction_spots:

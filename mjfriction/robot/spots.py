@@ -1,4 +1,4 @@
-"""Places of the stroke where friction is another: exact along a motion, and as the waves that MuJoCo's law can hold."""
+"""Spots of the stroke where friction differs: exact along a motion, and as waves that MuJoCo's law can represent."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ import numpy as np
 from mjfriction.laws.law import Floats
 from mjfriction.robot.table import Spot, Wave
 
-APART = 120.0  # widths between a spot and its images in a series: beyond the stroke, but for the finest spots
-LEAST_WAVE = 1e-4  # of the first wave, that the last one has
+# Period of the Fourier series, in widths of the spot: its periodic images lie beyond the stroke except for the
+# narrowest spots.
+APART = 120.0
+LEAST_WAVE = 1e-4  # relative amplitude below which the series is cut off
 
 
 def spots_along(spots: Sequence[Spot], position: Floats) -> Floats:
@@ -22,7 +24,7 @@ def spots_along(spots: Sequence[Spot], position: Floats) -> Floats:
 
 
 def spot_slopes_along(spots: Sequence[Spot], position: Floats) -> Floats:
-    """Return how the sum of spots changes with position, at positions (n,)."""
+    """Return the derivative of the sum of spots with respect to position, at positions (n,)."""
     out = np.zeros_like(position)
     for spot in spots:
         out -= spots_along([spot], position) * (position - spot.position) / spot.width**2
@@ -30,7 +32,7 @@ def spot_slopes_along(spots: Sequence[Spot], position: Floats) -> Floats:
 
 
 def as_waves(spot: Spot) -> tuple[float, tuple[Wave, ...]]:
-    """Return a spot as a level and waves, the Fourier series of spots that are 120 widths apart."""
+    """Return a spot as a level and waves: the Fourier series of spots repeated every 120 widths."""
     level = spot.coulomb * np.sqrt(2.0 * np.pi) / APART
     first = 2.0 * np.pi / (APART * spot.width)
     count = int(np.ceil(np.sqrt(-2.0 * np.log(LEAST_WAVE)) / (first * spot.width)))

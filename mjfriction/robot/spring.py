@@ -1,4 +1,4 @@
-"""What a joint's spring asks of its drive along the stroke."""
+"""The torque that a joint's spring demands of its drive along the stroke."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from mjfriction.robot.schema import Spring
 
 
 def coefficients(spring: Spring) -> Floats:
-    """Return the spring's torque as coefficients of a polynomial in position, the constant first, (4,)."""
+    """Return the coefficients of the spring's torque as a polynomial in position, constant first, (4,)."""
     return np.array([spring.preload, spring.stiffness, spring.quadratic, spring.cubic])
 
 
@@ -20,5 +20,5 @@ def spring_along(spring: Spring, position: Floats) -> Floats:
 
 
 def spring_slope_along(spring: Spring, position: Floats) -> Floats:
-    """Return how that torque changes with position, at positions (n,)."""
+    """Return the derivative of that torque with respect to position, at positions (n,)."""
     return np.asarray(polynomial.polyval(position, polynomial.polyder(coefficients(spring))))

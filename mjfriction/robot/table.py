@@ -1,4 +1,4 @@
-"""What all tables of a robot.toml share: kinds of numbers, and what varies along the stroke."""
+"""What all tables of robot.toml share: number types, and torques that vary along the stroke."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ Vector = tuple[Finite, Finite, Finite]
 
 
 class Table(BaseModel):
-    """A table of the file: unknown keys are refused, values cannot be changed once read."""
+    """A table of the file: unknown keys are rejected, and values are read-only."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class Wave(Table):
-    """A torque that repeats along the stroke: ``cosine`` · cos(k q) + ``sine`` · sin(k q), k the ``wavenumber``."""
+    """A torque that repeats along the stroke: ``cosine`` · cos(k q) + ``sine`` · sin(k q), k being ``wavenumber``."""
 
     wavenumber: Positive
     cosine: Finite = 0.0

@@ -1,4 +1,4 @@
-"""How far a transmission lets its link lag behind the motor: give under load, and play."""
+"""How far the link lags behind the motor: the transmission's compliance under load, and play."""
 
 from __future__ import annotations
 
@@ -12,19 +12,25 @@ from mjfriction.robot.schema import Transmission
 from mjfriction.sim.ringing import ringing
 from mjfriction.sim.stops import between_stops
 
-FLIGHT_RATE = 1000.0  # Hz, at least, at which a flight is followed: it lands between two samples of most logs
-LEAST_INERTIA = 1e-9  # kg·m² or kg
-CROSSING_BAND = 0.05  # of the position filter's cutoff: where a load changes sign, jumps of the sensor hide it
-LOAD_BAND = 0.2  # of the position filter's cutoff: a load holds accelerations, and what gives under it their noise
+# Hz, least integration rate for the link's motion in its play or on its compliance: the link crosses its play between
+# two samples of most logs.
+FLIGHT_RATE = 1000.0
+LEAST_INERTIA = 1e-9  # kg·m² or kg, lower bound that keeps the natural frequency finite
+# Cutoff of the load whose sign sets the place in the play, as a fraction of the position filter's cutoff: where the
+# load changes sign, the sensor's own jumps would hide it.
+CROSSING_BAND = 0.05
+# Cutoff of the load that deflects the compliance, as a fraction of the position filter's cutoff: the load contains
+# accelerations, and the deflection would contain their noise.
+LOAD_BAND = 0.2
 
 
 @dataclass(frozen=True)
 class Link:
-    """A link along a motion as its transmission feels it, (n,) each.
+    """A link along a motion as its transmission sees it, (n,) each.
 
-    ``carried`` is the load along the link's own motion, ``behind`` how far the motor's sensor is ahead of it there,
-    ``following`` what it would need to follow the motor from where it is, ``inertia`` what it weighs, and ``stiffness``
-    how its load grows with its position.
+    ``carried`` is the load along the link's own motion, and ``behind`` is how far the link is behind the motor's sensor
+    there.  ``following`` is the load it would have if it accelerated like the motor from its present position.
+    ``inertia`` is the link's inertia, and ``stiffness`` is the derivative of its load with respect to its position.
     """
 
     carried: Floats
@@ -35,7 +41,7 @@ class Link:
 
 
 def lag(own: Transmission, motion: Motion, link: Link) -> Floats:
-    """Return how far the motor's sensor is ahead of a link along a motion, (n,), once it has followed what it feels."""
+    """Return how far the motor's sensor is ahead of a link along a motion, (n,), by compliance and play."""
     if own.compliance > 0.0 and own.damping_ratio is not None:
         out = swinging(motion, link.following, link.inertia, own.compliance, own.damping_ratio)
     else:
@@ -52,20 +58,22 @@ def lag(own: Transmission, motion: Motion, link: Link) -> Floats:
 
 
 def slow_load(motion: Motion, load: Floats) -> Floats:
-    """Return a load (n,) without what a sensor that crosses play seems to accelerate."""
+    """Return a load (n,) low-passed so far that the apparent accelerations of a sensor crossing play are gone."""
     return smooth_derivatives(motion, load, CROSSING_BAND)[0]
 
 
 def crossing(load: Floats, within: float) -> Floats:
-    """Return where a link is in play that its ``load`` (n,) crosses ``within`` some N·m or N, at once within none, from
-    −1 (ahead of the motor) to 1 (behind it), (n,).
+    """Return where a link is in its play under a ``load`` (n,), from −1 (ahead of the motor) to 1 (behind it), (n,).
+
+    The link crosses while the load passes through about ±``within`` (N·m or N), instantly if that is 0.
     """
     return np.asarray(np.tanh(load / within) if within > 0.0 else np.sign(load))
 
 
 def natural_frequency(inertia: Floats, compliance: float | Floats) -> Floats:
-    """Return the frequency (rad/s, (n,)) at which a link of an ``inertia`` (n,) swings on its transmission, the motor
-    held; of compliances (k,) beside one another with inertia (n, 1), (n, k).
+    """Return the natural frequency (rad/s, (n,)) of a link of ``inertia`` (n,) on its compliance with the motor held.
+
+    Several compliances (k,) with an inertia of shape (n, 1) give (n, k).
     """
     return 1.0 / np.sqrt(compliance * np.maximum(inertia, LEAST_INERTIA))
 
@@ -73,10 +81,11 @@ def natural_frequency(inertia: Floats, compliance: float | Floats) -> Floats:
 def swinging(
     motion: Motion, following: Floats, inertia: Floats, compliance: float | Floats, damping_ratio: float
 ) -> Floats:
-    """Return how far a link that swings on its transmission is behind the motor, (n,).
+    """Return how far a link that oscillates on its transmission is behind the motor, (n,).
 
-    compliance·(inertia·s̈ + damping·ṡ) + s = compliance·following, damped by a share of what is critical, pieces apart.
-    With many compliances (k,) beside one another, what else there is has shape (n, k), or one that spreads to it.
+    Solves compliance·(inertia·s̈ + damping·ṡ) + s = compliance·following for each piece of the motion separately;
+    ``damping_ratio`` is relative to critical damping.  For several compliances (k,) at once, the other arrays have
+    shape (n, k) or one that broadcasts to it.
     """
     following, frequency = np.broadcast_arrays(following, natural_frequency(inertia, compliance))
     out = np.empty_like(following)
@@ -90,10 +99,11 @@ def swinging(
 def coasting(motion: Motion, at_motor: Floats, inertia: Floats, stiffness: Floats, backlash: float) -> Floats:
     """Return where the link is in its play, from −1 (ahead of the motor) to 1 (behind it), (n,).
 
-    Where the load changes sign the motor lets go.  Until a stop takes it, the link moves on its own:
-    inertia·s̈ = at_motor − stiffness·s, s being how far it is behind, ``at_motor`` what it would need where the motor
-    is, moving as that does, and ``stiffness`` how that grows with its position; no stop throws it back.  A link that
-    stands above its axis is let go only where the motor has taken it past its upright by half of the play.
+    The link leaves its stop where the load changes sign.  Until it reaches a stop, it moves freely:
+    inertia·s̈ = at_motor − stiffness·s.  Here s is how far it is behind the motor, ``at_motor`` is the load it would
+    have at the motor's position, moving as the motor does, and ``stiffness`` is the derivative of that load with
+    respect to position.  It does not bounce off a stop.  A link that stands above its axis leaves its stop only after
+    the motor has moved it past its upright by half of the play.
     """
     out = np.empty_like(at_motor)
     pull, back = at_motor / inertia / (0.5 * backlash), stiffness / inertia

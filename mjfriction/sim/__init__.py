@@ -1,1 +1,1 @@
-"""Friction laws inside MuJoCo: the only room that knows MuJoCo."""
+"""Friction laws inside MuJoCo: the only package that imports MuJoCo."""

@@ -1,4 +1,4 @@
-"""Friction laws onto the joints of a MuJoCo model."""
+"""Attach friction laws to the joints of a MuJoCo model."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ ONE_DOF = frozenset({int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT
 
 @dataclass(frozen=True)
 class Term:
-    """One law on one joint; ``rubbing`` is the joint's place among those with friction."""
+    """One law on one joint; ``rubbing`` is the joint's index among those with friction."""
 
     rubbing: int
     friction: Friction
 
 
 def attach(spec: mujoco.MjSpec, laws: Laws, *, keep_native: bool = False) -> mujoco.MjModel:
-    """Compile a model whose joints carry friction laws; the spec itself is left as it is.
+    """Compile a model whose joints carry friction laws; the spec itself is not changed.
 
     ``laws`` maps names of hinge or slide joints to one law or several, which add up.  The model holds the laws in a
     custom numeric and the simulation their states in user data, so copies, saved files and states carry them.  A
@@ -67,7 +67,7 @@ def attach(spec: mujoco.MjSpec, laws: Laws, *, keep_native: bool = False) -> muj
 
 
 def rewrite(model: mujoco.MjModel, laws: Laws) -> None:
-    """Put other laws on a loaded model that was compiled with friction on the same joints.
+    """Replace the laws of a loaded model that was compiled with friction on the same joints.
 
     Raises :class:`SimulationError` when the model has no room for them: it was compiled without friction, or the new
     laws have other states or more parameters.
@@ -78,7 +78,7 @@ def rewrite(model: mujoco.MjModel, laws: Laws) -> None:
 def candidate_blocks(model: mujoco.MjModel, candidates: Sequence[Laws]) -> Floats:
     """Return the friction blocks of many sets of laws for one model, (candidates, numbers).
 
-    Raises :class:`SimulationError` where a set does not fit into the model, as :func:`rewrite` tells.
+    Raises :class:`SimulationError` where a set does not fit into the model; see :func:`rewrite`.
     """
     old = model.numeric_data[numeric_slice(model)]
     blocks = []
@@ -95,14 +95,14 @@ def candidate_blocks(model: mujoco.MjModel, candidates: Sequence[Laws]) -> Float
 
 
 def layout_of(block: Floats) -> tuple[list[float], list[list[float]]]:
-    """Return what two blocks must share to fit one model: the dofs, and which law's states and values stand where."""
+    """Return what two blocks must share to fit one model: the dofs, and the places of every law's states and values."""
     table, count = int(block[at.H_TERM_TABLE]), int(block[at.H_TERMS])
     rows = block[table : table + count * at.TERM_ROW].reshape(count, at.TERM_ROW)
     return block[at.HEADER : table].tolist(), rows.tolist()
 
 
 def numeric_slice(model: mujoco.MjModel) -> slice:
-    """Return where a model's friction block stands in ``numeric_data``; raises :class:`SimulationError` without one."""
+    """Return the slice of ``numeric_data`` that is the friction block; raises :class:`SimulationError` without one."""
     number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_NUMERIC, at.NUMERIC_NAME)
     if number < 0:
         raise SimulationError(
@@ -149,7 +149,8 @@ def build_block(model: mujoco.MjModel, laws: Laws, base: int) -> Floats:
     local = np.full(model.nv, -1.0)
     local[touched] = np.arange(len(touched))
     terms = [Term(i, own) for i, (_, name) in enumerate(rubbing) for own in _several(laws[name])]
-    # A drive at its limit has no velocity gain, and whether it is there is known only in the step: counted on by none.
+    # An actuator at its limit has no velocity gain, and only the step knows whether it is there.  So the gains of all
+    # actuators are ignored where any can be limited or disabled.
     limited = np.any(model.actuator_forcelimited) or np.any(model.jnt_actfrclimited) or model.opt.disableactuator
     one_output = model.nout == model.nu == model.nactuator and not limited
     table = at.HEADER + len(touched) + model.nv + len(dofs)

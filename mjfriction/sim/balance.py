@@ -1,8 +1,8 @@
 """The implicit step of all joints with friction together.
 
 S·(v⁺ − v) + h·φ(v⁺, z) = b, with S the inertia of the rubbing joints (all others free to move), b the step's impulse of
-every other force, and φ the friction at the end of the step.  φ does not fall with v⁺ but on a Stribeck branch, so that
-Newton's method finds the one solution in two or three rounds; where it does not, each joint is bracketed in turn.
+every other force, and φ the friction at the end of the step.  φ falls with v⁺ only on a Stribeck branch, so Newton's
+method finds the one solution in two or three rounds.  Where it does not, each joint is bracketed in turn.
 """
 
 from __future__ import annotations
@@ -15,16 +15,17 @@ from mjfriction.sim.solve import solve_spd
 ROUNDS = 25
 SWEEPS = 60
 BISECTIONS = 60
-# A correction this small, relative to the velocity, leaves less than as much of the torque: what a slope leaves out
-# (the falling branch, which would be negative) is never steeper than the torque over the velocity.
+# A velocity correction below this relative size ends the iteration.  The relative error that it leaves in the torque is
+# smaller still: the part that the slope leaves out (the falling branch, whose slope would be negative) is never steeper
+# than torque over velocity.
 TOLERANCE = 1e-5
 FLOOR = 1e-13  # rad/s or m/s
-BALANCED = 1e-7  # of the impulses in balance
+BALANCED = 1e-7  # largest residual, as a fraction of the impulses in the balance
 
 
 @kernel
 def lacking(s: Floats, b: Floats, start: Floats, h: float, v: Floats, torque: Floats, residual: Floats) -> bool:
-    """Write what the balance lacks into ``residual`` (k,) and return whether it is worth another round."""
+    """Write the residual of the balance into ``residual`` (k,) and return whether it needs another round."""
     found = False
     for i in range(v.shape[0]):
         missing = b[i] - h * torque[i]
@@ -32,7 +33,7 @@ def lacking(s: Floats, b: Floats, start: Floats, h: float, v: Floats, torque: Fl
         for j in range(v.shape[0]):
             missing -= s[i, j] * (v[j] - start[j])
         residual[i] = missing
-        # Little beside the forces, and too little to move the joint; written so that a NaN counts as lacking.
+        # Balanced: small relative to the forces and too small to move the joint.  Written so that a NaN is not.
         if not (abs(missing) <= BALANCED * size and abs(missing) <= s[i, i] * (BALANCED * abs(v[i]) + FLOOR)):
             found = True
     return found
@@ -42,9 +43,9 @@ def lacking(s: Floats, b: Floats, start: Floats, h: float, v: Floats, torque: Fl
 def bend(
     s: Floats, h: float, v: Floats, torque: Floats, v_before: Floats, torque_before: Floats, slope: Floats
 ) -> None:
-    """Take a falling torque, seen between the last two rounds, for the slope (k,), where the laws give 0.
+    """Where the torque fell between the last two rounds, take its secant as the slope (k,); the laws give 0 there.
 
-    Not below half of what would make the joint's own balance singular.
+    The slope is limited to half of the one that would make the joint's own balance singular.
     """
     for i in range(v.shape[0]):
         apart = v[i] - v_before[i]
@@ -60,13 +61,14 @@ def balance(
     h: float, z_next: int, near: int, v: Floats, change: Floats, work: Floats, torque: Floats, slope: Floats,
     v_before: Floats, torque_before: Floats,
 ) -> int:  # fmt: skip
-    """Write the velocities at the end of the step into ``v`` (k,) and return the rounds it took, −1 where none did.
+    """Write the velocities at the end of the step into ``v`` (k,) and return the rounds it took, −1 without a balance.
 
-    ``torque`` and the states at ``z_next`` are those at ``v`` then, and ``change`` the impulse the balance still lacks.
+    On return ``torque`` and the states at ``z_next`` are those at ``v``; ``change`` is the impulse that the balance
+    still lacks.
 
-    ``s`` (k, k), symmetric; ``b`` and ``start`` = v (k,); ``block`` to ``near`` are what :mod:`mjfriction.sim.rub`
-    takes, addresses.  ``v`` comes in as a first guess.  The other arrays, (k,), and ``work`` (k, k) are room to work
-    in.
+    ``s`` (k, k) is symmetric; ``b`` and ``start`` = v are (k,); ``block`` to ``near`` are the arguments of
+    :mod:`mjfriction.sim.rub`, arrays as addresses.  ``v`` holds a first guess on entry.  The other arrays, (k,), and
+    ``work`` (k, k) are work space.
     """
     k = v.shape[0]
     settled = False
@@ -86,7 +88,7 @@ def balance(
         for i in range(k):
             moved = v[i] + change[i]
             if v[i] * moved < 0.0:
-                # Past rest the torque stands the other way.  Either the joint slides there against it, or it sticks.
+                # Beyond rest the torque reverses.  Either the joint slides on against it, or it sticks.
                 turned = moved + 2.0 * h * torque[i] / (s[i, i] + h * slope[i])
                 moved = turned if turned * moved > 0.0 else 0.0
             if abs(moved - v[i]) > TOLERANCE * abs(moved) + FLOOR:
@@ -100,7 +102,7 @@ def excess(
     s: Floats, i: int, pull: float, at: float, block: int, terms: int, count: int, around: int, z: int, h: float,
     z_next: int, near: int, v: Floats, torque: Floats, slope: Floats,
 ) -> float:  # fmt: skip
-    """Return how much joint ``i`` moving at ``at`` takes beyond ``pull``; ``v`` (k,) is room to work in."""
+    """Return how much more impulse than ``pull`` joint ``i`` needs to move at ``at``; ``v`` (k,) is work space."""
     v[i] = at
     at_torque, at_slope = address(torque, 0), address(slope, 0)
     rub(block, terms, count, i, i + 1, address(v, 0), around, z, h, z_next, near, at_torque, at_slope)

@@ -1,4 +1,4 @@
-"""The one callback of the process: compiled, without Python, for every model there is."""
+"""The one callback of the process: compiled, without Python, and shared by all models."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ def _callback(model: int, data: int) -> None:
 
 @functools.cache
 def compiled_callback() -> Any:
-    """Return the callback as a ctypes function; compiled once and kept on disk."""
+    """Return the callback as a ctypes function; compiled once and cached on disk."""
     offsets_table()
     return numba.cfunc(types.void(types.intp, types.intp), cache=True, error_model="numpy")(_callback).ctypes
 
 
 @contextmanager
 def friction_active() -> Iterator[None]:
-    """Install the friction callback for the time of a ``with`` block; blocks may be nested.
+    """Install the friction callback for the duration of a ``with`` block; blocks may be nested.
 
-    A native callback that was installed before (a ctypes function) is called first in every step, and is back
+    A native callback that was installed before (a ctypes function) is called first in every step and is restored
     afterwards.  A Python callback is refused with :class:`SimulationError`: it could not run in MuJoCo's thread pools.
     """
     installed = install()
@@ -53,9 +53,9 @@ _replaced: Any = None
 
 
 def install() -> bool:
-    """Install the callback for good, for a viewer or a notebook; False where it is installed already.
+    """Install the callback permanently, for a viewer or a notebook; return False where it is installed already.
 
-    :func:`remove` takes it away again.
+    :func:`remove` removes it again.
     """
     global _replaced  # noqa: PLW0603 the one global of the package: MuJoCo has one control callback
     own = compiled_callback()
@@ -75,7 +75,7 @@ def install() -> bool:
 
 
 def remove() -> None:
-    """Take the callback away and put back what was there before :func:`install`."""
+    """Remove the callback and restore the one that was there before :func:`install`."""
     global _replaced  # noqa: PLW0603
     there = mujoco.get_mjcb_control()
     if there is None:

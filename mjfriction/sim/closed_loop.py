@@ -1,4 +1,4 @@
-"""A model moved by its drives, step by step, with what stands against them beside."""
+"""A model run step by step under its drives and the passive torques against them."""
 
 from __future__ import annotations
 
@@ -19,15 +19,16 @@ from mjfriction.sim.reading import BROKEN, read_friction
 from mjfriction.sim.spec import compiled
 from mjfriction.sim.transmission import DeadZone, behind_stops, give_places
 
-SETTLING = 0.5  # s
-TELLING = 5000  # steps, after which a run tells how far it is
+SETTLING = 0.5  # s before the run, in which transmissions that give take up their load
+TELLING = 5000  # steps between progress reports of a run
 
 
 @dataclass(frozen=True)
 class Played:
-    """What the joints did, at the beginning of every step: motor-side position and velocity, drive torque, friction
-    through the step, and position of the links, each (n, joints); ``states`` are the friction laws' own by joint,
-    (n, states), where they were asked for.
+    """What the joints did, at the beginning of every step.
+
+    Motor-side position and velocity, drive torque, friction through the step, and position of the links, each
+    (n, joints).  ``states`` are the states of the friction laws by joint, (n, states), where they were requested.
     """
 
     position: Floats
@@ -39,8 +40,10 @@ class Played:
 
 
 class Around(NamedTuple):
-    """What surrounds the joints, (joints,) each: kelvin above 25 °C and Pa in the chambers, which friction laws read,
-    and what pushes from outside, N·m or N.
+    """The surroundings of the joints, (joints,) each.
+
+    Friction laws read ``warmth`` (kelvin above 25 °C) and the chamber pressures (Pa); ``push`` is an external push, N·m
+    or N.
     """
 
     warmth: Floats
@@ -77,12 +80,12 @@ def play(
 ) -> Played:
     """Run a model for a number of steps and return what happened at the beginning of every one.
 
-    ``start`` are position and velocity (2, joints).  The torque of a step is held through it.  ``dead_zones`` act in
-    the transmissions of joints that were split.  ``around`` is asked, after the drive, for what surrounds the joints;
-    ``laws_at`` may give other laws (of the same kinds) for a step on, ``masses_at`` other masses (kg) of bodies; with
-    ``whole`` the friction laws' states are kept; ``tell`` hears how far it is.
+    ``start`` is position and velocity (2, joints).  The torque of a step is held through it.  ``dead_zones`` act in the
+    transmissions of joints that were split.  ``around`` is called, after the drive, for the joints' surroundings.
+    ``laws_at`` may return other laws (of the same kinds) that apply from a step on, ``masses_at`` other masses (kg) of
+    bodies.  With ``whole`` the states of the friction laws are recorded.  ``tell`` receives progress reports.
 
-    Raises :class:`SimulationError` when the run leaves what can be computed: the joint and the time.
+    Raises :class:`SimulationError` when the run diverges, with the joint and the time.
     """
     spec.option.timestep = step
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
@@ -106,7 +109,7 @@ def play(
         for step_number in range(-settling, count):
             if step_number % TELLING == 0:
                 tell("simulating", max(step_number, 0) / count)
-            k = max(step_number, 0)  # what gives first takes up its load, at the course's beginning
+            k = max(step_number, 0)  # while settling, the drives stay at the beginning of their course
             position, velocity = data.qpos[places], data.qvel[dofs]
             torque = drive(k, position, velocity)
             out.position[k], out.velocity[k], out.torque[k] = position, velocity, torque
@@ -130,7 +133,7 @@ def play(
                 _weigh(model, name, mass)
             before = data.time
             mujoco.mj_step(model, data)
-            if data.time <= before:  # MuJoCo began again from its initial state
+            if data.time <= before:  # MuJoCo restarted from its initial state
                 raise SimulationError(_broken(model, data, k * step))
             acceleration = data.qacc[dofs]
             if reader is not None:
@@ -163,6 +166,6 @@ def _broken(model: mujoco.MjModel, data: mujoco.MjData, time: float) -> str:
 
 
 def drop_actuators(spec: mujoco.MjSpec) -> None:
-    """Take a model's own actuators out of a spec, in place: the drives act on the joints themselves."""
+    """Remove a model's own actuators from a spec, in place: the drives act on the joints directly."""
     for actuator in list(spec.actuators):
         spec.delete(actuator)

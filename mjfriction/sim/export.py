@@ -1,4 +1,4 @@
-"""Friction as stock MuJoCo can carry it: plain MJCF elements, exact where there is one, the nearest fit elsewhere."""
+"""Friction exported to stock MuJoCo: plain MJCF elements, exact where one exists, otherwise the nearest fit."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from mjfriction.laws.friction import Friction, Level, friction
 from mjfriction.laws.law import Floats
 from mjfriction.laws.rules import Values
 
-NO_INPUT = 16  # ctrlspec of an element that only rubs, what input="none" compiles to
-UNFADED = 1e9  # rad/s; bristle damping that fades beyond this does not fade
-SAMPLES, STEP = 4000, 1e-3  # of the motion along which laws are compared
+NO_INPUT = 16  # ctrlspec of an actuator that only adds friction; input="none" in MJCF compiles to it
+UNFADED = 1e9  # rad/s; bristle damping that fades only beyond this velocity counts as constant
+SAMPLES, STEP = 4000, 1e-3  # samples, and s between them, of the motion along which laws are compared
 POSES = 100
 STIFF_SOLREF, STIFF_SOLIMP = (0.002, 1.0), (0.999, 0.9999, 1e-6, 0.5, 2.0)
 
 
 @dataclass(frozen=True)
 class Native:
-    """What stands for a joint's friction in stock MuJoCo, numbers at the joint.
+    """A joint's friction in stock MuJoCo, all values at the joint.
 
     ``damping``: a·v + b·v|v| + c·v³.  ``frictionloss``: dry friction.  ``lugre``: stiffness, damping, Coulomb and
     static level, Stribeck velocity of a ``dcmotor``.  ``slip``: stiffness and level of tendons that yield.
@@ -39,7 +39,7 @@ class Native:
 
 @dataclass(frozen=True)
 class Probe:
-    """A motion to compare friction along: ``velocity`` (n,) and what surrounds the joint, ``around`` (n, 7)."""
+    """A motion along which friction is compared: ``velocity`` (n,) and the joint's surroundings ``around`` (n, 7)."""
 
     velocity: Floats
     around: Floats
@@ -47,11 +47,11 @@ class Probe:
 
 @dataclass(frozen=True)
 class Carried:
-    """How one joint's friction was carried over.
+    """How one joint's friction was exported.
 
-    ``exact`` says the element's equations are the law's; ``error`` is the RMS difference of the torque along a motion
-    through rest up to ``fastest``, under a swinging load (gravity's in random poses) and ± 10 K, and ``size`` the RMS
-    torque there, in ``unit``.
+    ``exact`` is true where the element's equations are the law's.  ``error`` is the RMS torque difference along a
+    motion through rest with speeds up to ``fastest``, under an oscillating load (as large as gravity's in random poses)
+    and ± 10 K.  ``size`` is the RMS torque along that motion.  Both are in ``unit``.
     """
 
     joint: str
@@ -65,10 +65,10 @@ class Carried:
 def export_spec(
     spec: mujoco.MjSpec, laws: Mapping[str, Sequence[Friction]], *, fastest: float = 2.0
 ) -> tuple[mujoco.MjSpec, list[Carried]]:
-    """Return a spec of stock MuJoCo elements only, and how each joint's laws were carried.
+    """Return a spec of stock MuJoCo elements only, and how each joint's laws were exported.
 
-    ``fastest`` (rad/s or m/s) bounds the motion that a fit is made for.  The spec uses the integrator implicitfast, the
-    one under which MuJoCo's LuGre element is stable.  Raises :class:`SimulationError` for an unknown joint.
+    ``fastest`` (rad/s or m/s) bounds the speed of the motion that fits are made for.  The spec uses the integrator
+    implicitfast, under which MuJoCo's LuGre element is stable.  Raises :class:`SimulationError` for an unknown joint.
     """
     spec = spec.copy()
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
@@ -87,7 +87,7 @@ def export_spec(
 
 
 def as_native(own: Sequence[Friction], probe: Probe, fastest: float) -> tuple[Native, bool]:
-    """Return what stands for a joint's laws, and whether it is the same equations."""
+    """Return the native friction for a joint's laws, and whether its equations are the same."""
     parts = [exact_native(one) for one in own]
     found = [part for part in parts if part is not None]
     if len(found) == len(parts) and sum(part.lugre is not None for part in found) <= 1:
@@ -113,14 +113,15 @@ def exact_native(own: Friction) -> Native | None:
     if own.law.name == "maxwell_slip":
         arrays = own.law.unpack(own.values)
         springs, levels = np.atleast_1d(arrays["stiffness"]), np.atleast_1d(arrays["level"])
-        pairs = [(float(k), float(w)) for k, w in zip(springs, levels, strict=True) if w > 0.0]  # 0 never yields there
+        # A tendon whose springyield is 0 never yields, so elements of level 0 are left out.
+        pairs = [(float(k), float(w)) for k, w in zip(springs, levels, strict=True) if w > 0.0]
         slip = tuple((r * r * k, r * w) for k, w in pairs)
         return Native(damping=(viscous, 0.0, 0.0), slip=slip)
     return None
 
 
 def merged(parts: Sequence[Native]) -> Native:
-    """Return several native parts of one joint as one."""
+    """Merge the native parts of one joint into one."""
     damping = np.sum([part.damping for part in parts], axis=0)
     lugre = [part.lugre for part in parts if part.lugre is not None]
     return Native(
@@ -132,7 +133,7 @@ def merged(parts: Sequence[Native]) -> Native:
 
 
 def fitted_native(own: Sequence[Friction], probe: Probe, fastest: float) -> Native:
-    """Return what comes nearest to the laws' torque along the probe: dry friction, or a LuGre element."""
+    """Return the fit nearest to the laws' torque along the probe: dry friction, or a LuGre element."""
     wanted = along(own, probe)
     found = [fitted_dry(probe, wanted), fitted_lugre(own, probe, wanted, fastest)]
     return min(found, key=lambda native: float(np.sum((native_torque(native, probe) - wanted) ** 2)))
@@ -149,7 +150,7 @@ def fitted_dry(probe: Probe, wanted: Floats) -> Native:
 def fitted_lugre(own: Sequence[Friction], probe: Probe, wanted: Floats, fastest: float) -> Native:
     """Return the nearest LuGre element with polynomial damping, as stiff at rest as the laws."""
     level = max(float(np.max(np.abs(wanted))), 1e-9)
-    # A law without bristles: stiff enough to stick within a ten-thousandth of a radian.
+    # Laws without bristles get a stiffness at which the joint sticks within 1e-4 rad or m.
     stiffness = rest_stiffness(own) or 1e4 * level
 
     def element(x: Floats) -> Native:
@@ -164,14 +165,14 @@ def fitted_lugre(own: Sequence[Friction], probe: Probe, wanted: Floats, fastest:
 
 
 def rest_stiffness(own: Sequence[Friction]) -> float:
-    """Return how stiff the laws hold at rest, N·m/rad or N/m; 0 for laws without a state."""
+    """Return the stiffness of the laws at rest, N·m/rad or N/m; 0 for laws without a state."""
     tiny, around = 1e-9, ambient(1)
     with_state = [one for one in own if one.state_count]
     return float(sum(one.follow(np.array([tiny]), around, 1.0)[0][0] for one in with_state)) / tiny
 
 
 def probing_motion(fastest: float, load: float) -> Probe:
-    """Return a motion through rest, slow and fast, under a swinging load and temperature."""
+    """Return a motion through rest, slow and fast, under an oscillating load and temperature."""
     t = np.arange(SAMPLES) * STEP
     velocity = fastest * np.sin(2.0 * t) * np.sin(2.0 * np.pi * 0.9 * t) ** 2 + 0.02 * fastest * np.sin(17.0 * t)
     around = ambient(
@@ -198,7 +199,7 @@ def gravity_loads(spec: mujoco.MjSpec) -> dict[str, float]:
 
 
 def along(own: Sequence[Friction], probe: Probe) -> Floats:
-    """Return the laws' torque along a motion, added up, (n,)."""
+    """Return the sum of the laws' torques along a motion, (n,)."""
     return np.asarray(sum(one.follow(probe.velocity, probe.around, STEP)[0] for one in own))
 
 
@@ -240,7 +241,7 @@ def put_on(spec: mujoco.MjSpec, name: str, native: Native) -> None:
 
 
 def describe(native: Native) -> str:
-    """Return in a few words what carries a joint's friction."""
+    """Return the names of the elements that carry a joint's friction."""
     parts = []
     if native.lugre is not None:
         parts.append("dcmotor lugre")

@@ -1,4 +1,4 @@
-"""What the step knows before friction: inertia, what the integrator damps implicitly, and every other force."""
+"""Inputs of the step other than friction: inertia, the integrator's implicit damping, and all other forces."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ EULER = 0
 NO_EULER_DAMPING = 1 << 15  # mjDSBL_EULERDAMP, checked against MuJoCo by a test
 NO_DAMPER = 1 << 6  # mjDSBL_DAMPER
 AFFINE = 1  # mjBIAS_AFFINE
-BIAS_SIZE = 10  # numbers a row of actuator_biasprm has
+BIAS_SIZE = 10  # numbers in a row of actuator_biasprm
 
 
 @kernel
@@ -40,9 +40,9 @@ def gather_inertia(model: int, data: int, dofs: Floats, local: Floats, a: Floats
 def add_implicit_damping(
     model: int, data: int, h: float, actuators: int, dofs: Floats, local: Floats, a: Floats
 ) -> None:
-    """Add to ``a`` what the integrator treats implicitly, so that the prediction lands where MuJoCo does.
+    """Add to ``a`` the terms that the integrator treats implicitly, so that the prediction agrees with MuJoCo.
 
-    Euler: joint damping.  The implicit family: also the velocity gain of actuators that drive a single joint.
+    Euler: joint damping.  Implicit integrators: also the velocity gain of actuators that drive a single joint.
     """
     integrator, disabled = flag(model, mem.F_INTEGRATOR), flag(model, mem.F_DISABLE)
     if disabled & NO_DAMPER or (integrator == EULER and disabled & NO_EULER_DAMPING):
@@ -65,10 +65,10 @@ def add_implicit_damping(
 
 @kernel
 def add_known_forces(model: int, data: int, block: Block, kept: Kept, full: Floats, f: Floats) -> None:
-    """Write the step's known forces on the touched dofs into ``f`` (n,); ``full`` (nv,) is room to work in.
+    """Write the step's known forces on the touched dofs into ``f`` (n,); ``full`` (nv,) is work space.
 
-    Where MuJoCo skips its velocity stage, the friction of an earlier call in the same step is still in qfrc_passive: it
-    is taken out first.
+    Where MuJoCo skips its velocity stage, qfrc_passive still contains the friction of an earlier call in the same step.
+    It is removed first.
     """
     nv, n, k = block.nv, block.touched, block.rubbing
     passive, bias, applied = (
@@ -94,7 +94,7 @@ def add_known_forces(model: int, data: int, block: Block, kept: Kept, full: Floa
 
 @kernel
 def any_push(data: int, bodies: int) -> bool:
-    """Return whether a force from outside acts on any body."""
+    """Return whether an external force acts on any body."""
     pushes = numbers(data, mem.F_XFRC, 6 * bodies)
     found = False
     for i in range(6, 6 * bodies):
@@ -104,7 +104,7 @@ def any_push(data: int, bodies: int) -> bool:
 
 @kernel
 def add_pushes(model: int, data: int, block: Block, full: Floats, f: Floats) -> None:
-    """Add the forces from outside (xfrc_applied) to ``f`` (n,)."""
+    """Add the external forces (xfrc_applied) to ``f`` (n,)."""
     for i in range(block.nv):
         full[i] = 0.0
     pushes, points = word_at(data + offset_of(mem.F_XFRC)), word_at(data + offset_of(mem.F_XIPOS))
@@ -116,7 +116,7 @@ def add_pushes(model: int, data: int, block: Block, full: Floats, f: Floats) -> 
 
 @kernel
 def symmetric(a: Floats, x: Floats, p: int) -> float:
-    """Return row ``p`` of a symmetric matrix, kept in its lower triangle, times ``x``."""
+    """Return row ``p`` of a symmetric matrix, stored in its lower triangle, times ``x``."""
     total = 0.0
     for q in range(x.shape[0]):
         total += (a[p, q] if q <= p else a[q, p]) * x[q]

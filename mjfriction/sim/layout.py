@@ -1,8 +1,7 @@
-"""Where the fields that the compiled callback reads lie in MuJoCo's structs: found at run time, never typed in.
+"""Offsets in MuJoCo's structs of the fields that the compiled callback reads: found at run time, never hard-coded.
 
-Probe models with known contents are built; the places in their structs that hold the addresses the Python bindings
-report (or numbers set through them) in every probe are the fields.  A MuJoCo whose structs do not answer to that is
-refused.
+Probe models with known contents are built.  The offsets that hold, in every probe, the addresses that the Python
+bindings report (or numbers set through them) are those of the fields.  A MuJoCo whose structs do not match is refused.
 """
 
 from __future__ import annotations
@@ -51,7 +50,7 @@ DATA_ARRAYS = (
 
 
 class Field(enum.IntEnum):
-    """What stands where in the table of offsets; the last entry is the callback to call first, not an offset."""
+    """Entries of the table of offsets; the last one is the callback to call first, not an offset."""
 
     NNUMERIC = 0
     TIMESTEP = 1
@@ -125,7 +124,7 @@ def _probe(extra: int, integrator: str, flag: str) -> tuple[mujoco.MjModel, mujo
 
 
 def _memory(address: int, limit: int) -> bytes:
-    # Written through a pipe, memory that is not ours is an error of the write, not the end of the process.
+    # Writing the memory into a pipe turns an unmapped address into a failed write instead of a crash.
     libc = ctypes.CDLL(None, use_errno=True)
     libc.write.argtypes = (ctypes.c_int, ctypes.c_void_p, ctypes.c_size_t)
     libc.write.restype = ctypes.c_ssize_t
@@ -143,7 +142,7 @@ def _memory(address: int, limit: int) -> bytes:
 
 
 def _place(structs: list[bytes], values: list[bytes], name: str) -> int:
-    """Return the one aligned offset at which every struct holds its value."""
+    """Return the first aligned offset at which every struct holds its value."""
     kind = np.dtype(f"u{len(values[0])}")
     held = [
         np.frombuffer(struct, kind) == np.frombuffer(value, kind) for struct, value in zip(structs, values, strict=True)
@@ -160,7 +159,7 @@ def _place(structs: list[bytes], values: list[bytes], name: str) -> int:
 
 @functools.cache
 def field_offsets() -> NDArray[np.int64]:
-    """Return the byte offset of every :class:`Field`, shape (fields,); raises :class:`SimulationError` when unknown."""
+    """Return the byte offset of every :class:`Field`, shape (fields,); raises :class:`SimulationError` if not found."""
     probes = [_probe(*probe) for probe in PROBES]
     models = [_memory(model._address, FARTHEST["mjModel"]) for model, _ in probes]
     datas = [_memory(data._address, FARTHEST["mjData"]) for _, data in probes]

@@ -36,7 +36,7 @@ F_MOMENT_COLIND, F_MOMENT = int(Field.MOMENT_COLIND), int(Field.ACTUATOR_MOMENT)
 
 
 class Block(NamedTuple):
-    """The model's block, spread out; ``terms`` is the address of its table of ``term_count`` rows."""
+    """The model's block, unpacked; ``terms`` is the address of its table of ``term_count`` rows."""
 
     address: int
     nv: int
@@ -74,9 +74,9 @@ class Kept(NamedTuple):
 
 
 class Desk(NamedTuple):
-    """Room to work in, on MuJoCo's stack: over touched (n), rubbing (k) and all dofs (nv).
+    """Work space on MuJoCo's stack: arrays over touched (n), rubbing (k) and all dofs (nv).
 
-    ``now`` (n,) are the velocities as the step begins; ``start`` (k,) is its end, those of the rubbing dofs.
+    ``now`` (n,) are the velocities as the step begins; ``start`` (k,) is its tail, the velocities of the rubbing dofs.
     """
 
     a: Floats
@@ -113,13 +113,13 @@ def integers(struct: int, field: int, count: int) -> Integers:
 
 @kernel
 def scalar(struct: int, field: int) -> float:
-    """Return a float64 that stands in the struct itself."""
+    """Return a float64 that is stored in the struct itself."""
     return float(window_at(struct + offset_of(field), 1)[0])
 
 
 @kernel
 def flag(struct: int, field: int) -> int:
-    """Return an int32 that stands in the struct itself."""
+    """Return an int32 that is stored in the struct itself."""
     return int(integers_at(struct + offset_of(field), 1)[0])
 
 
@@ -142,7 +142,7 @@ def find_block(model: int) -> int:
 def open_block(address: int, nv: int, n: int, k: int) -> Block:
     """Return the model's block that begins at an address, of ``nv`` dofs, ``n`` touched and ``k`` rubbing.
 
-    The sizes come from the caller, for whom they may be constants of the compiled code.
+    The caller passes the sizes, so that they can be constants of its compiled code.
     """
     head = window_at(address, at.HEADER)
     return Block(
@@ -166,7 +166,7 @@ def open_block(address: int, nv: int, n: int, k: int) -> Block:
 
 @kernel
 def has_room(model: int, block: Block) -> bool:
-    """Return whether the simulation has the user data that the block counts on; one taken from elsewhere has not."""
+    """Return whether the user data is as long as the block needs; with a block from elsewhere it may not be."""
     base = int(window_at(block.address, at.HEADER)[at.H_BASE])
     room = at.U_SCALARS + at.TOUCHED_ARRAYS * block.touched + at.RUBBING_ARRAYS * block.rubbing + 2 * block.states
     return bool(base + room <= word_at(model + offset_of(F_NUSERDATA)))
@@ -201,7 +201,7 @@ def open_kept(data: int, block: Block) -> Kept:
 
 @kernel
 def open_desk(data: int, block: Block) -> Desk:
-    """Take room from MuJoCo's stack, which the caller has marked."""
+    """Allocate the work space on MuJoCo's stack, which the caller has marked."""
     n, k, nv = block.touched, block.rubbing, block.nv
     matrices = n * n + 2 * k * k
     work = stack_numbers(data, matrices + 3 * n + (6 + AMBIENT_SIZE) * k + nv + AMBIENT_SIZE)

@@ -10,7 +10,7 @@ import mujoco
 
 @contextlib.contextmanager
 def messages_dropped() -> Iterator[None]:
-    """Drop MuJoCo's warnings: whoever runs it here looks at what it counts, and says what a user needs."""
+    """Drop MuJoCo's warnings: the caller reads MuJoCo's warning counts and reports what a user needs."""
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(lambda _: None)
     try:

@@ -1,7 +1,7 @@
-"""An MJCF file as the plain tree of bodies that MuJoCo makes of it.
+"""An MJCF file reduced to the plain tree of bodies that MuJoCo compiles from it.
 
-Defaults, angles, frames, included files and masses that come from shapes are MuJoCo's own language, and it alone reads
-all of it.
+MJCF has defaults, angle units, frames, included files and masses computed from shapes, and only MuJoCo itself reads all
+of that.
 """
 
 from __future__ import annotations
@@ -23,11 +23,12 @@ TYPES = {
 
 
 def plain_tree(path: Path) -> str:
-    """Return an MJCF file that says the same of bodies and joints in plain words: every body's place and inertia and
-    every joint's axis, limits, damping, dry friction and armature as numbers, angles in radians, no shapes.
+    """Return an equivalent MJCF file that states its bodies and joints in plain numbers.
 
-    Bodies and joints without a name get one.  Raises :class:`SimulationError` when MuJoCo cannot read the file, or
-    cannot compile what bears on masses: shapes of bodies whose inertia is stated play no part.
+    It has every body's pose and inertia and every joint's axis, limits, damping, dry friction and armature, with angles
+    in radians and without shapes.  Bodies and joints without a name get one.  Raises :class:`SimulationError` when
+    MuJoCo cannot read the file, or cannot compile the parts that masses depend on: shapes of bodies whose inertia is
+    stated are ignored.
     """
     try:
         spec = mujoco.MjSpec.from_file(str(path))
@@ -38,7 +39,7 @@ def plain_tree(path: Path) -> str:
 
 
 def _strip(spec: mujoco.MjSpec) -> None:
-    # Files that are missing, of meshes or pictures say, are no matter where nothing weighs anything by them.
+    # Delete everything that no mass depends on, so that missing files (e.g. of meshes or textures) do no harm.
     spec.compiler.fusestatic = False
     by_shape = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     for body in spec.bodies:

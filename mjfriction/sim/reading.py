@@ -1,4 +1,4 @@
-"""What friction does in a simulation: torque, bristle states and inputs of every joint, as views of its user data."""
+"""Friction in a running simulation: torque, bristle states and inputs of every joint, as slices of its user data."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ BROKEN = {
 
 @dataclass(frozen=True)
 class FrictionReader:
-    """Where a model's friction stands in ``mjData.userdata``; make one with :func:`read_friction`.
+    """Where a model's friction is stored in ``mjData.userdata``; make one with :func:`read_friction`.
 
     ``joints`` (k) are the joints with friction in the order of their dofs.  The slices index the last axis of
     ``data.userdata``, of ``batch.userdata`` or of recorded user data: ``torque``, ``load`` (k numbers: N·m or N),
     ``warmth`` (kelvin above 25 °C), ``pressure_head``, ``pressure_rod`` (Pa; these three are inputs that may be
-    written), ``rounds`` (one number: rounds the last step took, −1 where it found no balance).
+    written), ``rounds`` (one number: solver rounds of the last step, −1 where it found no balance).
     """
 
     joints: tuple[str, ...]
@@ -40,7 +40,7 @@ class FrictionReader:
     states: dict[str, slice]
 
     def state(self, joint: str) -> slice:
-        """Return a joint's states, one law after another; raises :class:`SimulationError` for one without friction."""
+        """Return the slice of a joint's states, law by law; raises :class:`SimulationError` for one without any."""
         if joint not in self.states:
             raise SimulationError(
                 f"joint '{joint}' carries no friction{suggestion(joint, self.joints)} "
@@ -50,7 +50,7 @@ class FrictionReader:
 
 
 def read_friction(model: mujoco.MjModel) -> FrictionReader:
-    """Return where a model's friction stands; raises :class:`SimulationError` for a model without friction.
+    """Return where a model's friction is stored; raises :class:`SimulationError` for a model without friction.
 
     After a step, ``data.userdata[reader.torque]`` is the friction of that step and ``reader.state("elbow")`` the
     bristles at its beginning.
@@ -87,9 +87,9 @@ def read_friction(model: mujoco.MjModel) -> FrictionReader:
 
 
 def ensure_sound(model: mujoco.MjModel, data: mujoco.MjData) -> None:
-    """Raise :class:`SimulationError`, naming the joint, where a simulation has met a NaN or an infinite number.
+    """Raise :class:`SimulationError`, naming the joint, where a NaN or an infinite number came up in a simulation.
 
-    MuJoCo itself only counts a warning and, by default, starts the simulation again from its initial state.
+    MuJoCo itself only counts a warning and, by default, restarts the simulation from its initial state.
     """
     reader = read_friction(model)
     failed = int(data.userdata[int(model.numeric_data[numeric_slice(model)][at.H_BASE]) + at.U_FAILED])

@@ -1,4 +1,4 @@
-"""Measured efforts played into a model, stretch by stretch, with nothing that holds the joints on their course."""
+"""Replay of measured efforts in a model, stretch by stretch, without control that holds the joints on their path."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from mjfriction.sim.messages import messages_dropped
 def replay(
     models: Sequence[mujoco.MjModel], joints: Sequence[str], position: Floats, velocity: Floats, effort: Floats
 ) -> Floats:
-    """Let every model run every stretch freely and return where its joints went, (models, stretches, steps, joints).
+    """Run every model freely over every stretch and return the joint positions, (models, stretches, steps, joints).
 
-    ``position`` and ``velocity`` (stretches, joints) are where each stretch begins, its bristles relaxed; ``effort``
-    (models, stretches, steps, joints) acts on the joints, held for one step each.  The course begins with where each
-    stretch begins; what the last step would lead to is left out.  Actuators stay at zero.
+    ``position`` and ``velocity`` (stretches, joints) are the initial state of each stretch; its bristles start relaxed.
+    ``effort`` (models, stretches, steps, joints) acts on the joints, held constant over each step.  The first returned
+    position is the initial one; the position after the last step is left out.  Actuators stay at zero.
     """
     first = models[0]
     places = np.array([first.jnt_qposadr[first.joint(name).id] for name in joints])
@@ -36,7 +36,7 @@ def replay(
         data.qpos[places], data.qvel[dofs] = position[k], velocity[k]
         mujoco.mj_getState(first, data, initial[k], kind)
     every = [model for model in models for _ in range(stretches)]
-    for model in models:  # one that came to nothing would begin anew in its initial state, as if it had not flown away
+    for model in models:  # with auto-reset, a run that diverged would restart from its initial state and look sound
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     with friction_active(), messages_dropped():
         states, _ = mujoco.rollout.rollout(

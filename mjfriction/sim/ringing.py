@@ -1,4 +1,4 @@
-"""Masses on springs whose feet are moved: how far they lag behind."""
+"""Masses on springs whose bases are moved: where they are as they lag behind."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from mjfriction.laws.law import Floats
 
 
 def ringing(aim: Floats, frequency: Floats, damping: float, step: float, finer: int = 1) -> Floats:
-    """Return where masses are, (n,) or (n, k), that swing about places ``aim`` at a ``frequency`` in rad/s, both alike.
+    """Return positions of masses that oscillate about ``aim`` at a ``frequency`` in rad/s, all (n,) or (n, k).
 
     s̈ = ω²·(aim − s) − 2·``damping``·ω·ṡ, by steps of ``step`` s at constant average acceleration (Newmark, J. Eng.
-    Mech. 85, 1959: β = 1/4, γ = 1/2), aim and frequency being straight between what is given, every ``finer`` steps;
-    they begin at rest at their aims.
+    Mech. 85, 1959: β = 1/4, γ = 1/2).  ``aim`` and ``frequency`` are given every ``finer`` steps and are linear in
+    between.  The masses begin at rest at their aims.
     """
     aims, frequencies = (np.ascontiguousarray(own.reshape(own.shape[0], -1)) for own in (aim, frequency))
     return _compiled()(aims, frequencies, damping, step, finer).reshape(aim.shape)
@@ -26,7 +26,7 @@ def ringing(aim: Floats, frequency: Floats, damping: float, step: float, finer: 
 
 @functools.cache
 def _compiled() -> Callable[[Floats, Floats, float, float, int], Floats]:
-    # Divided as numpy divides, without a check for zero, so that masses beside each other are moved at once.
+    # The error model of numpy divides without a check for zero, so that the loop over masses can be vectorised.
     array, number = types.float64[:, ::1], types.float64
     signature = array(array, array, number, number, types.int64)
     compiled = numba.njit(signature, cache=True, error_model="numpy")(_along)

@@ -28,11 +28,11 @@ def _rub(
     block: int, terms: int, count: int, first: int, last: int, v_at: int, around: int, z: int, h: float,
     z_next: int, near: int, torque_at: int, slope_at: int,
 ) -> None:  # fmt: skip
-    """Write torque and slope of rubbing joints ``first`` to ``last`` − 1 at their velocities, and the states then.
+    """Write torque, slope and next states of joints with friction, ``first`` to ``last`` − 1, at their velocities.
 
-    All arrays come as addresses.  ``block``: the model's block; ``terms`` (count, 6): its term table in the order of
-    joints; ``v``, ``torque``, ``slope`` (k,); ``around`` (k, 7): what surrounds the joints; ``z``, ``z_next``: all
-    states; ``near`` (7,): room to work in.
+    All arrays are passed as addresses.  ``block``: the model's block; ``terms`` (count, 6): its term table in the order
+    of joints; ``v``, ``torque``, ``slope`` (k,); ``around`` (k, 7): the joints' surroundings; ``z``, ``z_next``: all
+    states; ``near`` (7,): work space.
     """
     v, torque, slope = window_at(v_at, last), window_at(torque_at, last), window_at(slope_at, last)
     for i in range(first, last):

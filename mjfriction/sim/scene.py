@@ -26,8 +26,8 @@ KINDS: dict[int, Kind] = {
 }
 READABLE = {".stl", ".obj"}  # kinds of mesh files that MuJoCo reads
 GREY = (0.62, 0.65, 0.69, 1.0)
-BONE = 0.03  # of the arm's reach: the radius of what is drawn where a model has no shapes
-SHORTEST_BONE = 1e-3  # m
+BONE = 0.03  # radius of the bones drawn for a model without shapes, as a fraction of the arm's reach
+SHORTEST_BONE = 1e-3  # m; bodies nearer to each other get no bone between them
 
 
 @dataclass(frozen=True)
@@ -59,11 +59,11 @@ class Scene:
 
 
 def draw(spec: mujoco.MjSpec, path: Path, joints: Sequence[str], course: Floats) -> Scene:
-    """Return what a model shows along a course of its joints' positions (n, joints); the spec is used up.
+    """Return the scene of a model along a course of its joints' positions (n, joints); the spec is changed in place.
 
-    ``path`` is the file it was read from: a URDF's shapes are read from there, its visual ones where MuJoCo can read
-    them, else those for collisions.  A model without any shape is drawn as bones from joint to joint.  Raises
-    :class:`SimulationError` where a shape cannot be read.
+    ``path`` is the file that the spec was read from.  A URDF's shapes are read from there: the visual ones where MuJoCo
+    can read them, otherwise those for collisions.  A model without any shape is drawn as bones from joint to joint.
+    Raises :class:`SimulationError` where a shape cannot be read.
     """
     try:
         model = spec_with_shapes(spec, path).compile()
@@ -83,7 +83,7 @@ def draw(spec: mujoco.MjSpec, path: Path, joints: Sequence[str], course: Floats)
 
 
 def spec_with_shapes(spec: mujoco.MjSpec, path: Path) -> mujoco.MjSpec:
-    """Return the spec with something to see: a URDF's shapes, or bones where there are none."""
+    """Return the spec with visible shapes: a URDF's own, or bones where there are none."""
     spec.compiler.discardvisual = False
     if path.suffix.lower() == ".urdf":
         _add_urdf_shapes(spec, path)
@@ -157,13 +157,16 @@ def _placed(shape: ET.Element, path: Path) -> tuple[str, ET.Element, list[float]
 
 
 def _resolved(filename: str, path: Path) -> Path:
-    """Return where a mesh lies: packages are looked for above the model file; no file where MuJoCo cannot read it."""
+    """Return the path of a mesh, one that does not exist where MuJoCo cannot read the mesh.
+
+    Packages are searched for in the folders above the model file.
+    """
     inside = filename.removeprefix("package://").removeprefix("file://")
     named = (folder / inside for folder in path.resolve().parents)
     found = next((file for file in named if file.is_file()), path.parent / inside)
     if _readable(found):
         return found
-    # The same link in a form that MuJoCo reads often lies in the next folder: meshes/visual, meshes/collision.
+    # A version that MuJoCo reads is often in a sibling folder: meshes/visual, meshes/collision.
     near = sorted(found.parent.parent.rglob(f"{found.stem}.*")) if filename.startswith("package://") else []
     return next((file for file in near if _readable(file)), path.parent / f"{found.stem} (unreadable)")
 
@@ -173,13 +176,13 @@ def _readable(file: Path) -> bool:
         return False
     with file.open("rb") as stream:
         start = stream.read(2048)
-    # MuJoCo reads binary STL only; one written as text says so.
+    # MuJoCo reads binary STL only; a text file begins with "solid" and contains "facet".
     return file.suffix.lower() != ".stl" or not (start.lstrip()[:5].lower() == b"solid" and b"facet" in start)
 
 
 def _quaternion(angles: list[float]) -> Floats:
     out = np.empty(4)
-    mujoco.mju_euler2Quat(out, np.array(angles), "XYZ")  # fixed axes, as URDF counts them
+    mujoco.mju_euler2Quat(out, np.array(angles), "XYZ")  # fixed axes, as in URDF
     return out
 
 

@@ -37,7 +37,7 @@ def restore(a: Floats, f: Floats, x: Floats, first: int) -> None:
 def solve_spd(a: Floats, x: Floats) -> None:
     """Solve a·y = x for a symmetric positive definite ``a`` (k, k; its lower triangle), overwriting both.
 
-    A pivot that is not positive is taken as tiny: the step then is long, and the caller looks at what came out.
+    A pivot that is not positive is replaced by a tiny one: the step is then long, and the caller checks the result.
     """
     k = x.shape[0]
     for i in range(k):

@@ -16,13 +16,15 @@ from mjfriction.laws.law import Floats
 
 Spec = mujoco.MjSpec
 NO_MASS = 1e-12  # kg and kg·m²
-REAL = 1e-9  # of a root's size, that its imaginary part may be
+REAL = 1e-9  # a root counts as real where its imaginary part is at most this fraction of its size
 
 
 @dataclass(frozen=True)
 class PointLoad:
-    """A point mass held by the robot: kg, its place in the parent body's frame (m), and the name of that body or of the
-    joint that moves it.
+    """A point mass held by the robot.
+
+    ``mass`` is in kg, ``com`` is its place in the parent body's frame (m), and ``parent`` is the name of that body or
+    of the joint that moves it.
     """
 
     mass: float
@@ -32,8 +34,9 @@ class PointLoad:
 
 @dataclass(frozen=True)
 class LinkMass:
-    """A link's mass (kg), its centre (m, from its joint along the body's axes) and its moments about that: xx, yy, zz,
-    xy, xz, yz (kg·m²).
+    """A link's mass (kg), centre of mass (m) and moments of inertia about it: xx, yy, zz, xy, xz, yz (kg·m²).
+
+    The centre of mass is measured from the link's joint along the body's axes.
     """
 
     mass: float
@@ -54,13 +57,13 @@ def read_spec(
 ) -> mujoco.MjSpec:
     """Read a URDF or MJCF file and build the robot's own data into it.
 
-    Joints that are not asked for are held at zero.  ``gravity`` (m/s²) replaces the model's own; ``loads`` are masses
-    held, each a body of that name; ``link_inertia`` takes the place of what the model says of the link a joint moves,
-    ``link_shift`` moves that link's own centre of mass (m, in the body's frame), and ``link_scale`` multiplies its mass
-    and inertia, its loads included; ``rotor_inertia`` (kg·m² or kg at the joint) is added as armature.  Shapes and
-    meshes of a URDF are left out: they play no part in the motion.
+    Joints that are not in ``joints`` are held at zero.  ``gravity`` (m/s²) replaces the model's own.  ``loads`` are
+    masses held, each added as a body of that name.  ``link_inertia`` replaces the model's inertia of the link that a
+    joint moves, ``link_shift`` moves that link's own centre of mass (m, in the body's frame), and ``link_scale``
+    multiplies its mass and inertia, including its loads.  ``rotor_inertia`` (kg·m² or kg at the joint) is added as
+    armature.  Shapes and meshes of a URDF are left out: they do not affect the motion.
 
-    Raises :class:`SimulationError` when the file cannot be read or a joint or body is not there.
+    Raises :class:`SimulationError` when the file cannot be read or a joint or body does not exist.
     """
     spec = _read(path)
     spec.compiler.fusestatic = False
@@ -70,7 +73,7 @@ def read_spec(
     for name in joints:
         if name not in names:
             raise SimulationError(f"{path}: there is no joint '{name}' in the model{suggestion(name, names)}")
-    # By a held joint too, which is gone in a moment.
+    # Find the bodies that hold loads now: a load may name a held joint, and held joints are deleted next.
     holders = {name: _link(spec, load.parent, path, name) for name, load in (loads or {}).items()}
     _hold(spec, set(names) - set(joints))
     for key, named in (("link_inertia", link_inertia), ("link_shift", link_shift), ("link_scale", link_scale)):
@@ -82,21 +85,21 @@ def read_spec(
     for name, shift in (link_shift or {}).items():
         _shift_centre(spec.joint(name).parent, np.array(shift), path)
     for name, load in (loads or {}).items():
-        # The body stays in the parent's frame: a spec takes a place left out of `ipos` from `pos`.
+        # Keep the body's frame at the parent's and set `ipos`: where `ipos` is left out, a spec copies it from `pos`.
         holders[name].add_body(name=name, ipos=load.com, mass=load.mass, inertia=[0.0] * 3, explicitinertial=True)
     for name, scale in (link_scale or {}).items():
         _scale_link(spec.joint(name), scale, path)
     for name, inertia in (rotor_inertia or {}).items():
         spec.joint(name).armature += inertia
     if all(joint.armature > 0.0 for joint in spec.joints):
-        # Behind a rotor a link may weigh nothing; MuJoCo wants to see something.
+        # Behind a rotor a link may have no mass, but MuJoCo requires some.
         spec.compiler.boundmass = max(spec.compiler.boundmass, NO_MASS)
         spec.compiler.boundinertia = max(spec.compiler.boundinertia, NO_MASS)
     return spec
 
 
 def compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
-    """Return a spec as a model; raises :class:`SimulationError` with what MuJoCo has against it."""
+    """Compile a spec into a model; raises :class:`SimulationError` with MuJoCo's message where it cannot."""
     try:
         return spec.compile()
     except ValueError as error:
@@ -104,7 +107,7 @@ def compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
 
 
 def _link(spec: mujoco.MjSpec, name: str, path: Path, load: str) -> mujoco.MjsBody:
-    # A body by its own name, or by that of the joint which moves it.
+    # Find a body by its own name, or by the name of the joint that moves it.
     for link in (spec.body(name), *(joint.parent for joint in spec.joints if joint.name == name)):
         if link is not None:
             return link
@@ -113,7 +116,7 @@ def _link(spec: mujoco.MjSpec, name: str, path: Path, load: str) -> mujoco.MjsBo
 
 
 def _hold(spec: mujoco.MjSpec, names: set[str]) -> None:
-    # An actuator of a joint that is no more would stop the compiler.
+    # Delete the actuators of these joints too: one whose joint is gone would stop the compiler.
     for actuator in [one for one in spec.actuators if one.target in names]:
         spec.delete(actuator)
     for joint in [one for one in spec.joints if one.name in names]:
@@ -121,7 +124,7 @@ def _hold(spec: mujoco.MjSpec, names: set[str]) -> None:
 
 
 def _put_in_place(joint: mujoco.MjsJoint, link: LinkMass) -> None:
-    # All of it at the joint's own body: what is fixed to that weighs nothing any more.
+    # The joint's own body gets the whole mass; the bodies fixed to it get none.
     for body in _rigid_with(joint.parent):
         body.explicitinertial = True
         body.mass, body.inertia, body.fullinertia = 0.0, np.zeros(3), np.full(6, np.nan)
@@ -166,7 +169,7 @@ def _read(path: Path) -> mujoco.MjSpec:
         root = ET.fromstring(text)
         if root.tag != "robot":
             spec = mujoco.MjSpec.from_file(str(path))
-            # From here on the spec may be written elsewhere: its meshes stay where they are.
+            # The spec may later be written elsewhere, so the folders of its meshes and textures become absolute.
             spec.meshdir = str((path.parent / spec.meshdir).resolve())
             spec.texturedir = str((path.parent / spec.texturedir).resolve())
             _weigh(spec)
@@ -175,7 +178,7 @@ def _read(path: Path) -> mujoco.MjSpec:
             for shape in [*link.findall("visual"), *link.findall("collision")]:
                 link.remove(shape)
         for limit in root.iter("limit"):
-            # A range of none is stated where none was meant; MuJoCo ignores it too, and says so each time.
+            # An empty range means that no limit was intended.  MuJoCo ignores it too, but warns each time.
             if float(limit.get("lower", 0.0)) >= float(limit.get("upper", 0.0)):
                 limit.attrib.pop("lower", None)
                 limit.attrib.pop("upper", None)
@@ -185,7 +188,7 @@ def _read(path: Path) -> mujoco.MjSpec:
 
 
 def _weigh(spec: mujoco.MjSpec) -> None:
-    # What shapes make bodies weigh is written out, so that it can be moved and scaled like any other inertia.
+    # Write inertias computed from shapes out explicitly, so that they can be moved and scaled like any other.
     spec.compiler.fusestatic = False
     by_shape = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     weighed = [body for body in spec.bodies if body.parent and body.geoms and (by_shape or not body.explicitinertial)]
@@ -201,11 +204,11 @@ def _weigh(spec: mujoco.MjSpec) -> None:
 
 
 def add_springs(spec: mujoco.MjSpec, springs: Mapping[str, Sequence[float] | Floats]) -> None:
-    """Add to joints the torque that the drive works against, a cubic of position each, in place.
+    """Add springs to joints: torques that the drive works against, each a cubic in position, in place.
 
-    ``springs`` gives the coefficients by joint, the constant first, (4,) N·m or N over powers of rad or m.  MuJoCo's
-    springs have no constant: each is drawn about a position where it is at rest.  Raises :class:`SimulationError` for
-    one that rests nowhere.
+    ``springs`` gives the coefficients by joint, (4,), the constant first, in N·m or N over powers of rad or m.  Springs
+    in MuJoCo have no constant term, so each cubic is rewritten about a position where its torque is zero.  Raises
+    :class:`SimulationError` for one that is zero nowhere.
     """
     for name, added in springs.items():
         if not np.any(added):

@@ -1,11 +1,11 @@
 """What the callback does in every step: commit the bristles, predict the end of the step, apply the friction.
 
-MuJoCo calls it when positions and velocities of a step are known and its forces are not.  All smooth forces of the step
-are then computed, so the friction answers to this very step; what only the constraint solver knows (contacts, limits,
-equalities) is taken as it was in the step before, found as the part of the last velocity change that was not
-predicted.  The load that a law reads takes gravity and velocity from this step and accelerations from the last; what a
-joint's armature takes, which is its drive's rotor, is kept apart.  The bristles move by the velocity that really came
-out, when the next step begins.
+MuJoCo calls it when the positions and velocities of a step are known but its forces are not.  The callback computes all
+smooth forces of the step, so the friction responds to this very step.  Forces that only the constraint solver knows
+(contacts, limits, equalities) are taken from the step before: they are the part of the last velocity change that was
+not predicted.  The load that a law reads takes gravity and velocity from this step and accelerations from the last one.
+The torque that accelerates a joint's armature, which is its drive's rotor, is kept apart.  The bristles advance with
+the velocity that actually came out, when the next step begins.
 """
 
 from __future__ import annotations
@@ -45,18 +45,19 @@ from mjfriction.sim.native import free_stack, mark_stack, warning
 from mjfriction.sim.rub import rub
 from mjfriction.sim.solve import eliminate, restore
 
-SAME, STILL = 1e-9, 1e-13  # a velocity this near to the predicted one is the predicted one
+# Relative and absolute (rad/s or m/s) difference up to which a velocity counts as the predicted one.
+SAME, STILL = 1e-9, 1e-13
 RUNGE_KUTTA = 1  # mjINT_RK4
-BAD_FORCE = 6  # mjWARN_BADCTRL, the warning for a number that would have spoilt the forces; checked by a test
+BAD_FORCE = 6  # mjWARN_BADCTRL, the warning for a number that would have corrupted the forces; checked by a test
 
 
 @kernel
 def look_back(block: Block, kept: Kept, a: Floats, now: Floats, time: float, missed: Floats) -> bool:
     """Find out what happened since the last call, and return whether a step was made.
 
-    After a step: accelerations from the change of velocity, and the constraints' force of that step, which is the one
-    that was counted on and what the velocity shows to have come on top.  After a jump in time both are forgotten.
-    ``now`` (n,) are the velocities of the touched dofs; ``missed`` (n,) is room to work in.
+    After a step, the accelerations follow from the change of velocity.  The constraint force of that step is the
+    assumed one plus the part that the unpredicted velocity change shows.  After a jump in time both are reset to zero.
+    ``now`` (n,) are the velocities of the touched dofs; ``missed`` (n,) is work space.
     """
     then, step = kept.stamp[at.U_TIME], kept.stamp[at.U_STEP]
     if time == then:
@@ -64,7 +65,7 @@ def look_back(block: Block, kept: Kept, a: Floats, now: Floats, time: float, mis
     if time != then + step:
         for p in range(block.touched):
             kept.moved[p] = kept.unknown[p] = 0.0
-        if time < then:  # begun again, by a rollout say, which leaves user data as it was
+        if time < then:  # restarted, e.g. by a rollout, which does not reset user data
             for i in range(block.states):
                 kept.z[i] = 0.0
         return False
@@ -81,7 +82,7 @@ def look_back(block: Block, kept: Kept, a: Floats, now: Floats, time: float, mis
 
 @kernel
 def look_around(model: int, data: int, block: Block, kept: Kept, a: Floats, around: Floats) -> None:
-    """Write what surrounds the rubbing joints into ``around`` (k, 7)."""
+    """Write the surroundings of the joints with friction into ``around`` (k, 7)."""
     first = block.touched - block.rubbing
     for i in range(block.rubbing):
         around[i, ROTOR] = 0.0
@@ -99,12 +100,12 @@ def look_around(model: int, data: int, block: Block, kept: Kept, a: Floats, arou
         around[i, TEMPERATURE] = ROOM_TEMPERATURE + kept.warmth[i]
         around[i, PRESSURE_HEAD] = kept.pressure_head[i]
         around[i, PRESSURE_ROD] = kept.pressure_rod[i]
-        around[i, SLIDING] = kept.before[first + i]  # of the step to commit; the present one's is set after
+        around[i, SLIDING] = kept.before[first + i]  # of the step to commit; that of the present step is set later
 
 
 @kernel
 def guess(block: Block, kept: Kept, h: float, desk: Desk) -> None:
-    """Write a first guess of the velocities at the end of the step: each joint goes on as it did, but not past rest."""
+    """Write a first guess of the end velocities of the step: each joint keeps its acceleration, but stops at rest."""
     first = block.touched - block.rubbing
     for i in range(block.rubbing):
         desk.v[i] = desk.start[i] + h * kept.moved[first + i]
@@ -114,9 +115,9 @@ def guess(block: Block, kept: Kept, h: float, desk: Desk) -> None:
 
 @kernel
 def commit(block: Block, kept: Kept, step: float, desk: Desk) -> None:
-    """Move the states by the velocity that really came out of the last step.
+    """Advance the states with the velocity that actually came out of the last step.
 
-    Where that is the velocity predicted, as it is without constraints, the states predicted with it are the ones.
+    Where that is the predicted velocity, as it is without constraints, the states predicted with it are taken.
     """
     first, as_predicted = block.touched - block.rubbing, kept.stamp[at.U_ROUNDS] > 0.0
     for i in range(block.rubbing):
@@ -135,9 +136,9 @@ def commit(block: Block, kept: Kept, step: float, desk: Desk) -> None:
 
 @kernel
 def apply(data: int, block: Block, kept: Kept, h: float, desk: Desk) -> None:
-    """Subtract the friction from qfrc_passive: the laws' torque with what the balance still lacks.
+    """Subtract the friction from qfrc_passive: the laws' torque plus the force that the balance still lacks.
 
-    So MuJoCo lands on the velocity that was found, to rounding, even in the rare step in which no balance was.
+    So MuJoCo reaches the velocity that was found, to rounding, even in the rare step without a balance.
     """
     passive = numbers(data, mem.F_PASSIVE, block.nv)
     first, per_step = block.touched - block.rubbing, 1.0 / h
@@ -156,28 +157,28 @@ def apply(data: int, block: Block, kept: Kept, h: float, desk: Desk) -> None:
 
 @routine
 def friction_step(model: int, data: int) -> None:
-    """Add the friction of this step to qfrc_passive; nothing for a model without friction."""
+    """Apply the friction of this step to qfrc_passive; do nothing for a model without friction."""
     where = find_block(model)
     if where == 0:
         return
     head = window_at(where, at.HEADER)
     nv, n, k = int(head[at.H_DOFS]), int(head[at.H_TOUCHED]), int(head[at.H_RUBBING])
     if nv == 6 and n == 6 and k == 6:
-        step_of_size(model, data, where, 6, 6, 6)  # the usual arm: loops of known length unroll, a fifth of the time
+        step_of_size(model, data, where, 6, 6, 6)  # the usual arm: constant loop lengths unroll and save a fifth
     else:
         step_of_size(model, data, where, nv, n, k)
 
 
 @kernel
 def step_of_size(model: int, data: int, where: int, nv: int, n: int, k: int) -> None:
-    """Step a model of ``nv`` dofs, of which ``n`` are touched and ``k`` rub."""
+    """Step a model of ``nv`` dofs, of which ``n`` are touched and ``k`` have friction."""
     block = open_block(where, nv, n, k)
     if not has_room(model, block):
         warning(data, BAD_FORCE, 0)
         return
     kept = open_kept(data, block)
     if flag(model, mem.F_INTEGRATOR) == RUNGE_KUTTA:
-        kept.stamp[at.U_FAILED] = -1.0  # set after attaching refused it; ensure_sound tells
+        kept.stamp[at.U_FAILED] = -1.0  # set after attaching, which refuses it; ensure_sound raises
         return
     mark_stack(data)
     desk = open_desk(data, block)

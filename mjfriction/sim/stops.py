@@ -14,12 +14,12 @@ from mjfriction.laws.law import Floats
 
 
 def between_stops(pull: Floats, back: Floats, step: float, caught: int, finer: int = 1) -> Floats:
-    """Return where it is, from −1 to 1, (n,), under accelerations ``pull`` (n,) and, times its place, ``back`` (n,), in
-    1/s², both given every ``finer`` steps.
+    """Return the position of the mass, from −1 to 1, (n,).
 
-    s̈ = pull − back·s between stops at ±1 that throw nothing back, by semi-implicit Euler steps of ``step`` s, both
-    being straight between what is given; it begins on the stop that the first pull points to.  The other stop, once it
-    has caught the mass, keeps it for ``caught`` steps: what a filter has smeared the blow over.
+    It obeys s̈ = pull − back·s, with ``pull`` and ``back`` (n,) in 1/s², between stops at ±1 without rebound.  It is
+    integrated by semi-implicit Euler steps of ``step`` s.  ``pull`` and ``back`` are given every ``finer`` steps and
+    are linear in between.  The mass begins on the stop that the first pull points to.  Once the other stop has caught
+    the mass, it holds it for ``caught`` steps, over which a filter has smeared the impact.
     """
     return _compiled()(np.ascontiguousarray(pull), np.ascontiguousarray(back), step, caught, finer)
 
@@ -42,7 +42,7 @@ def _along(pull: Floats, back: Floats, step: float, caught: int, finer: int) -> 
         pressed = min(before * place - back_before, pull[k] * place - back[k])
         if speed == 0.0 and abs(place) == 1.0 and pressed >= 0.0:
             held -= finer + 1 - first
-            first = finer + 1  # it stays on its stop all the while
+            first = finer + 1  # it stays on its stop throughout the interval
         for part in range(first, finer + 1):
             held -= 1
             if held <= 0:

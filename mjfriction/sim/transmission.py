@@ -1,4 +1,4 @@
-"""What lies between a motor and its link in MuJoCo: give, play, and drives that two joints share."""
+"""Transmissions between motor and link in MuJoCo: compliance, backlash, and drives that two joints share."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ import numpy as np
 
 from mjfriction.laws.law import Floats
 
-GIVE = "{}_give"  # the joint behind a transmission's own: how far the link is ahead of its motor
-STOP_TIME = 2.0  # time steps: the stiffest stop that MuJoCo's solver takes
-ASKEW = 1e-6  # rad that a sliding joint's give is turned against it
-GIVE_DAMPING = 0.1  # of critical, of the link on its compliant transmission
+GIVE = "{}_give"  # name of the joint added to a motor's: its position is how far the link is ahead of the motor
+STOP_TIME = 2.0  # time steps; time constant of the stiffest stop that MuJoCo's solver accepts
+ASKEW = 1e-6  # rad; angle between the axes of a sliding joint and its give
+GIVE_DAMPING = 0.1  # damping ratio of the link on its compliant transmission, where none is stated
 
 
 class DeadZone(NamedTuple):
-    """A give that is free within half a play on either side, m or rad, and a damped spring beyond it: N·m/rad and
-    N·m·s/rad, or N/m and N·s/m.
+    """A dead zone in a transmission: free within ``half`` the play on either side, with a damped spring beyond it.
+
+    ``half`` is in rad or m, ``stiffness`` in N·m/rad or N/m, ``damping`` in N·m·s/rad or N·s/m.
     """
 
     half: float
@@ -26,7 +27,7 @@ class DeadZone(NamedTuple):
     damping: float
 
     def force(self, give: float, speed: float) -> float:
-        """Return what it pushes the link with; it never pulls."""
+        """Return the force on the link, N·m or N; it only pushes back towards the dead zone and never pulls."""
         beyond = give - min(max(give, -self.half), self.half)
         if beyond == 0.0:
             return 0.0
@@ -35,14 +36,14 @@ class DeadZone(NamedTuple):
 
 
 def give_places(model: mujoco.MjModel, joints: Sequence[str]) -> dict[int, int]:
-    """Return where in ``qpos`` the give of each joint stands that was split, by the joint's index."""
+    """Return the address in ``qpos`` of the give of each joint that was split, by the joint's index."""
     behind = {i: GIVE.format(name) for i, name in enumerate(joints)}
     known = {model.joint(i).name for i in range(model.njnt)}
     return {i: int(model.jnt_qposadr[model.joint(name).id]) for i, name in behind.items() if name in known}
 
 
 def behind_stops(model: mujoco.MjModel, zones: Mapping[str, DeadZone]) -> Callable[[mujoco.MjData], None]:
-    """Return what lets dead zones, by joint, act on data as forces applied to the gives."""
+    """Return a function that applies the forces of dead zones, given by joint, to the gives in the data."""
     gives = [(zone, model.joint(GIVE.format(name))) for name, zone in zones.items()]
     places = [(zone, int(give.qposadr[0]), int(give.dofadr[0])) for zone, give in gives]
 
@@ -62,13 +63,13 @@ def split_transmission(
     inertia: float,
     damping_ratio: float | None = None,
 ) -> DeadZone | None:
-    """Part a joint of a spec into the motor's turn and the give of its transmission, in place.
+    """Split a joint of a spec into the motor's joint and the give of its transmission, in place.
 
-    The joint keeps its name and its rotor and becomes the motor's; a second one about the same axis, ``<joint>_give``,
-    moves the link by what the transmission gives: a spring of 1/``compliance``, or stops ``backlash`` apart.  Where
-    there are both, the spring stands behind the stops, and is returned for :func:`behind_stops` to let act.
-    ``inertia`` is what the link weighs, kg·m² or kg; ``damping_ratio`` that of the link on the spring, over the
-    critical one (:data:`GIVE_DAMPING` where it is not known).
+    The joint keeps its name and its rotor and becomes the motor's.  A second joint about the same axis,
+    ``<joint>_give``, moves the link relative to the motor: on a spring of stiffness 1/``compliance``, or between stops
+    ``backlash`` apart.  With both, the spring acts beyond the play; it is returned as a dead zone for
+    :func:`behind_stops` to apply.  ``inertia`` is that of the link, kg·m² or kg; ``damping_ratio`` is that of the link
+    on the spring, relative to critical damping (:data:`GIVE_DAMPING` where it is not known).
     """
     own = spec.joint(joint)
     degree = 180.0 / np.pi if spec.compiler.degree and own.type == mujoco.mjtJoint.mjJNT_HINGE else 1.0
@@ -80,7 +81,7 @@ def split_transmission(
     if compliance > 0.0:
         give.stiffness[0], give.damping[0] = 1.0 / compliance, damping
     if backlash > 0.0:
-        # A stop as stiff as a rigid one behind half the play on either side.
+        # Stops at half the play on either side, as stiff as the solver accepts.
         give.limited = mujoco.mjtLimited.mjLIMITED_TRUE
         give.range = [-0.5 * backlash * degree, 0.5 * backlash * degree]
         give.solref_limit = [STOP_TIME * spec.option.timestep, 1.0]
@@ -88,8 +89,8 @@ def split_transmission(
 
 
 def _askew(axis: Floats) -> Floats:
-    # MuJoCo takes the axes of a body that only slides along x, y and z to be at right angles, and so would not let two
-    # that share one move each other.  Along an axis turned by a millionth it does.
+    # MuJoCo assumes that the axes of a body that only slides along x, y and z are orthogonal, so two slides along the
+    # same axis would not be coupled.  With one axis turned by a millionth of a radian they are.
     across = np.eye(3)[int(np.argmin(np.abs(axis)))]
     return np.asarray(axis / np.linalg.norm(axis) + ASKEW * across)
 
@@ -97,7 +98,7 @@ def _askew(axis: Floats) -> Floats:
 def couple_drive(
     spec: mujoco.MjSpec, joint: str, other: str, ratio: float, *, coulomb: float, viscous: float, inertia: float
 ) -> None:
-    """Let a drive that turns with joint + ratio·other rub and weigh, in place."""
+    """Add the friction and inertia of a drive that turns with joint + ratio·other, in place."""
     tendon = spec.add_tendon(name=f"{joint}_{other}_drive")
     tendon.wrap_joint(joint, 1.0)
     tendon.wrap_joint(other, ratio)

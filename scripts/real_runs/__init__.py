@@ -1,1 +1,1 @@
-"""Real machines' runs: read as their authors recorded them, and judged as they judge."""
+"""Runs of real machines: read as their authors recorded them, and evaluated as they evaluate them."""

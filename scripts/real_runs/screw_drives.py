@@ -12,14 +12,14 @@ from mjfriction.identify.friction_map import FrictionMap
 LAWS = ("coulomb_viscous", "quadratic_viscous", "saturating_viscous", "stribeck")
 PUBLISHED = {1: (4.56, 1.41), 2: (2.10, 2.10), 3: (5.76, 6.75)}
 """Errors (%) left by Coulomb-viscous friction and with a Stribeck curve, one run left out at a time, by drive."""
-SAME = 0.1  # of a speed, up to which a run forward and one backward are a pair
+SAME = 0.1  # relative speed difference below which a run forward and one backward are a pair
 
 
 def map_of(path: Path) -> FrictionMap:
-    """Return half the difference of the runs forward and backward, as passes give it."""
+    """Return the map of half the difference of the runs forward and backward, as from passes."""
     table = parquet.read_table(path)
     velocity, effort, run = (table[name].to_numpy() for name in ("velocity.screw", "effort.screw", "segment"))
-    # A run's first sample was edited by hand in one of the files; the median of a run does not see it.
+    # A run's first sample was edited by hand in one of the files; the median of a run is not affected.
     runs = [
         (np.median(velocity[run == k]), np.median(effort[run == k]), np.std(effort[run == k])) for k in np.unique(run)
     ]

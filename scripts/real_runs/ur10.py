@@ -1,4 +1,4 @@
-"""A UR10 along an exciting motion, its model wrong everywhere: the part that is fitted and the part that is not."""
+"""A UR10 along an exciting motion, with a model wrong everywhere: the part that is fitted and the held-out part."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
 
-FITTED = 0.6  # of the log
+FITTED = 0.6  # share of the log that is fitted
 STRUCTURES = {"shoulder_pan_joint": "saturating_viscous", "shoulder_lift_joint": "load_dependent"}
 BASE_PARAMETERS = (15.2, 6.2, 5.4, 11.6, 12.6, 32.4)
 """Errors (%) on the rest of base parameters with Coulomb and viscous friction, as others fitted them to this part."""
@@ -37,9 +37,10 @@ def relative_errors(log: Log, robot: Robot) -> Floats:
 
 @dataclass(frozen=True)
 class AsReported:
-    """Friction of one joint fitted to its effort as it was reported, not knowing of the filter that it went through:
-    errors (%) of Coulomb-viscous friction alone and of a Stribeck curve's, and that curve's ``coulomb`` level and its
-    ``excess`` near rest (N·m).
+    """Friction of one joint fitted to its effort as it was reported, ignoring the filter that it went through.
+
+    ``plain`` and ``stribeck`` are the errors (%) with Coulomb-viscous friction alone and with a Stribeck curve;
+    ``coulomb`` is that curve's level and ``excess`` its excess near rest (N·m).
     """
 
     plain: float
@@ -49,7 +50,7 @@ class AsReported:
 
 
 def stribeck_as_reported(log: Log, robot: Robot, joint: int) -> AsReported:
-    """Fit both beside what the links and rotors of a robot need at a joint, and an inertia."""
+    """Fit both laws at a joint, together with the effort of the robot's links and rotors and an inertia."""
     gap = measure_gap(log, robot)
     velocity, effort = gap.motion.velocity[:, joint], gap.motion.torque[:, joint] * gap.per_reported[joint]
     known = [gap.known.effort.rigid[:, joint], gap.motion.acceleration[:, joint], np.sign(velocity), velocity]

@@ -19,8 +19,8 @@ TORQUE_CONSTANT, RESISTANCE, FULL_PWM = 0.3867, 4.017, 885.0  # of the XL330, as
 GAIN_DIVISOR = 256.0
 COUNTS = 4096.0 / (2.0 * np.pi)
 STEP = 1e-3  # s
-PUBLISHED = 0.048  # rad off, of the published model whose friction grows with the load
-COULOMB_VISCOUS = 0.086  # rad off, of the published model without that
+PUBLISHED = 0.048  # rad; error of the published model whose friction grows with the load
+COULOMB_VISCOUS = 0.086  # rad; error of the published model with Coulomb-viscous friction
 XL330_URDF = """<robot name="pendulum"><link name="base"/><link name="arm"><inertial><origin xyz="0 0 -0.1"/>
 <mass value="0.49"/><inertia ixx="1e-6" iyy="1e-6" izz="1e-6" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="hinge" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/></joint></robot>"""
@@ -42,7 +42,7 @@ def xl330(folder: Path) -> Robot:
 
 
 def xl330_log(path: Path) -> Log:
-    """Return the powered part of a run; the torque from the published motor's voltage, which the logged PWM sets."""
+    """Return the powered part of a run, its torque from the logged PWM's voltage and the published motor constants."""
     entries = [entry for entry in json.loads(path.read_text(encoding="utf-8"))["entries"] if entry["torque_enable"]]
     course = {name: np.array([entry[name] for entry in entries], dtype=float) for name in entries[0]}
     time, position, load = course["timestamp"], course["position"], course["load"]

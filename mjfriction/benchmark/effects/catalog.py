@@ -1,4 +1,4 @@
-"""All hidden effects.  Seeds draw by place in this list, so new ones go to its end."""
+"""All hidden effects.  Seeds draw by index in this list, so new ones must be appended at its end."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from mjfriction.robot.friction import stated_levels
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import CommonDrive, Coupling
 
-SLOWEST_SWING = 10.0  # Hz
+SLOWEST_SWING = 10.0  # Hz; lowest resonance of a link on its compliant transmission
 
 
 def cogging(rng: np.random.Generator, place: Place) -> Effect:
@@ -25,7 +25,7 @@ def cogging(rng: np.random.Generator, place: Place) -> Effect:
 
 
 def torque_constant(rng: np.random.Generator, place: Place) -> Effect:
-    """A reading that is a factor off."""
+    """An effort reading that is off by a factor."""
     way = sign(rng)
 
     def change(robot: Robot, a: float) -> Robot:
@@ -36,7 +36,7 @@ def torque_constant(rng: np.random.Generator, place: Place) -> Effect:
 
 
 def offset(rng: np.random.Generator, place: Place) -> Effect:
-    """A constant in the reading."""
+    """A constant offset in the effort reading."""
     way = sign(rng) * place.coulomb
 
     def change(robot: Robot, a: float) -> Robot:
@@ -58,7 +58,7 @@ def backlash(rng: np.random.Generator, place: Place) -> Effect:
 
 
 def elasticity(rng: np.random.Generator, place: Place) -> Effect:
-    """A transmission that gives, stiff enough that the link does not swing on it in the motion's own band."""
+    """A compliant transmission, stiff enough that the link does not resonate on it in the motion's own band."""
     del rng
     body = place.robot.body()
     index = place.robot.joints.index(place.joint)
@@ -85,7 +85,7 @@ def rotor_inertia(rng: np.random.Generator, place: Place) -> Effect:
 
 
 def coupling(rng: np.random.Generator, place: Place) -> Effect:
-    """What a neighbour's motion or effort brings, a drive shared with it, or the joint's own that turns with it too."""
+    """An effect of a neighbour's motion or effort, a shared drive, or a drive that turns with the neighbour too."""
     names = place.robot.joints
     i = names.index(place.joint)
     other = names[i + 1] if i + 1 < len(names) else names[i - 1]
@@ -116,7 +116,7 @@ def coupling(rng: np.random.Generator, place: Place) -> Effect:
 
 
 def turned_too(place: Place, other: str, way: float) -> Effect:
-    """A drive that turns with a neighbour's motion too, with all of its friction and of its rotor."""
+    """A joint's drive that turns with a neighbour's motion too, with all of its friction and rotor inertia."""
 
     def change(robot: Robot, a: float) -> Robot:
         coulomb, viscous = stated_levels(robot.joint(place.joint))
@@ -128,7 +128,7 @@ def turned_too(place: Place, other: str, way: float) -> Effect:
 
 
 def delay(rng: np.random.Generator, place: Place) -> Effect:
-    """An effort that comes late, on one joint or all."""
+    """A delayed effort reading, on one joint or all."""
     everywhere = rng.random() < 0.5 and len(place.robot.joints) > 1
     names = place.robot.joints if everywhere else (place.joint,)
 
@@ -142,7 +142,7 @@ def delay(rng: np.random.Generator, place: Place) -> Effect:
 
 
 def encoder_offset(rng: np.random.Generator, place: Place) -> Effect:
-    """A joint whose zero is off."""
+    """A position reading whose zero is off."""
     way = sign(rng)
 
     def change(robot: Robot, a: float) -> Robot:

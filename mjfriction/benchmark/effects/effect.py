@@ -1,7 +1,7 @@
-"""What a hidden effect is: it turns a robot into one that has something its maker does not know of.
+"""A hidden effect: it turns a robot into one with a property that its robot file does not state.
 
-An effect is drawn at a place, with whatever shape it has; how strong it is, is one number that the case scales until
-the effect stands out of the noise as much as was asked.
+An effect is drawn at a place, with its shape.  Its strength is one number, which the case scales until the effect
+stands out of the noise as much as requested.
 """
 
 from __future__ import annotations
@@ -19,15 +19,17 @@ from mjfriction.robot.table import Wave
 
 Change = Callable[[Robot, float], Robot]
 
-OUTSIDE_NAME = "outside."  # begins the names of effects that no cause of the table is
+OUTSIDE_NAME = "outside."  # prefix of the names of effects that match no cause of the table
 
 
 @dataclass(frozen=True)
 class Effect:
-    """One hidden effect: its ``cause``, its ``joint`` (None for the whole arm), the ``change`` it makes at a strength,
-    the strength to ``begin`` with and the ``most`` there may be of it, and columns the log gains by it.
+    """One hidden effect.
 
-    ``push`` (n,) is what an effect outside all causes pushes its joint with along the log's motion at strength 1.
+    ``cause`` is its name and ``joint`` its joint (None for the whole arm).  ``change`` applies it to a robot at a
+    strength; ``begin`` is the first strength to try and ``most`` the largest allowed.  ``ambient`` are the columns that
+    it adds to the log.  ``push`` (n,) is the push of an effect outside all causes on its joint, along the log's motion
+    at strength 1.
     """
 
     cause: str
@@ -72,7 +74,7 @@ def on_joint(
 
 
 def updated(robot: Robot, joint: str, **changes: object) -> Robot:
-    """Return the robot with keys of a joint's table replaced."""
+    """Return the robot with some keys of a joint's table replaced."""
     table: Joint = robot.joint(joint)
     return robot.with_joint(table.model_copy(update=changes))
 
@@ -83,7 +85,7 @@ def sign(rng: np.random.Generator) -> float:
 
 
 def wave_along(rng: np.random.Generator, place: Place, most: float) -> Callable[[float], Wave]:
-    """Draw a wave over the stroke, of up to ``most`` periods: a function of its amplitude over the Coulomb level."""
+    """Draw a wave over the stroke, of up to ``most`` periods: a function of its amplitude per Coulomb level."""
     wavenumber = 2.0 * np.pi * rng.uniform(1.7, most) / place.stroke
     phase = rng.uniform(0.0, 2.0 * np.pi)
 

@@ -16,12 +16,12 @@ from mjfriction.robot.friction_tables import Event, PressureFriction, Thermal, W
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.table import Spot
 
-WAVING = 0.6  # of the cases with friction that varies along the stroke, in which it waves; else it has a worn spot
-CHAMBERS = 0.6  # of the cases with seals, in which either chamber presses its own; else the piston's seal presses
+WAVING = 0.6  # probability that friction that varies along the stroke is a wave; otherwise it is a worn spot
+CHAMBERS = 0.6  # probability that each chamber presses its own seal; otherwise their difference presses one seal
 
 
 def coulomb_viscous(rng: np.random.Generator, place: Place) -> Effect:
-    """Levels that are off, both by a like share."""
+    """Stated levels that are off, both in the same direction."""
     shares = rng.uniform(0.5, 1.0, 2) * sign(rng)
     levels = (place.coulomb * shares[0], place.viscous * shares[1])
     return on_joint(
@@ -46,7 +46,7 @@ def stribeck(rng: np.random.Generator, place: Place) -> Effect:
 
 
 def viscous_nonlinear(rng: np.random.Generator, place: Place) -> Effect:
-    """Damping that thins as the joint runs faster, or grows with the square of speed."""
+    """Damping that saturates as the joint runs faster, or friction that grows with the square of speed."""
     half = float(place.speed * rng.uniform(0.5, 2.0))
 
     def saturating(robot: Robot, a: float) -> Robot:
@@ -104,7 +104,7 @@ def presliding(rng: np.random.Generator, place: Place) -> Effect:
 def position(rng: np.random.Generator, place: Place) -> Effect:
     """A level that rises and falls along the stroke, or is higher at one place of it."""
     wave = wave_along(rng, place, 10.0)
-    # Drawn from the wave, so that what else a seed draws is what it was before there were spots.
+    # Seeded from the wave, so that the other draws of a seed are the same as before spots were added.
     own = np.random.default_rng(int(1e6 * wave(1.0).wavenumber))
     where, width, waves = own.uniform(0.15, 0.85), own.uniform(0.04, 0.2), own.random() < WAVING
     low = float(np.min(place.course))
@@ -156,7 +156,7 @@ def step(rng: np.random.Generator, place: Place) -> Effect:
 
 
 def pressure(rng: np.random.Generator, place: Place) -> Effect:
-    """Seals that the chambers press on."""
+    """Friction of seals that the chamber pressures press on."""
     slow = 2.0 * np.pi * rng.uniform(0.05, 0.3, (2, 3))
     phase = rng.uniform(0.0, 2.0 * np.pi, (2, 3))
     courses = 4e6 + 8e5 * np.sin(place.time[:, None, None] * slow + phase).sum(axis=2)

@@ -1,6 +1,6 @@
-"""Effects that no cause of the table is: a diagnosis should say that structure is left, not name the nearest cause.
+"""Effects that match no cause of the table: a diagnosis should say that structure is left, not name the nearest cause.
 
-Each pushes its joint along the log's motion by a course of its own; other motions are left alone.
+Each pushes its joint along the log's motion with a time course of its own; other motions are not pushed.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from scipy.signal import butter, lfilter, sosfiltfilt
 from mjfriction.benchmark.effects.effect import OUTSIDE_NAME, Effect, Place
 from mjfriction.laws.law import Floats
 
-MOST = 5.0  # times the Coulomb level, the strongest push
+MOST = 5.0  # largest push, in units of the Coulomb level
 
 
 def wander(rng: np.random.Generator, place: Place) -> Effect:
-    """A torque that wanders: a hand on the arm, an amplifier that drifts to and fro."""
+    """A torque that varies slowly: a hand on the arm, an amplifier that drifts back and forth."""
     return _outside("wander", place, _slow_noise(rng, place.time, rng.uniform(0.1, 0.6)))
 
 
@@ -26,7 +26,7 @@ def hum(rng: np.random.Generator, place: Place) -> Effect:
 
 
 def dragging_brake(rng: np.random.Generator, place: Place) -> Effect:
-    """Friction whose level comes and goes without reason."""
+    """Friction whose level varies for no reason in the log."""
     level = _slow_noise(rng, place.time, rng.uniform(0.1, 0.4))
     speed = np.gradient(place.course, place.time)
     return _outside("dragging_brake", place, -np.tanh(speed / (0.02 * place.speed)) * np.maximum(0.0, 0.5 + level))
@@ -40,7 +40,7 @@ def soft_stop(rng: np.random.Generator, place: Place) -> Effect:
 
 
 def sloshing(rng: np.random.Generator, place: Place) -> Effect:
-    """A load that swings, driven by the joint's acceleration and hardly damped."""
+    """A swinging load, driven by the joint's acceleration and lightly damped."""
     step = float(np.median(np.diff(place.time)))
     turn, fade = 2.0 * np.pi * rng.uniform(0.5, 1.5) * step, np.exp(-0.15 * step)
     acceleration = np.gradient(np.gradient(place.course, place.time), place.time)

@@ -27,16 +27,17 @@ READERS = {
 def read_log(path: Path | str, mapping: Mapping | None = None) -> Log:
     """Read a log from a CSV, Parquet, NumPy, MATLAB, HDF5 or MCAP file, or from the folder of a ROS 2 bag.
 
-    ``mapping`` says which of the file's columns is which of a log's, where it does not call them so.  Raises
-    :class:`~mjfriction.errors.LogError`, one line saying the file, the row or column, and what to do, when the file is
-    missing, cannot be parsed, or is not a log (see :func:`~mjfriction.record.readers.table.log_from_table`).
+    ``mapping`` maps the file's columns to a log's, where the file names them differently.  Raises
+    :class:`~mjfriction.errors.LogError`, one line that states the file, the row or column, and what to do, when the
+    file is missing, cannot be parsed, or is not a log (see
+    :func:`~mjfriction.record.readers.table.log_from_table`).
     """
     table = read_table(Path(path))
     return log_from_table(mapping.applied(table, str(path)) if mapping is not None else table, str(path))
 
 
 def read_table(path: Path) -> pa.Table:
-    """Read a table from a file of any kind there is a reader for; :class:`LogError` when it cannot be parsed."""
+    """Read a table from a file of any supported kind; :class:`LogError` when it cannot be parsed."""
     if path.is_dir():
         kind = "mcap"
     elif path.suffix.lower() not in READERS:

@@ -14,12 +14,12 @@ JOINT_NAMES = ("joint_names", "joints", "names")
 
 
 def table_of(arrays: Mapping[str, np.ndarray], names: Sequence[str] | None, source: str) -> pa.Table:
-    """Return the table of arrays: a vector is a column, ``position`` and its like of shape (n, joints) one a joint.
+    """Return the table of arrays: a vector gives one column, a quantity (n, joints) such as ``position`` one per joint.
 
     ``names`` are the joints' names, in the order of the columns; ``joint_1``, ``joint_2``, … where there are none.
-    Matrices of other names give ``q_1``, ``q_2``, …, of which a mapping can be made.
-    Arrays of another length than ``time``'s (or, without it, the longest's) are left out.  Raises :class:`LogError`
-    where there is no vector at all, or a matrix has not a column for every name.
+    A matrix of any other name, such as ``q``, gives ``q_1``, ``q_2``, …, which a mapping can then refer to.
+    Arrays of another length than that of ``time`` (or, without it, of the longest) are left out.  Raises
+    :class:`LogError` where there is no numeric array at all, or a matrix does not have one column per name.
     """
     vectors = {name: _plain(np.asarray(values), name) for name, values in arrays.items()}
     vectors = {name: values for name, values in vectors.items() if values.ndim and values.dtype.kind in "iuf"}
@@ -39,7 +39,7 @@ def table_of(arrays: Mapping[str, np.ndarray], names: Sequence[str] | None, sour
 
 
 def _plain(values: np.ndarray, name: str) -> np.ndarray:
-    # A row or a column of numbers is a vector, but for a quantity of one joint.
+    # A matrix of one row or one column becomes a vector, except for a known quantity, which may be that of one joint.
     values = values.astype(values.dtype.newbyteorder("="), copy=False)
     return values if name in KNOWN and values.ndim == 2 else values.squeeze()
 

@@ -11,7 +11,7 @@ from mjfriction.errors import LogError
 
 
 def read_table(path: Path) -> pa.Table:
-    """Read a CSV file with one header line, its columns parted by commas, semicolons or tabs.
+    """Read a CSV file with one header line, its columns separated by commas, semicolons or tabs.
 
     Where they are not parted by commas, decimals are after a point or a comma, whichever makes numbers of more columns.
 

@@ -16,8 +16,8 @@ from mjfriction.record.readers.arrays import JOINT_NAMES, table_of
 def read_table(path: Path) -> pa.Table:
     """Read the datasets of an HDF5 file, named as a log's columns or by groups: ``/position/elbow`` is position.elbow.
 
-    ``position`` and its like may be of shape (n, joints), with ``joint_names`` beside.  What lies in other groups is
-    read under its last name.  Raises :class:`LogError` when the file cannot be parsed.
+    Quantities such as ``position`` may be of shape (n, joints), with a dataset ``joint_names``.  Datasets in other
+    groups are read under the last part of their path.  Raises :class:`LogError` when the file cannot be parsed.
     """
     arrays: dict[str, np.ndarray] = {}
     names: list[str] | None = None

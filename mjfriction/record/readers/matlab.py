@@ -1,4 +1,4 @@
-"""Logs kept as MATLAB .mat files, of version 7.3 (which is HDF5) or before."""
+"""Logs kept as MATLAB .mat files, of version 7.3 (which is HDF5) or earlier."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from mjfriction.record.readers.arrays import JOINT_NAMES, table_of
 
 
 def read_table(path: Path) -> pa.Table:
-    """Read the variables of a .mat file, or the fields of its one struct, as :mod:`~.npz` reads arrays.
+    """Read the variables of a .mat file and the fields of its only struct, as :mod:`~.npz` reads arrays.
 
-    MATLAB allows no dots in names: ``position_elbow`` reads position.elbow.  Raises :class:`LogError` when the file
-    cannot be parsed.
+    MATLAB allows no dots in names: ``position_elbow`` is read as position.elbow.  Raises :class:`LogError` when the
+    file cannot be parsed.
     """
     if h5py.is_hdf5(path):
         return _dotted(hdf5.read_table(path))

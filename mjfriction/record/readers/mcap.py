@@ -1,4 +1,4 @@
-"""ROS 2 bags in MCAP: the joint states in them."""
+"""The joint states of ROS 2 bags in MCAP."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ Stamped = tuple[float, Any]
 def read_table(path: Path) -> pa.Table:
     """Read every ``sensor_msgs/JointState`` of an .mcap file, or of the .mcap files of a bag's folder.
 
-    Time is the messages' own stamp (the log's, where they have none), from the first on.  Joints may come in any order,
-    and in messages or topics of their own: all are brought to the instants of those that come most often, as far as all
-    of them go, in between by straight lines.  Raises :class:`LogError` for a file that cannot be parsed, and for one
-    without joint states.
+    Time is the messages' own stamp (the log's, where they have none), starting at 0.  Joints may come in any order, and
+    in separate messages or topics: all are interpolated linearly at the instants of the most frequent messages, within
+    the time that all of them cover.  Raises :class:`LogError` for a file that cannot be parsed, and for one without
+    joint states.
     """
     files = sorted(path.glob("*.mcap")) if path.is_dir() else [path]
     if not files:
@@ -48,7 +48,7 @@ def read_table(path: Path) -> pa.Table:
     courses: dict[str, tuple[np.ndarray, np.ndarray]] = {}
     for key in order:
         for name, course in _courses(groups[key]).items():
-            courses.setdefault(name, course)  # a joint that several topics tell of: from the one that tells most often
+            courses.setdefault(name, course)  # where several topics report a joint, the most frequent one is used
     if not courses:
         raise LogError(f"{path}: its joint states hold no finite positions")
     clock = np.array([stamp for stamp, _ in groups[order[0]]])
@@ -63,7 +63,7 @@ def read_table(path: Path) -> pa.Table:
 def _messages(file: Path) -> Iterator[tuple[str, str, float, Any]]:
     try:
         with file.open("rb") as stream:
-            factory = DecoderFactory()  # keeps what it has learnt of each schema
+            factory = DecoderFactory()  # caches the parsed schemas
             for schema, channel, message in make_reader(stream).iter_messages():
                 kind = schema.name if schema is not None else channel.message_encoding
                 if kind != JOINT_STATE or schema is None:
@@ -92,5 +92,6 @@ def _courses(messages: list[Stamped]) -> dict[str, tuple[np.ndarray, np.ndarray]
                     stamps.append(stamp)
                     course.append(value)
     out = {name: (np.array(stamps), np.array(course)) for name, (stamps, course) in told.items()}
-    # Drivers fill what they do not measure with NaN; a single one is the log's own fault, and said as such.
+    # Drivers fill quantities that they do not measure with NaN; such columns are dropped.  Single NaNs are errors of
+    # the log, and are kept to be reported.
     return {name: course for name, course in out.items() if np.any(np.isfinite(course[1]))}

@@ -13,8 +13,8 @@ from mjfriction.record.readers.arrays import JOINT_NAMES, table_of
 
 
 def read_table(path: Path) -> pa.Table:
-    """Read an .npz archive of arrays named as a log's columns, or ``position`` and its like of shape (n, joints) with
-    ``joint_names``; :class:`LogError` when it cannot be parsed or holds pickled objects.
+    """Read an .npz archive of arrays named as a log's columns, or of quantities (``position``, …) of shape (n, joints)
+    with ``joint_names``; :class:`LogError` when it cannot be parsed or holds pickled objects.
     """
     try:
         with np.load(path, allow_pickle=False) as archive:

@@ -1,4 +1,4 @@
-"""Logs kept as Parquet, LeRobot's datasets among them."""
+"""Logs kept as Parquet, including LeRobot datasets."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LEROBOT = {STATE: POSITION, "observation.velocity": VELOCITY, "observation.effor
 def read_table(path: Path) -> pa.Table:
     """Read a Parquet file; :class:`LogError` when it cannot be parsed.
 
-    A LeRobot dataset's episodes come as segments, its state as positions, named as its ``meta/info.json`` names them.
+    A LeRobot dataset's episodes become segments, and its states become positions, named as in its ``meta/info.json``.
     """
     try:
         table = pyarrow.parquet.read_table(path)

@@ -1,4 +1,4 @@
-"""From a table of columns, whatever file it came from, to a checked log."""
+"""From a table of columns, whatever file it came from, to a checked and repaired log."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def log_from_table(table: pa.Table, source: str) -> Log:
 
     Raises :class:`LogError` for an empty table, a table too short to differentiate, a missing or non-numeric time or
     position column, NaN or infinite values, a held mass below zero, and time that does not increase within a segment.
-    Columns of which the format does not speak are kept where they hold finite numbers, and left out where they do not.
+    Columns that the format does not define are kept where they hold finite numbers, and left out where they do not.
     """
     table = table.rename_columns([name.strip() for name in table.schema.names])
     names = table.schema.names

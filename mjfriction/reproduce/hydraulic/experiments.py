@@ -1,4 +1,4 @@
-"""The cylinder follows its reference: under PD, and with friction known by a law or by observers."""
+"""The cylinder follows its reference: under PD, and with friction known from a law or from observers."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ LAW = "identified law"
 
 @dataclass(frozen=True)
 class Compared:
-    """One controller: where its friction comes from, its equal gains, and its runs by name."""
+    """One controller: the source of its friction, its gains (equal in both directions), and its runs by name."""
 
     friction: FrictionSource | None
     gains: ValveGains
@@ -36,9 +36,9 @@ class Compared:
 
 
 def run_cylinder(tell: Tell, seed: int = 0) -> tuple[Identified, dict[str, Compared], tuple[ValveGains, ValveGains]]:
-    """Identify the cylinder, tune every controller, follow the reference with each; ``tell`` hears each step.
+    """Identify the cylinder, tune every controller, follow the reference with each; ``tell`` is called at each step.
 
-    Last come the gains of the variable-structure observer's controller, apart for the two directions.
+    The last value returned is the gains of the variable-structure observer's controller, separate for the directions.
     """
     begin = counting(tell, 3 + 2 * (2 + len(OBSERVERS)))
     begin("identifying the cylinder")

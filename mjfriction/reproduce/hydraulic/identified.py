@@ -24,14 +24,14 @@ from mjfriction.reproduce.hydraulic.machine import JOINT, RATE, Tracked, cylinde
 
 SUPPLIES = (8e6, 4e6)  # Pa
 VOLTS = np.geomspace(0.25, 9.0, 9)
-STROKE = 0.09  # m that a voltage is held over, about
+STROKE = 0.09  # m; stroke of the voltage steps, of which each voltage covers a part
 LOG_RATE = 500.0
 
-FAST, MOST_FAST = 20.0, 0.25  # Hz, V: what the valve may be asked for above that frequency, RMS
+FAST, MOST_FAST = 20.0, 0.25  # Hz, V RMS: voltage above that frequency from which on a run is penalised
 FIRST_PD = (5000.0, 1e-3)  # V/m, and velocity gain per position gain (s)
 FIRST_ACCELERATION = (16000.0, 1e-6)  # V/m, and acceleration gain per position gain (s²)
 EVALUATIONS = 18
-FACTORS = (0.85, 1.0, 1.2)  # by which the gains of one direction are tried
+FACTORS = (0.85, 1.0, 1.2)  # factors that are tried on the gains of one direction
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,8 @@ def _tuned(
     friction: FrictionSource | None,
     seed: int,
 ) -> tuple[float, float]:
-    # The same for all: from a first guess, two numbers by Nelder and Mead for the least error that the valve can bear.
+    # The same for all controllers: two numbers by Nelder-Mead from a first guess.  The cost is the error, increased
+    # where the valve is asked for too much fast voltage.
     def cost(x: Floats) -> float:
         own = gains(float(np.exp(x[0])), float(np.exp(x[1])))
         tracked = follow((own, own), friction, seed=seed)
@@ -103,12 +104,12 @@ def _tuned(
 
 
 def fast_voltage(tracked: Tracked) -> float:
-    """Return how much a run asks of its valve above 20 Hz, V RMS."""
+    """Return the voltage that a run asks of its valve above 20 Hz, V RMS."""
     return chattering(tracked.voltage, RATE, FAST)
 
 
 def separate_gains(equal: ValveGains, friction: FrictionSource, seed: int = 0) -> tuple[ValveGains, ValveGains]:
-    """Return gains extending and retracting, each scaled alone from equal ones for the least error of both."""
+    """Return gains for extending and retracting, each scaled in turn from equal ones for the least error of both."""
     own = [equal, equal]
     for way in (0, 1):
         tried = []

@@ -21,16 +21,16 @@ from mjfriction.robot.friction import with_term
 from mjfriction.robot.robot import Robot
 
 JOINT = "piston"
-HOSE = 8e-13  # m³/Pa of each hose: five metres of 10 mm, whose walls give as much as oil of 0.5 GPa
+HOSE = 8e-13  # m³/Pa of each hose: 5 m of 10 mm bore, whose walls yield as much as oil of bulk modulus 0.5 GPa
 STEEP, THRESHOLD = 2e4, 6e-3  # N·s/m below a speed (m/s): the static-kinetic template of the document's figure 2
 RATE = 10000.0  # Hz of control and simulation
-RAMP, WARM = 1.0, 1.0  # s over which the reference swells, and before which nothing is judged
+RAMP, WARM = 1.0, 1.0  # s over which the reference grows, and before which nothing is evaluated
 AMPLITUDE, FREQUENCY = 0.04, 0.25  # m, Hz
 NOMINAL_SUPPLY, LOW_SUPPLY = 8e6, 2e6  # Pa
 HEAVY = 96.0  # kg
 
 LEVEL_RATE = 150.0  # 1/s at which Friedland's observers learn the level
-VELOCITY_RATE = 300.0  # 1/s of their velocity, and of the filtered derivative
+VELOCITY_RATE = 300.0  # 1/s of their velocity estimate, and of the filtered derivative
 SLIDING_RATE, SLIDING_SPEED, SLIDING_WIDTH = 250.0, 10.0, 5e-3  # rad/s, m/s, m of the variable-structure observer
 
 
@@ -79,8 +79,10 @@ SHARP = _sliding(0.0)
 
 @dataclass(frozen=True)
 class Tracked:
-    """One run along the reference, after it has swelled: ``time``, the ``wanted`` place and the ``error`` (mm),
-    ``voltage``, friction ``true`` and as the controller ``estimated`` it (N), each (n,), and which samples extend.
+    """One run along the reference, after it has grown to its full amplitude.
+
+    ``time``, the ``wanted`` position and the ``error`` (mm), ``voltage`` (V), the ``true`` friction and the friction
+    that the controller ``estimated`` (N), each (n,).  ``extends`` marks the samples where the wanted motion extends.
     """
 
     time: Floats
@@ -106,7 +108,7 @@ def follow(
     periods: float = 1.0,
     seed: int = 0,
 ) -> Tracked:
-    """Run the cylinder along the reference; ``gains`` extending and retracting, ``friction`` None for PD."""
+    """Run the cylinder along the reference, with ``gains`` for extending and retracting; ``friction`` None is PD."""
     control = Control(
         friction="none",
         feedforward="none",
@@ -120,7 +122,7 @@ def follow(
 
 
 def reference(periods: float, supply: float = NOMINAL_SUPPLY) -> Trajectory:
-    """Return the sine that the piston is to follow, swelling from rest, with the supply's pressure."""
+    """Return the sine that the piston should follow, growing from rest, with the supply's pressure."""
     seconds = RAMP + periods / FREQUENCY
     time = np.arange(0.0, seconds + 1e-9, 0.002)
     share = np.clip(time / RAMP, 0.0, 1.0)

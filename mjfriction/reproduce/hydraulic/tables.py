@@ -1,4 +1,4 @@
-"""The cylinder's figures beside those that the hydraulic document prints."""
+"""The cylinder's numbers beside those that the hydraulic document prints."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PRINTED_BETTER = (1.6, 2.2)
 
 
 def variants(identified: Identified) -> Table:
-    """Return what every model of friction leaves at constant speed."""
+    """Return the error of every friction model at constant speed."""
     rows = []
     for number in (1, 2, 3, 4, 5):
         own = [identified.tried[way][number] for way in ("extending", "retracting")]
@@ -74,7 +74,7 @@ def tracking_errors(compared: dict[str, Compared]) -> Table:
 
 
 def estimation_errors(compared: dict[str, Compared]) -> Table:
-    """Return how near the friction that controllers went by was to the true one."""
+    """Return the error of the friction that the controllers used, against the true friction."""
     rows = []
     law = compared[LAW].runs["nominal"].rms()
     for name, own in compared.items():

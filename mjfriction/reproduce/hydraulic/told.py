@@ -38,7 +38,7 @@ THIN = slice(None, None, 50)
 
 
 def reproduce_hydraulic(tell: Tell, seed: int = 0) -> Reproduction:
-    """Run the document's experiments; ``tell`` hears each step."""
+    """Run the document's experiments; ``tell`` is called at each step."""
     identified, compared, separate = run_cylinder(tell, seed)
     return Reproduction(
         name="hydraulic",

@@ -1,4 +1,4 @@
-"""The manipulator document's arms: richer than every law under test, their experiments, and what is identified."""
+"""The manipulator document's arms, richer than every law under test: experiments and identification."""
 
 from __future__ import annotations
 
@@ -37,24 +37,26 @@ from mjfriction.robot.robot import Robot
 from mjfriction.robot.table import Wave
 
 ARMS = ("comau_ns12", "comau_nj60")
-SLOWEST, FASTEST = 0.8, 400.0  # rad/s of the motors: the document's
-FITTED, CHECKED = 12, 7  # speeds of identification and of the new passes that it is judged on
-PER_LOAD = 0.02  # 1/(N·m) of the motor: what a joint's level grows by with the torque it transmits
-RIPPLE = 0.015  # of the static level, twice a turn of the motor, that does not turn with its direction
-LINKS_OFF = 0.03  # of every link, that its mass and inertia lie beside what is stated
+SLOWEST, FASTEST = 0.8, 400.0  # rad/s; range of motor speeds, the document's
+FITTED, CHECKED = 12, 7  # number of speeds in the passes for identification and in the held-out passes
+PER_LOAD = 0.02  # 1/(N·m) at the motor; relative growth of a joint's level with the torque that it transmits
+RIPPLE = 0.015  # cogging as a share of the static level, twice per motor turn, independent of direction
+LINKS_OFF = 0.03  # share by which mass and inertia of every link are off the stated ones
 RATE = 500.0  # Hz of the logs
 BANDWIDTH = 20.0  # Hz of the arms' own control
-SLOW_AMPLITUDE, SLOW_FREQUENCY, SLOW_PERIODS = 0.25, 0.1, 2.0  # rad, Hz: the near-sinusoidal motion
+SLOW_AMPLITUDE, SLOW_FREQUENCY, SLOW_PERIODS = 0.25, 0.1, 2.0  # rad, Hz, 1: near-sinusoidal motion
 
 
 @dataclass(frozen=True)
 class JointFit:
-    """What the passes gave for one joint, on the motor's side: its map, the Coulomb-viscous law, law (14) by least
-    squares and by the document's procedure (None where friction does not fall), and the RMS, N·m, that the first two
-    leave of new passes.
+    """The results of the passes for one joint, on the motor's side.
 
-    ``off`` is how far friction is from the machine's own, RMS over the speeds, N·m: from passes one way with gravity
-    taken away as the stated model's pendulum and as a fitted one, and from passes both ways.
+    ``points`` is its friction map.  The laws are Coulomb-viscous friction, law (14) by least squares (``static``) and
+    law (14) by the document's ``procedure`` (None where friction does not fall).  ``checked`` is the RMS error of the
+    first two on held-out passes, N·m.
+
+    ``off`` is the RMS deviation of friction from the machine's own over the speeds, N·m: from passes one way, with
+    gravity removed by the stated model's pendulum and by a fitted one, and from passes both ways.
     """
 
     points: FrictionMap
@@ -92,7 +94,7 @@ def classes(robot: Robot) -> list[str]:
 
 
 def identify_arm(name: str, seed: int = 0) -> list[JointFit]:
-    """Run passes of every joint, identify its statics, and judge them on new passes at other speeds."""
+    """Run passes of every joint, identify its statics, and check them on held-out passes at other speeds."""
     robot, out = stated_arm(name), []
     passes, others = (record_passes(name, count, robot.joints, seed + k) for k, count in enumerate((FITTED, CHECKED)))
     fitted, checked = maps_of(passes, robot), maps_of(others, robot)
@@ -109,7 +111,7 @@ def identify_arm(name: str, seed: int = 0) -> list[JointFit]:
             procedure = None
         left = (_left(plain, checked[i], ratio), _left(static, checked[i], ratio))
         pendulum = by_pendulum(motion, torque[:, i], robot, body, phases, i)
-        assert pendulum is not None  # a hinge that has a map has passes enough
+        assert pendulum is not None  # a hinge that has a map has enough passes
         off = _off_truth(name, fitted[i], pendulum)
         out.append(JointFit(fitted[i], ratio, plain, static, procedure, left, off))
     return out
@@ -140,7 +142,7 @@ def _per_ampere(robot: Robot) -> Floats:
 
 
 def with_payload(robot: Robot, mass: float) -> Robot:
-    """Return an arm that holds a mass (kg) a hand's breadth before its flange."""
+    """Return an arm that holds a mass (kg) 10 cm in front of its flange."""
     if mass == 0.0:
         return robot
     held = Payload(mass=mass, com=(0.1, 0.0, 0.0), parent="flange")
@@ -205,7 +207,7 @@ def slow_sine(robot: Robot) -> Trajectory:
 
 
 def work(robot: Robot) -> Trajectory:
-    """Return pick and place between four poses."""
+    """Return a pick-and-place motion between four poses."""
     body = robot.body()
     middle, reach = room(body)
     poses = middle + 0.6 * reach * np.random.default_rng(7).uniform(-1.0, 1.0, (4, middle.size))
@@ -214,9 +216,9 @@ def work(robot: Robot) -> Trajectory:
 
 
 def currents_told(robot: Robot, trajectory: Trajectory, log: Log, *, friction: bool = True) -> Floats:
-    """Return the motors' currents, (n, joints) at the log's instants, that a model tells along the wanted motion.
+    """Return the motors' currents, (n, joints) at the log's instants, that a model predicts along the wanted motion.
 
-    Without ``friction``, what its links take of them.
+    Without ``friction``, only the part that its links need.
     """
     step = float(np.median(np.diff(log.time)))
     course = Course(*trajectory.at(log.time))

@@ -1,4 +1,4 @@
-"""The arms' passes, near-sinusoidal motion and pick and place, and the currents that each law tells."""
+"""The arms' passes, near-sinusoidal motion and pick and place, and the currents that each law predicts."""
 
 from __future__ import annotations
 
@@ -28,13 +28,15 @@ from mjfriction.reproduce.manipulator.load import LoadExtension, load_extension
 from mjfriction.robot.robot import Robot
 
 LAWS = ("Coulomb-viscous", "static law", "dynamic law")
-STEPS = 4  # of an arm's experiments
+STEPS = 4  # progress steps of an arm's experiments
 
 
 @dataclass(frozen=True)
 class Told:
-    """Currents of one motion: ``time``, ``measured`` (n, joints), what the ``links`` take of them, and what each law
-    tells, A; ``speed`` is the wanted one of the motors, rad/s, (n, joints) all.
+    """Currents along one motion at ``time`` (n,), A, (n, joints) each.
+
+    They are the ``measured`` ones, the part that the ``links`` need, and the predictions ``by`` each law.  ``speed``
+    (n, joints) is the wanted speed of the motors, rad/s.
     """
 
     time: Floats
@@ -50,8 +52,10 @@ class Told:
 
 @dataclass(frozen=True)
 class Arm:
-    """One arm's experiments: fits by joint, the bristles that the slow motion tells, what
-    a payload adds, and the currents of both motions.
+    """One arm's experiments.
+
+    Fits by joint, bristles identified from the slow motion, what a payload adds to friction, and the currents of both
+    motions.
     """
 
     name: str
@@ -64,7 +68,7 @@ class Arm:
 
 
 def run_arm(name: str, begin: Callable[[str], None], seed: int) -> Arm:
-    """Run an arm's experiments; ``begin`` hears each of :data:`STEPS` as it begins."""
+    """Run an arm's experiments; ``begin`` is called as each of the :data:`STEPS` steps begins."""
     begin(f"{name}: passes forward and backward")
     robot = stated_arm(name)
     fits = identify_arm(name, seed)
@@ -95,7 +99,7 @@ def _told(models: dict[str, Robot], trajectory: Trajectory, log: Log) -> Told:
 
 
 def _bristles(robot: Robot, fits: list[JointFit], trajectory: Trajectory, log: Log) -> list[BristleFit]:
-    # Simulated along the wanted motion, as the document's simulator does: the machine's own jitter is not to be fitted.
+    # Fit along the wanted motion, as the document's simulator does, so that the machine's own jitter is not fitted.
     left = currents_measured(log, robot) - currents_told(robot, trajectory, log, friction=False)
     step, speed = float(np.median(np.diff(log.time))), trajectory.at(log.time)[1]
     out = []

@@ -11,16 +11,18 @@ from mjfriction.laws.arctan_load import ARCTAN_LOAD
 from mjfriction.record.merge import merge_logs
 from mjfriction.reproduce.manipulator.arm import PER_LOAD, maps_of, record_passes, stated_arm
 
-PAYLOAD = {"comau_ns12": 12.0, "comau_nj60": 60.0}  # kg, what the arms are made for
-JOINTS = (1, 2)  # that gravity loads in every pose
+PAYLOAD = {"comau_ns12": 12.0, "comau_nj60": 60.0}  # kg; the rated payloads
+JOINTS = (1, 2)  # the joints that gravity loads in every pose
 SPEEDS = 8
-FASTEST_TOLD = 50.0  # rad/s of the motor: past it the bend of the viscous term carries the load too
+FASTEST_TOLD = 50.0  # rad/s of the motor; above it the bend of the viscous term depends on the load too
 
 
 @dataclass(frozen=True)
 class LoadExtension:
-    """One joint, on the motor's side: the mean ``load`` without and with the payload, N·m, the law with levels (31) and
-    (32) as ``found``, and what each newton metre of load truly adds to τ_s and τ_sc.
+    """The load dependence of one joint, on the motor's side.
+
+    ``load`` is the mean load without and with the payload, N·m; ``found`` is the fitted law with levels (31) and (32).
+    ``static`` and ``fall`` are what each newton metre of load truly adds to τ_s and τ_sc.
     """
 
     joint: int

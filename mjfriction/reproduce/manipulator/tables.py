@@ -1,4 +1,4 @@
-"""The arms' figures beside those that the manipulator document prints."""
+"""The arms' numbers beside those that the manipulator document prints."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def gravity_classes(arms: list[Arm]) -> Table:
 
 
 def static_parameters(arm: Arm) -> Table:
-    """Return law (14) as identified in both ways, beside what is stated."""
+    """Return law (14) as identified in both ways, beside the stated one."""
     rows = []
     names = ("static", "stribeck_fall", "viscous", "viscous_bend", "stribeck_steepness")
     truth = stated_arm(arm.name)
@@ -58,7 +58,7 @@ def static_parameters(arm: Arm) -> Table:
 
 
 def bristles_found(arm: Arm) -> Table:
-    """Return the bristles that the near-sinusoidal motion tells, beside what is true."""
+    """Return the bristles identified from the near-sinusoidal motion, beside the true ones."""
     rows, truth = [], stated_arm(arm.name)
     for i, fit in enumerate(arm.bristles):
         (law,) = truth.table.joint[i].friction or ()
@@ -81,8 +81,9 @@ def bristles_found(arm: Arm) -> Table:
 
 
 def pendulums(arms: list[Arm]) -> Table:
-    """Return how far friction is from the machine's own with gravity taken away as a pendulum's, and by passes both
-    ways, at the joints that gravity loads.
+    """Return the deviation of friction from the machine's own, at the joints that gravity loads.
+
+    It is given for passes one way with gravity removed as a pendulum's, and for passes both ways.
     """
     rows = tuple(
         Row(f"{arm.name}, joint {i + 1}", tuple(1e3 * own for own in fit.off))
@@ -100,7 +101,7 @@ def pendulums(arms: list[Arm]) -> Table:
 
 
 def load_found(arms: list[Arm]) -> Table:
-    """Return what a payload adds to friction, beside what is true."""
+    """Return what a payload adds to friction, as identified and as it truly is."""
     rows = []
     for arm in arms:
         for own in arm.loads:
@@ -121,7 +122,7 @@ def load_found(arms: list[Arm]) -> Table:
 
 
 def static_errors(arm: Arm) -> Table:
-    """Return what Coulomb-viscous friction and the static law leave of new passes."""
+    """Return the errors of Coulomb-viscous friction and the static law on held-out passes."""
     rows = []
     for i, fit in enumerate(arm.fits):
         plain, static = fit.checked
@@ -153,7 +154,7 @@ def static_errors(arm: Arm) -> Table:
 
 
 def current_errors(arm: Arm, motion: str, title: str) -> Table:
-    """Return what every law leaves of the currents of a motion, the arm's ``slow`` or ``work``."""
+    """Return every law's error of the currents along a motion, the arm's ``slow`` or ``work``."""
     told: Told = getattr(arm, motion)
     errors = [told.rms(law) for law in LAWS]
     rows = []

@@ -1,4 +1,4 @@
-"""``reproduce manipulator``: friction of industrial arms from the forward-backward protocol, and currents told with it.
+"""``reproduce manipulator``: friction of industrial arms from forward-backward passes, and the currents it predicts.
 
 Indri, Lazzero, Antoniazza, Bottero, "Friction modeling and identification for industrial manipulators", ETFA 2013.
 """
@@ -30,11 +30,11 @@ from mjfriction.reproduce.outcome import Claim, Line, Picture, Reproduction
 
 SHOWN = {0: "figure 2", 2: "figure 3", 4: "figure 4"}
 THIN = slice(None, None, 5)
-SLOW_SPEED = 8.0  # rad/s of the motor, up to which figure 1 is drawn
+SLOW_SPEED = 8.0  # rad/s of the motor; figure 1 is drawn up to this speed
 
 
 def reproduce_manipulator(tell: Tell, seed: int = 0) -> Reproduction:
-    """Run the document's experiments on both arms; ``tell`` hears each step."""
+    """Run the document's experiments on both arms; ``tell`` is called at each step."""
     begin = counting(tell, STEPS * len(ARMS))
     arms = [run_arm(name, begin, seed) for name in ARMS]
     first = arms[0]
@@ -94,14 +94,14 @@ def _pictures(arm: Arm) -> list[Picture]:
 
 
 def _very_slow(arm: Arm) -> Picture:
-    # Figure 1: what the links leave of the current, over the speed, where that is low.
+    # Figure 1: the current that the links do not explain, against speed, at low speeds.
     told, constant = arm.slow, stated_arm(arm.name).table.joint[0].actuator.torque_constant
     assert constant is not None
     speed = told.speed[:, 0]
     slow = (np.abs(speed) < SLOW_SPEED) & (told.time > 0.25 * told.time[-1]) & (told.time < 0.75 * told.time[-1])
 
     def course(name: str, current: Floats) -> Line:
-        # Turns of the motion lie apart in time: a gap keeps them apart in the picture.
+        # The slow parts of the motion are separate in time; NaN gaps keep them separate in the picture.
         cut = np.flatnonzero(np.diff(np.flatnonzero(slow)) > 1) + 1
         return Line(name, np.insert(speed[slow], cut, np.nan), np.insert(constant * current[slow], cut, np.nan))
 

@@ -37,7 +37,7 @@ LAWS = ("dahl", "lugre", "leuven over position", "leuven", "gms")
 
 @dataclass(frozen=True)
 class Tracked:
-    """One run along the reference: ``time`` and the position's ``error`` (µm) of its last period, and the whole."""
+    """One run along the reference: ``time`` and position ``error`` (µm) of its last period, and the whole ``run``."""
 
     time: Floats
     error: Floats
@@ -45,17 +45,17 @@ class Tracked:
 
     @property
     def peak_to_peak(self) -> float:
-        """µm."""
+        """The peak-to-peak error, µm."""
         return float(np.ptp(self.error))
 
     @property
     def rms(self) -> float:
-        """µm."""
+        """The RMS error, µm."""
         return float(np.sqrt(np.mean(np.square(self.error))))
 
 
 def run_table(tell: Tell, seed: int = 0) -> tuple[Identified, dict[str, Tracked]]:
-    """Identify the table, tune the laws, follow the reference with each; ``tell`` hears each step."""
+    """Identify the table, tune the laws, follow the reference with each; ``tell`` is called at each step."""
     begin = counting(tell, 4 + 3 * len(LAWS))
     begin("identifying the table")
     identified = identify_table(seed)
@@ -96,7 +96,8 @@ def _tracked(
 
 
 def _tuned(machine: Robot, identified: Identified, law: str, seed: int) -> FrictionTerm:
-    # As in the document, what slow turns do not show is set for the least maximum error along the reference.
+    # As in the document, a parameter that slow turns do not show is chosen for the least maximum error along the
+    # reference.
     term = identified.laws[law]
     name = TUNED.get(term.law)
     if name is None:

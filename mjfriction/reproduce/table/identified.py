@@ -29,22 +29,22 @@ from mjfriction.robot.robot import Robot
 from mjfriction.robot.table import Wave
 
 SPEEDS = np.geomspace(80e-6, 20e-3, 12)  # m/s
-SHORTEST, LONGEST, SECONDS = 4e-3, 60e-3, 8.0  # m, m, s of a pass
-SLID = 1.2e-3  # m after which a pass slides: its friction no longer depends on where it began
-HARMONICS = 30  # of the screw, among which its cogging is sought
+SHORTEST, LONGEST, SECONDS = 4e-3, 60e-3, 8.0  # m, m, s; bounds of a pass's length, and its duration within them
+SLID = 1.2e-3  # m of travel after which a pass slides: its friction no longer depends on where it began
+HARMONICS = 30  # number of the screw's harmonics that are searched for cogging
 LEAST_COGGING = 0.1  # N; smaller waves are left to the observer
 TURNS = (300e-6, 300e-6, 150e-6, 80e-6, 40e-6, 300e-6, 200e-6, 100e-6, 300e-6)  # m
 TURN_SPEED = 15e-6  # m/s
 PASS_RATE, TURN_RATE, BAND = 500.0, 200.0, 10.0  # Hz
-ATTRACTION, BRISTLE_DAMPING = 65.0, 1e4  # N/s, N·s/m of the document, where tuning begins
-PRINTED_SHAPE = 10.0  # the document's δ_l = 0.1 read as 1/δ_l; as it stands it would hold z still almost throughout
-TRAVEL_ELEMENTS = (12,)  # over the bristle's travel: the document's number
+ATTRACTION, BRISTLE_DAMPING = 65.0, 1e4  # N/s, N·s/m; the document's values, where tuning begins
+PRINTED_SHAPE = 10.0  # the document's δ_l = 0.1 read as 1/δ_l; taken literally, z would hardly move
+TRAVEL_ELEMENTS = (12,)  # number of elements over the bristle's travel, as in the document
 SHAPES = np.geomspace(0.5, 20.0, 16)  # exponents of the Leuven law that are tried
 
 
 @dataclass(frozen=True)
 class Identified:
-    """What the experiments gave: the map and its Stribeck curve, cogging, loops, and laws by what they are called."""
+    """The results of the experiments: the map and its Stribeck curve, cogging, loops, elements, and laws by name."""
 
     points: FrictionMap
     stribeck: MapFit
@@ -54,7 +54,7 @@ class Identified:
     laws: dict[str, FrictionTerm]
 
     def robot_without_friction(self) -> Robot:
-        """Return the table as a controller knows it, with its cogging alone."""
+        """Return the table as a controller knows it: with its cogging but without friction."""
         return _with_cogging(blank_table(), self.cogging)
 
 
@@ -140,7 +140,8 @@ def _lugre(loops: FrictionCourse, stribeck: MapFit) -> FrictionTerm:
 
 
 def _curve_fitted(law: str, loops: FrictionCourse, known: dict[str, float], free: dict[str, float]) -> FrictionTerm:
-    # Logarithms of what is free; the first of the largest turns has erased where the law began.
+    # Fit the logarithms of the free parameters.  Samples before the first of the largest turns are dropped: from there
+    # on the law has forgotten its initial state.
     found, names = find_law(law), list(free)
     after = int(np.argmax(loops.position >= 0.99 * np.max(loops.position)))
     around, step = ambient(loops.friction.size), 1.0 / loops.motion.rate
@@ -157,7 +158,7 @@ def _curve_fitted(law: str, loops: FrictionCourse, known: dict[str, float], free
 
 
 def _leuven(loops: FrictionCourse, stribeck: MapFit) -> FrictionTerm:
-    # Position is converted to z for every exponent tried; the one is taken whose law then follows the loops best.
+    # Position is converted to z for every exponent tried.  Take the exponent whose law then follows the loops best.
     curve = _curve(stribeck)
     tried = []
     for shape in SHAPES.tolist():
@@ -169,13 +170,14 @@ def _leuven(loops: FrictionCourse, stribeck: MapFit) -> FrictionTerm:
 
 
 def _leuven_over_position(stribeck: MapFit, elements: Elements) -> FrictionTerm:
-    # The document's own way: its exponent, and the elements found over position.
+    # The document's own method: its exponent, and the elements found over position.
     return _leuven_of(_curve(stribeck), elements, PRINTED_SHAPE)
 
 
 def _leuven_of(curve: dict[str, float], elements: Elements, shape: float) -> FrictionTerm:
     level = elements.level.copy()
-    # The bristle stops where the elements reach the Stribeck level; the last ones' own levels never show.
+    # The bristle stops where the elements reach the Stribeck level, so the level of the last element never shows.
+    # Raise it where the levels sum to less than the static level.
     level[-1] += max(0.0, 1.001 * curve["static"] - float(np.sum(level)))
     travel = level / elements.stiffness
     order = np.argsort(travel)
@@ -190,8 +192,8 @@ def _leuven_of(curve: dict[str, float], elements: Elements, shape: float) -> Fri
 
 
 def _gms(stribeck: MapFit, elements: Elements) -> FrictionTerm:
-    # Shares of the static level: the loops were drawn slowly, where the Stribeck level is that.  The last elements slip
-    # only past the turns seen, so that the rest of the level is theirs.
+    # Shares of the static level: the loops were traced slowly, where the Stribeck level equals it.  The last element
+    # slips only beyond the turns seen, so it gets the rest of the level.
     share = elements.level / stribeck.values["static"]
     share[-1] = max(1.0 - float(np.sum(share[:-1])), 1e-3)
     share /= np.sum(share)
@@ -212,7 +214,7 @@ def _following(loops: FrictionCourse, term: FrictionTerm) -> float:
 
 
 def following_errors(identified: Identified) -> dict[str, float]:
-    """Return the RMS, N, that every law leaves of the loops it was fitted to."""
+    """Return every law's RMS error, N, on the loops that it was fitted to."""
     return {name: _following(identified.turns, term) for name, term in identified.laws.items()}
 
 

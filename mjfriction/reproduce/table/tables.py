@@ -1,4 +1,4 @@
-"""The table's figures beside those that the pre-sliding document prints."""
+"""The table's numbers beside those that the pre-sliding document prints."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def tracking_errors(runs: dict[str, Tracked]) -> Table:
 
 
 def parameters_found(identified: Identified) -> Table:
-    """Return what was identified beside what is true and what is printed."""
+    """Return the identified parameters beside the true and the printed ones."""
     curve, dahl, gms = identified.stribeck.values, identified.laws["dahl"], identified.laws["gms"]
     truth = (true_table().joint(JOINT).friction or ())[0]
 
@@ -90,7 +90,7 @@ def parameters_found(identified: Identified) -> Table:
 
 
 def loops_left(identified: Identified) -> Table:
-    """Return what every law leaves of the slow turns, and every number of elements of turns not fitted."""
+    """Return every law's error on the slow turns, and the held-out error of every number of elements."""
     errors = following_errors(identified)
     rows = [Row(law, (error, 100.0 * error / identified.stribeck.values["static"])) for law, error in errors.items()]
     counts = [
@@ -105,7 +105,7 @@ def loops_left(identified: Identified) -> Table:
 
 
 def numbers_stored(identified: Identified) -> Table:
-    """Return how many numbers every law keeps."""
+    """Return how many numbers every law stores."""
     rows = []
     for name, term in identified.laws.items():
         packed = term.friction(1.0)

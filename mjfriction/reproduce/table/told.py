@@ -27,7 +27,7 @@ THIN = slice(None, None, 10)
 
 
 def reproduce_table(tell: Tell, seed: int = 0) -> Reproduction:
-    """Run the document's experiments; ``tell`` hears each step."""
+    """Run the document's experiments; ``tell`` is called at each step."""
     identified, runs = run_table(tell, seed)
     return Reproduction(
         name="table",
