@@ -63,7 +63,7 @@ from mjfriction.laws.catalog import LAWS
 from mjfriction.record import glitches, jumps
 from mjfriction.record.clock_bursts import FEWEST_AT_ONCE
 from mjfriction.record.clock_rate import OFF
-from mjfriction.record.motion import DAWDLING, HELD, RINGING, USUALLY
+from mjfriction.record.motion import DAWDLING, HELD, HELD_BESIDE_ANOTHER_KIND, RINGING, USUALLY
 from mjfriction.report.result import UNEVEN as UNEVEN_CLOCK
 from mjfriction.reproduce.catalog import DOCUMENTS
 from mjfriction.robot.robot import bundled_robots
@@ -81,7 +81,7 @@ def text(name: str) -> str:
 def test_the_readme_counts_laws_and_robots() -> None:
     readme = text("README.md")
     assert f"any of {len(LAWS)} friction laws" in readme
-    assert f"{NUMBERS[len(bundled_robots())]} come along" in readme
+    assert f"{NUMBERS[len(bundled_robots())]} robots are included" in readme
 
 
 def test_every_bundled_robot_has_its_place_on_the_page() -> None:
@@ -120,8 +120,8 @@ def test_every_page_that_is_named_is_there() -> None:
 
 def test_how_it_decides_tells_what_rows_and_waves_count() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
-    assert f"a wave has to be {STANDS_OUT:g} times as large as waves are at two joints at least" in told
-    assert f"up to waves of {100 * WAVIEST:g} % of friction" in told
+    assert f"a wave has to be {STANDS_OUT:g} times as large as the waves that at least two joints show" in told
+    assert f"Waves above {100 * WAVIEST:g} % of friction do not raise this bar" in told
     assert f"until that matters by less than {100 * UNSETTLED:g} % of its level" in told
     assert (FEWEST_CLEAR, ENOUGH_CLEAR, WITHIN) == (0.2, 50, 0.9), "in words"
 
@@ -129,31 +129,31 @@ def test_how_it_decides_tells_what_rows_and_waves_count() -> None:
 def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"makes less than {100 * LEAST_EFFECT:g} % of the effort (one of the whole arm: at the joint where" in told
-    assert f"or takes less than {100 * LEAST_SEEN:g} % of the mean square" in told
+    assert f"At no joint does it remove {100 * LEAST_SEEN:g} % of the mean square" in told
     uneven = [100 * cause.least_of_friction for cause in (Offset, PositionFriction, Step)]
     assert f"of {100 * UNEVEN:g} % of friction and more at two joints or more" in told
-    assert "has to be {:g} % of the joint's friction; {:g} % where it is waves".format(*uneven) in told
-    assert f"and {uneven[2]:g} % where it is a course over time" in told
+    assert "| any | {:g} % | | | waves of the friction level | {:g} % |".format(*uneven) in told
+    assert f"| a course over time | {uneven[2]:g} % |" in told
     assert EVENEST == 0.25, "the page says a quarter"
     assert f"at a level of {100 * FALSE_ALARM:g} % that is shared out" in told
     assert (KEPT, MOST_EXCHANGED, MOST_CAUSES, ENOUGH_PER_PERIOD) == (10, 8, 12, 4.0), "in words"
     assert f"for a while, by {100 * OFF:g} % at least" in told
     assert (LOUDER, free_run.SECONDS) == (4.0, 0.25), "the page says four times, a quarter of a second"
     assert f"an uneven machine leaves at least {100 * UNEVEN / math.sqrt(2.0):.1f} % of its friction beyond its" in told
-    assert f"either has to be {100 * LEAST_FRICTION:g} % of the joint's friction besides" in told
-    drives = [f"({100 * off:g} % as a rule, {100 * FARTHEST * off:g} % at most)" for off in (ROTOR, CONSTANT)]
-    assert "each rotor's inertia {} and each torque constant {}".format(*drives) in told
+    assert f"of what was explained, {100 * LEAST_FRICTION:g} % of the joint's friction" in told
+    for value, off in (("inertia of each rotor", ROTOR), ("torque constant of each drive", CONSTANT)):
+        assert f"| {value} | {100 * off:g} % | {100 * FARTHEST * off:g} % |" in told
     slowest, fastest = turning.SPEEDS[[0, -1]]
     assert f"within {100 * slowest:g} to {100 * fastest:g} % of their fastest speed" in told
     assert (turning.FEWEST_JOINTS, turning.ALL_BUT, turning.SHARE, turning.TURNED) == (3, 0.5, 0.25, 3.0), "in words"
     assert (UNFINISHED, STEPS_PER_LOBE, ONE_OF_MANY, AROUND) == (2.0, 2, 0.25, 2.0), "in words"
-    assert f"within {100 * (NEAR - 1.0):.0f} %: that is what is left of it" in told
-    assert f"leaves noise even below {EVEN_BELOW:g} Hz at least" in told
+    assert f"refused within {100 * (NEAR - 1.0):.0f} % of the frequencies at which a link swings" in told
+    assert f"leaves the noise flat below {EVEN_BELOW:g} Hz at least" in told
     assert (EXACT, MOST_JOINTS, FEWEST_JOINTS) == (0.01, 0.75, 3), "the page says a percent, a quarter, three or more"
-    assert f"as much as {100 * MISFIT:g} % of the mean square that they take" in told
+    assert f"It must remove {100 * MISFIT:g} % of the mean square that other causes remove" in told
     assert f"{100 * SURELY_SEEN:g} % of what is left is enough" in told
-    assert f"where it is {100 * BRISTLE_MISFIT:g} % of what that takes" in told
-    assert f"Steps that spread by less than {100 * UNEVEN_CLOCK:g} % are how" in told
+    assert f"it must also remove {100 * BRISTLE_MISFIT:g} % of what that cause removes" in told
+    assert f"Steps that spread by less than {100 * UNEVEN_CLOCK:g} % are evened out and are no fault" in told
     assert FEWEST_AT_ONCE == 3, "the page says three"
     assert (ON_THE_WAY, FADED, LEFT) == (0.5, 0.1, 0.1), "the page says half, a tenth, and a tenth of the rows"
     assert (FEWEST_HARMONIC, HARMONIC, HIGHEST) == (3, 0.01, 8), "the page says three waves, 1 %, and eight times"
@@ -163,14 +163,13 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert (INSTEAD, RESONANT) == (0.75, 0.75), "the page says a quarter less"
     assert f"a lightly damped resonance ({SLOWEST:g} to {FASTEST:g} Hz)" in told
     assert f"more than {100 * LEAST_TOLD:g} % of the joint's effort" in told
-    most = f"({100 * LINK_SCALE:g} % as a rule, {100 * FARTHEST * LINK_SCALE:g} % at most)"
-    assert most in told
-    assert f"({1e3 * LINK_SHIFT:g} mm along each axis as a rule, {1e3 * FARTHEST * LINK_SHIFT:g} mm at most)" in told
+    assert f"| scale of each link | {100 * LINK_SCALE:g} % | {100 * FARTHEST * LINK_SCALE:g} % |" in told
+    assert f"along each axis | {1e3 * LINK_SHIFT:g} mm | {1e3 * FARTHEST * LINK_SHIFT:g} mm |" in told
     assert f"({100 * RINGING:g} % of the fastest speed" in told
     assert f"at least {100 * LEAST_KIN_EFFECT:g} % of the joint's effort" in told
     assert f"first or last {100 * EDGE:g} %" in told
     assert (GONE_BY, LEAST_PART, OUTLYING) == (0.7, 0.1, 3.0), "the page says seven tenths, a tenth and three times"
-    assert f"near what is stated only by {100 * LET_GO:g} %" in told
+    assert f"with a usual deviation of {100 * LET_GO:g} %, in place of every named link" in told
     assert FARTHEST * 2.0 == STRAINED * 3.0, "the page says two thirds"
     assert (BAR, FEWEST_GAINING, MANY, LEAST_GAINED) == (2.0, 2, 2, 0.1), "the page says two, two, two and a tenth"
     assert (MOST_CONFIDENT, AT_THE_BAR, TOLD_BY) == (0.9, 0.5, 2), "the page says 0.9, half, all but one"
@@ -180,8 +179,8 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
 
 def test_how_it_decides_tells_what_stands_for_links() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
-    assert f"friction that is right to {100 * NEARLY_EXACT:g} % at three quarters" in told
-    assert f"leaves as little to {100 * (AS_GOOD - 1.0):.0f} %, for how either spreads" in told
+    assert f"friction is right to {100 * NEARLY_EXACT:g} % at three quarters" in told
+    assert f"if the load leaves as little, within {100 * (AS_GOOD - 1.0):.0f} %" in told
     assert math.isclose(Offset.least_of_friction, 5.0 * ZERO), "the page says a fifth as a rule"
     assert OUT_OF_CHANCE == 5.0, "and up to that"
 
@@ -193,7 +192,7 @@ def test_how_it_decides_tells_what_ratios_a_shared_drive_may_have() -> None:
 
 def test_how_it_decides_tells_how_wide_a_worn_place_is() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
-    assert f"a bump of which a deviation is {100 * NARROWEST:g} to {100 * WIDEST:g} % of the stroke" in told
+    assert f"a bump with a standard deviation of {100 * NARROWEST:g} to {100 * WIDEST:g} % of the stroke" in told
     assert PASSES == 4, "the page says four times"
 
 
@@ -202,23 +201,26 @@ def test_the_robot_file_tells_when_a_spot_comes_back() -> None:
 
 
 def test_how_it_decides_tells_what_is_too_faint() -> None:
-    assert f"below {100 * FAINTEST:g} % it is told nowhere" in " ".join(text("docs/how_it_decides.md").split())
+    told = " ".join(text("docs/how_it_decides.md").split())
+    assert f"Below a confidence of {100 * FAINTEST:g} %, a cause is not reported at all" in told
 
 
 def test_the_pages_tell_which_joints_and_traces_are_left_out() -> None:
     decides, records = (" ".join(text(f"docs/{page}.md").split()) for page in ("how_it_decides", "recording"))
-    held = f"less than {100 * HELD:g} % of the farthest joint's travel"
+    held = f"travels less than {100 * HELD:g} % as far as the joint of its kind"
     assert f"by less than {100 * DAWDLING:g} % of both" in decides
     assert gap.MOST_SPOILT == 0.9, "the page says nine tenths"
-    assert f"leaves less than {turning.ALONE:g} of what friction that builds up" in decides
-    assert f"that stands out by {jumps.PLAIN:g} deviations" in decides
-    assert f"at least {jumps.FEWEST_ALIKE} of one size" in decides
+    assert f"leaves less than {turning.ALONE:g} of the error left by friction that builds up" in decides
+    assert f"that stands out by {jumps.PLAIN:g} standard deviations" in decides
+    assert f"At least {jumps.FEWEST_ALIKE} jumps of one size" in decides
     assert f"at least {landings.FEWEST} blows of its own" in decides
     assert (landings.AGREE, landings.MOSTLY, FLOWN) == (0.2, 0.5, (0.5, 2.0)), "a fifth, half, half and twice"
     assert jumps.DEGREE == 5, "the page says fifth"
     assert f"takes more than {100 * LEAST_ROTOR:g} % of what its links do" in decides
-    assert f"({held}, and of the fastest one's speed {100 * USUALLY:g} % of the time) is not examined" in decides
-    assert f"({held}) is not examined at all" in records
+    assert held in decides
+    assert f"and {100 * USUALLY:g} % of the time it is slower than {100 * HELD:g} % of the fastest one" in decides
+    assert f"1 m counting as 1 rad, and the limit is {100 * HELD_BESIDE_ANOTHER_KIND:g} %" in decides
+    assert f"held throughout (less than {100 * HELD:g} % of the travel of others of its kind) is not" in records
     identification = " ".join(text("docs/identification.md").split())
     assert f"must be at least {100 * choose.LEAST_EFFECT:g} % of the joint's friction" in identification
     assert f"by {100 * choose.LEAST_GAIN:g} % of the squared error" in identification
@@ -235,10 +237,10 @@ def test_how_it_decides_tells_at_what_level_other_halves_are_asked_for() -> None
 
 def test_how_it_decides_tells_when_columns_are_out_of_place_and_when_a_log_is_mended() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
-    assert "a quarter of the variance of a joint's effort is left unexplained and less than a third of that" in told
-    assert f"two joints that leave {100 * misplaced.NOTICED:g} % leave a fifth of that each" in told
+    assert "a quarter of the variance of a joint's effort is left unexplained, and less than a third of that" in told
+    assert f"two joints that leave {100 * misplaced.NOTICED:g} % unexplained keep a fifth of that each" in told
     assert (misplaced.POOR, misplaced.MENDED, misplaced.MENDED_BOTH) == (0.25, 0.3, 0.2), "as the page says"
-    assert f"explained less well, by {100 * NO_WORSE:g} % of its effort's variance" in told
+    assert f"explained worse by {100 * NO_WORSE:g} % of its effort's variance" in told
     assert f"by {100 * glitches.TOUCHED:g} % of its height" in told
     assert NO_CONTACT == 3.0, "the page says three quarters"
     assert RIGID == 0.3, "the page says less than a third"
@@ -263,10 +265,10 @@ def test_how_it_decides_tells_how_far_links_are_off() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"more than {100 * LEAST_NOTED:g} % (or three times" in told
     assert f"up to {100 * ALWAYS_NOTED:g} %), and by more than {100 * SURELY:g} %" in told
-    assert f"a series of {FINEST} half waves" in told
+    assert f"{FINEST} half waves over the stroke" in told
     assert f"by {PAYS:g} of merit, or leaves as little (within {100 * (AS_GOOD - 1.0):g} %)" in told
     assert f"a power of speed between {POWERS[0]:g} and {POWERS[1]:g}" in told
     assert f"lies more than {100 * LEAST_MOVED:g} cm off" in told
     alone = f"{100 * LEAST_ALONE:g} %"
-    assert f"one cause, a link {alone} off, a payload that makes the last link {alone} heavier" in told
+    assert f"one link that is {alone} off; - a payload that makes the last link {alone} heavier" in told
     assert f"or moves its centre by {1e3 * LEAST_MOVED_ALONE:g} mm" in told
