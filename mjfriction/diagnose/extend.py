@@ -10,10 +10,10 @@ import numpy as np
 from mjfriction.diagnose.base_changes import base_changes
 from mjfriction.diagnose.causes.cause import Cause, Quantity, Site
 from mjfriction.diagnose.causes.offset import Offset
-from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.intervals import half_widths
 from mjfriction.diagnose.model import Key, Model
 from mjfriction.diagnose.nuisance import PER_LINK
+from mjfriction.diagnose.sensor_scale import sensor_factors
 from mjfriction.identify.gap import Gap
 from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
 from mjfriction.record.log import Floats
@@ -40,43 +40,31 @@ def extend_robot(model: Model, strengths: Floats | None = None) -> Robot:
     ``strengths`` are by default those fitted on all blocks, with links that bodies can have
     (:attr:`~mjfriction.diagnose.model.Model.built`).
 
-    The fit adds every effect at the sensor's output. Where a joint's sensor gets a new scale 1 + ε, effects before the
-    sensor are divided by that scale, so that the robot file predicts the same as the fit.
+    The robot file predicts the same as the fit (:func:`~mjfriction.diagnose.sensor_scale.sensor_factors`).
     """
     robot, nuisance = model.gap.robot, model.nuisance
     strengths = model.built if strengths is None else strengths
-    sensor = np.ones(len(robot.joints))
-    for choice, place in zip(model.chosen, model.places, strict=True):
-        if choice.cause.name == TorqueConstant.name:
-            sensor[choice.site.joint] *= 1.0 + strengths[place][0]
-    drives = list(zip(nuisance.drives, strengths[nuisance.of_drives].tolist(), strict=True))
-    for drive, change in drives:
-        if drive.cause.name == TorqueConstant.name:
-            sensor[drive.site.joint] *= 1.0 + change
+    strengths = strengths / sensor_factors(model, strengths)
     for level in nuisance.levels:
-        joint = level.site.joint
-        coulomb, viscous = strengths[nuisance.of_level(joint)] / sensor[joint]
-        robot = raised_levels(robot, robot.joints[joint], float(coulomb), float(viscous))
+        coulomb, viscous = strengths[nuisance.of_level(level.site.joint)].tolist()
+        robot = raised_levels(robot, robot.joints[level.site.joint], coulomb, viscous)
     for zero, change in zip(nuisance.zeros, strengths[nuisance.of_zeros], strict=True):
         robot = Offset().extend(robot, zero.site, np.array([change]))
-    for drive, change in drives:
-        before = sensor[drive.site.joint] if drive.cause.before_sensor else 1.0
-        robot = drive.cause.extend(robot, drive.site, np.array([drive.stated * change / before]))
+    for drive, change in zip(nuisance.drives, strengths[nuisance.of_drives], strict=True):
+        robot = drive.cause.extend(robot, drive.site, np.array([drive.stated * change]))
     for link, (scale, *shift) in zip(nuisance.links, nuisance.link_changes(strengths).tolist(), strict=True):
         robot = shifted_link(scaled_link(robot, link.name, 1.0 + scale), link.name, shift)
     if nuisance.inertias is not None:
         robot = nuisance.inertias.applied(robot, strengths[nuisance.of_inertias])
     for choice, place in zip(model.chosen, model.places, strict=True):
-        joint = choice.site.joint
-        before = sensor[joint] if choice.cause.before_sensor else 1.0
-        robot = choice.cause.extend(robot, choice.site, strengths[place] / before)
+        robot = choice.cause.extend(robot, choice.site, strengths[place])
     return robot
 
 
 def adjustments(model: Model, untold: Collection[Key]) -> list[Adjustment]:
     """List the stated values that the fit moved, including those of causes that are not findings (``untold``)."""
-    gap, strengths, widths = model.gap, model.built, half_widths(model)
-    half = widths.nuisance
+    gap, widths, factors = model.gap, half_widths(model), sensor_factors(model, model.built)
+    strengths, half = model.built / factors, widths.nuisance / factors[: model.nuisance.count]
     out = []
     for level in model.nuisance.levels:
         joint = level.site.joint
@@ -107,7 +95,8 @@ def adjustments(model: Model, untold: Collection[Key]) -> list[Adjustment]:
         if choice.key not in untold:
             continue
         quantities = choice.cause.quantities(gap, choice.site)
-        for quantity, value, own in zip(quantities, strengths[place], width[: len(quantities)], strict=True):
+        halves = width[: len(quantities)] / factors[place]
+        for quantity, value, own in zip(quantities, strengths[place], halves, strict=True):
             out.append(_moved(gap, choice.cause, choice.site, quantity, float(value), float(own)))
     return out
 

@@ -11,6 +11,7 @@ from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.intervals import HalfWidths
 from mjfriction.diagnose.model import Chosen, Model
 from mjfriction.diagnose.one_transmission import parts_of_drives
+from mjfriction.diagnose.sensor_scale import sensor_factors
 from mjfriction.diagnose.stated import Settled
 from mjfriction.diagnose.untold import Untold, without_cause
 from mjfriction.identify.fitted import Fitted
@@ -20,7 +21,11 @@ from mjfriction.record.log import Floats
 
 @dataclass(frozen=True)
 class ToTell:
-    """A cause or level to report: the ``choice``, its ``strengths`` and ``parameters``, and a model ``without`` it."""
+    """A cause or level to report.
+
+    ``choice`` is the cause at its site, ``strengths`` and ``parameters`` are as the extended robot states them, and
+    ``without`` is a model that lacks it.
+    """
 
     choice: Chosen
     without: Model
@@ -33,12 +38,14 @@ def to_tell(settled: Settled, untold: Untold, widths: HalfWidths) -> Iterator[To
 
     ``untold`` says which of the model's causes are no findings.
     """
-    model, strengths = settled.model, settled.model.built
+    model = settled.model
+    factors = sensor_factors(model, model.built)
+    strengths = model.built / factors
     named = [choice for choice in model.chosen if choice.key not in untold.keys]
     parts = parts_of_drives(model, named)
     belonging = {part.key for own in parts.values() for part in own}
     fitted = {
-        choice.key: tuple(_fitted(model.gap, choice, strengths[place], width))
+        choice.key: tuple(_fitted(model.gap, choice, strengths[place], _built(width, factors[place])))
         for choice, place, width in zip(model.chosen, model.places, widths.causes, strict=True)
     }
     places = {choice.key: place for choice, place in zip(model.chosen, model.places, strict=True)}
@@ -55,8 +62,13 @@ def to_tell(settled: Settled, untold: Untold, widths: HalfWidths) -> Iterator[To
         if choice.key in untold.keys:
             continue
         level = model.nuisance.of_level(choice.site.joint)
-        told = tuple(_fitted(model.gap, choice, strengths[level], widths.nuisance[level]))
+        told = tuple(_fitted(model.gap, choice, strengths[level], widths.nuisance[level] / factors[level]))
         yield ToTell(choice, without_cause(model, choice), strengths[level], told)
+
+
+def _built(half: Floats, factors: Floats) -> Floats:
+    # Half-widths of a cause's strengths as the robot file states them, followed by those of its shape parameters.
+    return np.concatenate([half[: factors.size] / factors, half[factors.size :]])
 
 
 def _fitted(gap: Gap, choice: Chosen, strengths: Floats, half: Floats) -> list[Fitted]:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import functools
 import itertools
+from dataclasses import replace
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -20,6 +22,7 @@ from tests.deep import deep
 from tests.hidden.machine import Instant, Machine, write_case
 
 JOINT = "elbow_joint"
+LOAD, HELD_AT = 2.0, np.array([0.0, 0.05, 0.1])  # kg; m from the last link
 
 
 def everything(i: Instant) -> np.ndarray:
@@ -72,3 +75,29 @@ def test_any_two_causes_on_one_joint_make_a_robot_that_can_be_simulated(tmp_path
     assert len(extensions) == len(STRUCTURAL) - 6
     for first, then in itertools.permutations(extensions, 2):
         robot_laws(then(first(gap.robot)))
+
+
+def carried(model: mujoco.MjModel) -> None:
+    """Let the last link carry a point mass of 2 kg."""
+    link = model.body("wrist_3_link").id
+    own, centre = float(model.body_mass[link]), model.body_ipos[link].copy()
+    model.body_mass[link] = own + LOAD
+    model.body_ipos[link] = (own * centre + LOAD * HELD_AT) / (own + LOAD)
+    model.body_sameframe[link] = model.body_simple[link] = 0
+
+
+def test_what_all_joints_feel_is_not_divided_by_one_sensors_scale(tmp_path: Path) -> None:
+    """A mass is no less for the drive that reports too much of it; the drive's own friction, fitted behind it, is."""
+    machine = Machine(hidden={1: lambda i: 0.3 * (i.rigid + i.friction + 4.0 * np.abs(i.v)) + 4.0 * np.abs(i.v)})
+    log_path, robot_path = write_case(tmp_path, replace(machine, change=carried), seed=3, seconds=40.0)
+    diagnosis = diagnose_log(read_log(log_path), read_robot(robot_path))
+    told = {finding.cause: {own.name: own.value for own in finding.parameters} for finding in diagnosis.findings}
+    assert told.keys() == {"body.payload", "drive.torque_constant", "friction.asymmetry"}
+    payload = diagnosis.robot.table.payload
+    assert payload is not None
+    assert told["body.payload"]["mass"] == payload.mass == pytest.approx(LOAD, rel=0.01)
+    np.testing.assert_allclose(payload.com, HELD_AT, atol=2e-3)
+    assert told["friction.asymmetry"]["viscous_asymmetry"] == pytest.approx(4.0, rel=0.05)
+    robot, gap = diagnosis.robot, diagnosis.gap
+    again = gap.measured - gap.chain.rows(predict_effort(robot, robot.body(), gap.motion).reported)
+    np.testing.assert_allclose(again, diagnosis.residual_after, atol=2e-3 * np.abs(gap.measured).max())
