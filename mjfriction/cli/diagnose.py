@@ -50,10 +50,10 @@ def report_diagnosis(
     from mjfriction.report.folder import whole_folder
     from mjfriction.report.result import make_report, report_json
     from mjfriction.report.text import print_report
-    from mjfriction.report.write import write_results
+    from mjfriction.report.write import SOMETIMES, write_results
     from mjfriction.robot.files import read_robot
 
-    with whole_folder(out) as folder, telling() as tell:
+    with whole_folder(out, SOMETIMES) as folder, telling() as tell:
         stated = read_robot(robot)
         log = read_logs(logs, stated.joints, mapping, held_masses(held, logs, stated))
         diagnosis = diagnose_log(log, stated, seed=seed, tell=tell)

@@ -58,10 +58,10 @@ def identify(
     from mjfriction.report.identified import make_identified_report
     from mjfriction.report.result import report_json
     from mjfriction.report.text import print_identified
-    from mjfriction.report.write import write_identified
+    from mjfriction.report.write import SOMETIMES, write_identified
     from mjfriction.robot.files import read_robot
 
-    with whole_folder(out) as folder, telling() as tell:
+    with whole_folder(out, SOMETIMES) as folder, telling() as tell:
         stated = read_robot(robot)
         log = read_logs(logs, stated.joints, map_, held_masses(held, logs, stated))
         identification = identify_log(

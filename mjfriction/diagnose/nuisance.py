@@ -190,7 +190,7 @@ class Nuisance:
 
     def along(self, gap: Gap, sources: Sequence[Source]) -> Nuisance:
         """Return the same kind of nuisances for a gap, with an oscillation from each of ``sources``."""
-        like = replace(make_nuisance(gap, sources, drives=bool(self.drives)), uneven=self.uneven)
+        like = replace(make_nuisance(gap, sources, drives=bool(self.drives)), uneven=self.uneven, wavy=self.wavy)
         return like if self.inertias is None else like.with_links_let_go(gap)
 
 

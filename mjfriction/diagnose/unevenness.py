@@ -47,7 +47,7 @@ def as_uneven(model: Model) -> Model:
             level = level.without(choice)
     wavy = unevenness(level)
     uneven = max(min(wavy / UNEVEN, 1.0), model.nuisance.uneven)
-    return replace(model, nuisance=replace(model.nuisance, uneven=uneven, wavy=wavy))
+    return build_model(model.gap, replace(model.nuisance, uneven=uneven, wavy=wavy), model.chosen)
 
 
 def unevenness(model: Model) -> float:

@@ -9,15 +9,18 @@ import shutil
 import signal
 import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from mjfriction.errors import OutputError
 
 
 @contextlib.contextmanager
-def whole_folder(target: Path) -> Iterator[Path]:
+def whole_folder(target: Path, ours: Collection[str] = ()) -> Iterator[Path]:
     """Yield a hidden folder beside the target to write into; its files move into the target when all are written.
+
+    Files of ``ours`` that an earlier run left in the target, and that are not written now, are removed: they would
+    stand beside results that they do not belong to.
 
     Raises :class:`OutputError` at once when the target cannot be written; leaves nothing behind on any failure.
     """
@@ -30,8 +33,12 @@ def whole_folder(target: Path) -> Iterator[Path]:
         _make(draft, target)
         yield draft
         if target.is_dir():
-            for entry in sorted(draft.iterdir()):
+            written = sorted(draft.iterdir())
+            for entry in written:
                 os.replace(entry, target / entry.name)
+            for name in ours:
+                if draft / name not in written:
+                    (target / name).unlink(missing_ok=True)
         else:
             draft.chmod(0o755)
             os.replace(draft, target)

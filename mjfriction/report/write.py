@@ -14,6 +14,9 @@ from mjfriction.report.rerun_view import write_identified_recording, write_recor
 from mjfriction.report.result import Report, make_report, report_json
 from mjfriction.robot.files import write_robot
 
+NEXT_EXPERIMENT = "next_experiment.parquet"
+SOMETIMES = (NEXT_EXPERIMENT,)  # files that not every run writes
+
 
 def write_results(diagnosis: Diagnosis, report: Report, folder: Path) -> None:
     """Write report.json, report.html, recording.rrd, robot.toml with the model file it names, and
@@ -23,7 +26,7 @@ def write_results(diagnosis: Diagnosis, report: Report, folder: Path) -> None:
     (folder / "report.html").write_text(report_html(diagnosis, report), encoding="utf-8")
     write_recording(diagnosis, report, folder / "recording.rrd")
     if diagnosis.next_experiment is not None:
-        pyarrow.parquet.write_table(diagnosis.next_experiment.trajectory.table(), folder / "next_experiment.parquet")
+        pyarrow.parquet.write_table(diagnosis.next_experiment.trajectory.table(), folder / NEXT_EXPERIMENT)
     source = diagnosis.gap.log.name
     made = "As stated: nothing was fitted to" if report.refused else "Extended by mjfriction from"
     write_robot(diagnosis.robot, folder, comment=f"{made} {source}.\n{report.summary}")
@@ -35,7 +38,7 @@ def save_diagnosis(diagnosis: Diagnosis, folder: Path | str) -> Report:
     Raises :class:`~mjfriction.errors.OutputError` if the folder cannot be written.
     """
     report = make_report(diagnosis)
-    with whole_folder(Path(folder)) as draft:
+    with whole_folder(Path(folder), SOMETIMES) as draft:
         write_results(diagnosis, report, draft)
     return report
 

@@ -9,6 +9,7 @@ import pyarrow as pa
 import pytest
 
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.outcome import Verdict
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder
@@ -60,3 +61,13 @@ def test_the_payload_is_weighed_without_what_the_motion_cannot_show(tmp_path: Pa
     assert fitted["moment_x"].value == pytest.approx(0.3 * 0.02, abs=0.003)
     assert fitted["moment_z"].value == pytest.approx(-0.3 * 0.06, abs=0.003)
     assert found.robot.table.payload is not None
+
+
+def test_without_gravity_no_tilt_is_asked_for(tmp_path: Path) -> None:
+    """An arm that works lying down, in a model whose gravity is switched off, has no direction to be off."""
+    stated = planar(tmp_path)
+    stated = Robot(stated.table.model_copy(update={"gravity": (0.0, 0.0, 0.0)}), stated.folder)
+    motion = excitation(stated.joints, np.zeros(3), np.full(3, 1.2), np.full(3, 2.0), 15.0, seed=3)
+    columns = simulate(stated, motion, recorder=Recorder(250.0), seed=1)
+    found = diagnose_log(log_from_table(pa.table(columns), "planar"), stated)
+    assert (found.findings, found.verdict) == ((), Verdict.CONSISTENT)

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from mjfriction.diagnose import diagnosis
 from mjfriction.diagnose.causes.cause import Site
-from mjfriction.diagnose.causes.coupling import SharedFriction, SharedMotion
+from mjfriction.diagnose.causes.coupling import SharedEffort, SharedFriction, SharedMotion
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.outcome import Verdict
 from mjfriction.identify.gap import measure_gap
@@ -63,3 +65,18 @@ def test_no_coupling_without_an_acceleration_does_as_well(tmp_path: Path, monkey
     others = tuple(cause for cause in diagnosis.STRUCTURAL if not isinstance(cause, SharedMotion))
     monkeypatch.setattr(diagnosis, "STRUCTURAL", others)
     assert diagnose_log(read_log(log), read_robot(robot)).verdict is Verdict.UNEXPLAINED
+
+
+@pytest.mark.parametrize(
+    ("sliding", "units"),
+    [
+        ((False, False), ["N·m", "N·m·s/rad", "N·m·s²/rad", "1"]),
+        ((True, False), ["N", "N·s/rad", "N·s²/rad", "N/(N·m)"]),
+        ((False, True), ["N·m", "N·m·s/m", "N·m·s²/m", "N·m/N"]),
+    ],
+)
+def test_units_between_a_slide_and_a_turning_joint_are_of_both(sliding: tuple[bool, bool], units: list[str]) -> None:
+    gap: Any = SimpleNamespace(body=SimpleNamespace(sliding=sliding))
+    site = Site(0, other=1)
+    quantities = (*SharedMotion().quantities(gap, site), *SharedEffort().quantities(gap, site))
+    assert [own.parameter.unit_for(sliding=sliding[0]) for own in quantities] == units

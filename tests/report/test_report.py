@@ -21,7 +21,7 @@ from mjfriction.record.readers import read_log
 from mjfriction.report.folder import whole_file, whole_folder
 from mjfriction.report.html import report_html
 from mjfriction.report.result import Report, make_report, report_json
-from mjfriction.report.write import write_results
+from mjfriction.report.write import SOMETIMES, write_results
 from mjfriction.robot.files import read_robot
 from scripts.make_schema import schema
 from tests.hidden.machine import Machine, write_case
@@ -145,6 +145,17 @@ def test_results_appear_whole_or_not_at_all(tmp_path: Path) -> None:
         draft.write_text("x")
         assert not (tmp_path / "table.parquet").exists()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["out", "table.parquet"]
+
+
+def test_what_an_earlier_run_left_and_this_one_does_not_write_goes(tmp_path: Path) -> None:
+    target = tmp_path / "out"
+    target.mkdir()
+    for name in ("next_experiment.parquet", "notes.txt", "report.json"):
+        (target / name).write_text("old")
+    with whole_folder(target, SOMETIMES) as folder:
+        (folder / "report.json").write_text("new")
+        assert (target / "next_experiment.parquet").exists(), "until all is written"
+    assert {path.name: path.read_text() for path in target.iterdir()} == {"notes.txt": "old", "report.json": "new"}
 
 
 def test_a_place_that_cannot_be_written_is_named(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import ClassVar, final
 
 import numpy as np
@@ -70,8 +71,9 @@ class _SharedMotion(_Coupling):
         return np.column_stack(self.courses(gap, site))
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """The coefficient of each of them."""
-        return tuple(Quantity(own) for own in self.brings)
+        """The coefficient of each of them, per metre or radian of the other joint."""
+        length = "m" if gap.body.sliding[self.source(gap, site)] else "rad"
+        return tuple(Quantity(replace(own, unit=own.unit.replace("{length}", length))) for own in self.brings)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """The friction has one sign relative to the other joint's motion, slow and fast, within :data:`OTHER_WAY`."""
@@ -124,8 +126,11 @@ class SharedEffort(_Coupling):
         return column(shared_effort(gap.robot, gap.motion, other, gap.known.effort.total[:, other]))
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """The share."""
-        return (Quantity(EFFORT),)
+        """The share, which has a unit between a force and a torque."""
+        sliding = gap.body.sliding
+        if sliding[site.joint] == sliding[self.source(gap, site)]:
+            return (Quantity(EFFORT),)
+        return (Quantity(replace(EFFORT, unit="N/(N·m)" if sliding[site.joint] else "N·m/N")),)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """Less than the whole."""

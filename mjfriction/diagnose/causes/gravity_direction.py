@@ -24,8 +24,8 @@ class GravityDirection(WholeArm):
     name = "body.gravity_direction"
 
     def sites(self, gap: Gap) -> list[Site]:
-        """The whole arm."""
-        return self.felt_most(gap, Site(0))
+        """The whole arm, where there is gravity."""
+        return self.felt_most(gap, Site(0)) if np.any(gap.body.gravity) else []
 
     def torques(self, gap: Gap) -> Floats:
         """Torques per m/s² along the two directions across gravity."""
