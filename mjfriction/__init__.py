@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from mjfriction.diagnose.diagnosis import diagnose_log
-    from mjfriction.diagnose.outcome import Diagnosis, Finding
+    from mjfriction.diagnose.tell.outcome import Diagnosis, Finding
     from mjfriction.errors import MjfrictionError
     from mjfriction.identify.comparison import Comparison, compare_robots
     from mjfriction.identify.identification import identify_log
@@ -29,9 +29,9 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "Comparison": "mjfriction.identify.comparison",
-    "Diagnosis": "mjfriction.diagnose.outcome",
+    "Diagnosis": "mjfriction.diagnose.tell.outcome",
     "Identification": "mjfriction.identify.outcome",
-    "Finding": "mjfriction.diagnose.outcome",
+    "Finding": "mjfriction.diagnose.tell.outcome",
     "Friction": "mjfriction.laws.friction",
     "Level": "mjfriction.laws.friction",
     "Log": "mjfriction.record.log",

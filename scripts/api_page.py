@@ -12,9 +12,9 @@ import re
 from pathlib import Path
 
 import mjfriction
-from mjfriction.diagnose.extend import Adjustment
-from mjfriction.diagnose.outcome import Verdict
-from mjfriction.diagnose.separate import Experiment
+from mjfriction.diagnose.fit.extend import Adjustment
+from mjfriction.diagnose.tell.outcome import Verdict
+from mjfriction.diagnose.tell.separate import Experiment
 from mjfriction.identify.fitted import Fitted
 from mjfriction.identify.joint_error import JointError
 from mjfriction.identify.outcome import Candidate, JointLaw

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 import mjfriction as mjf
-from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.diagnose.tell.outcome import Diagnosis
 from mjfriction.identify.identification import identify_log
 from mjfriction.identify.map_choice import choose_on_map
 from mjfriction.laws.catalog import find_law

@@ -30,6 +30,8 @@ FLOOR = {
     "report": 6,
     "cli": 7,
 }
+# The rooms of the diagnosis, from the ground up.
+DIAGNOSE = ["faults", "causes", "fit", "search", "settle", "tell", "diagnosis"]
 ONLY_IN = {
     "pinocchio": {"body"},
     "mujoco": {"sim"},
@@ -65,6 +67,21 @@ def test_imports_go_down_only() -> None:
         sideways = here != there and FLOOR[here] == FLOOR[there] in (2,)
         if FLOOR[there] > FLOOR[here] or sideways:
             wrong.append(f"{path.relative_to(PACKAGE)} imports {name}")
+    assert not wrong
+
+
+def test_the_rooms_of_the_diagnosis_have_floors_too() -> None:
+    wrong, diagnose = [], PACKAGE / "diagnose"
+    for path, name in imports():
+        parts = name.split(".")
+        if (
+            path.is_relative_to(diagnose)
+            and parts[:2] == ["mjfriction", "diagnose"]
+            and path != diagnose / "__init__.py"
+        ):
+            here = path.relative_to(diagnose).parts[0].removesuffix(".py")
+            if DIAGNOSE.index(parts[2]) > DIAGNOSE.index(here):
+                wrong.append(f"{path.relative_to(PACKAGE)} imports {name}")
     assert not wrong
 
 

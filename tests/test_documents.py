@@ -9,10 +9,6 @@ import sys
 from pathlib import Path
 
 from mjfriction.control.observe import OBSERVERS
-from mjfriction.diagnose import free_run, mend, misplaced
-from mjfriction.diagnose.alike import AT_THE_BAR, MOST_CONFIDENT, ROOM
-from mjfriction.diagnose.as_little import AS_GOOD
-from mjfriction.diagnose.audit import AS_KNOWN
 from mjfriction.diagnose.causes.along_stroke import FINEST
 from mjfriction.diagnose.causes.carried_drive import RATIOS as CARRIED
 from mjfriction.diagnose.causes.carried_drive import TRIED, WHOLE
@@ -29,30 +25,35 @@ from mjfriction.diagnose.causes.steepening_viscous import POWERS
 from mjfriction.diagnose.causes.stribeck import GONE_BY, UNFINISHED
 from mjfriction.diagnose.causes.varying import EDGE, Step
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
-from mjfriction.diagnose.compete import KEPT, MOST_CAUSES
-from mjfriction.diagnose.contacts import NO_CONTACT, RIGID
-from mjfriction.diagnose.exact import EXACT, MOST_JOINTS
-from mjfriction.diagnose.exchange import MOST_EXCHANGED
-from mjfriction.diagnose.findings import FAINTEST, ONE_OF_MANY
-from mjfriction.diagnose.free_links import BAR, FEWEST_GAINING, LEAST_GAINED, MANY, STRAINED
-from mjfriction.diagnose.held_links import NEARLY_ALL, NEARLY_EXACT
-from mjfriction.diagnose.kin import FULLER_CHANCE, KIN_CHANCE, LEAST_KIN_EFFECT
-from mjfriction.diagnose.link_finding import ALWAYS_NOTED, SURELY
-from mjfriction.diagnose.look import NO_WORSE
-from mjfriction.diagnose.misplaced import EXPLAINED
-from mjfriction.diagnose.nuisance import FARTHEST, LET_GO
-from mjfriction.diagnose.oscillations import INSTEAD, LEAST_TOLD, NEAR, QUIETER, RESONANT
-from mjfriction.diagnose.refitted import CONSTANT, FEWEST_JOINTS, LINK_SCALE, LINK_SHIFT, OUT_OF_CHANCE, ROTOR, ZERO
-from mjfriction.diagnose.refusal import ON_THE_WAY
-from mjfriction.diagnose.richer import PAYS
-from mjfriction.diagnose.short_list import NEAR_BEST
-from mjfriction.diagnose.stated import FADED, LEFT, OUTLYING
-from mjfriction.diagnose.stroke_curve import FEWEST_HARMONIC, HARMONIC, HIGHEST
-from mjfriction.diagnose.trial import EVENEST, FALSE_ALARM, LEAST_EFFECT, STANDS_OUT, UNEVEN, WAVIEST
-from mjfriction.diagnose.unevenness import TOLD_BY
-from mjfriction.diagnose.untold import BRISTLE_MISFIT, DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
-from mjfriction.diagnose.verdict import FEWEST_SHOWN, LEAST_FRICTION, LEAST_SHOWN, MUCH_COLOURED
-from mjfriction.diagnose.which_log import LOUDER
+from mjfriction.diagnose.faults import mend, misplaced
+from mjfriction.diagnose.faults.audit import AS_KNOWN
+from mjfriction.diagnose.faults.look import NO_WORSE
+from mjfriction.diagnose.faults.misplaced import EXPLAINED
+from mjfriction.diagnose.faults.which_log import LOUDER
+from mjfriction.diagnose.fit.as_little import AS_GOOD
+from mjfriction.diagnose.fit.exact import EXACT, MOST_JOINTS
+from mjfriction.diagnose.fit.nuisance import FARTHEST, LET_GO
+from mjfriction.diagnose.fit.refitted import CONSTANT, FEWEST_JOINTS, LINK_SCALE, LINK_SHIFT, OUT_OF_CHANCE, ROTOR, ZERO
+from mjfriction.diagnose.fit.trial import EVENEST, FALSE_ALARM, LEAST_EFFECT, STANDS_OUT, UNEVEN, WAVIEST
+from mjfriction.diagnose.search.compete import KEPT, MOST_CAUSES
+from mjfriction.diagnose.search.exchange import MOST_EXCHANGED
+from mjfriction.diagnose.search.free_links import BAR, FEWEST_GAINING, LEAST_GAINED, MANY, STRAINED
+from mjfriction.diagnose.search.kin import FULLER_CHANCE, KIN_CHANCE, LEAST_KIN_EFFECT
+from mjfriction.diagnose.search.oscillations import INSTEAD, LEAST_TOLD, NEAR, QUIETER, RESONANT
+from mjfriction.diagnose.search.refusal import ON_THE_WAY
+from mjfriction.diagnose.search.richer import PAYS
+from mjfriction.diagnose.search.short_list import NEAR_BEST
+from mjfriction.diagnose.search.stroke_curve import FEWEST_HARMONIC, HARMONIC, HIGHEST
+from mjfriction.diagnose.search.unevenness import TOLD_BY
+from mjfriction.diagnose.settle.held_links import NEARLY_ALL, NEARLY_EXACT
+from mjfriction.diagnose.settle.stated import FADED, LEFT, OUTLYING
+from mjfriction.diagnose.tell import free_run
+from mjfriction.diagnose.tell.alike import AT_THE_BAR, MOST_CONFIDENT, ROOM
+from mjfriction.diagnose.tell.contacts import NO_CONTACT, RIGID
+from mjfriction.diagnose.tell.findings import FAINTEST, ONE_OF_MANY
+from mjfriction.diagnose.tell.link_finding import ALWAYS_NOTED, SURELY
+from mjfriction.diagnose.tell.untold import BRISTLE_MISFIT, DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
+from mjfriction.diagnose.tell.verdict import FEWEST_SHOWN, LEAST_FRICTION, LEAST_SHOWN, MUCH_COLOURED
 from mjfriction.identify import choose, conclude, gap, landings, turning
 from mjfriction.identify.colour import AROUND, COLOURED, EVEN_BELOW
 from mjfriction.identify.doubt import WITHIN

@@ -7,22 +7,22 @@ from collections.abc import Collection
 import numpy as np
 
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
-from mjfriction.diagnose.exact import usual_nuisance
-from mjfriction.diagnose.extend import adjustments, extend_robot
-from mjfriction.diagnose.field import make_field
-from mjfriction.diagnose.findings import make_findings
-from mjfriction.diagnose.free_run import FreeRun, run_freely
-from mjfriction.diagnose.mend import audited
-from mjfriction.diagnose.model import Model
-from mjfriction.diagnose.nuisance import Nuisance
-from mjfriction.diagnose.outcome import Diagnosis, Verdict
-from mjfriction.diagnose.second_look import compete_twice
-from mjfriction.diagnose.seen_play import play_findings, see_play, unseen
-from mjfriction.diagnose.stated import settle
-from mjfriction.diagnose.stroke_curve import stroke_curves
-from mjfriction.diagnose.unevenness import as_uneven, with_unevenness
-from mjfriction.diagnose.untold import find_untold
-from mjfriction.diagnose.verdict import judged, reach_verdict, summarize, unexplained, with_faults
+from mjfriction.diagnose.faults.mend import audited
+from mjfriction.diagnose.fit.exact import usual_nuisance
+from mjfriction.diagnose.fit.extend import adjustments, extend_robot
+from mjfriction.diagnose.fit.model import Model
+from mjfriction.diagnose.fit.nuisance import Nuisance
+from mjfriction.diagnose.search.field import make_field
+from mjfriction.diagnose.search.second_look import compete_twice
+from mjfriction.diagnose.search.stroke_curve import stroke_curves
+from mjfriction.diagnose.search.unevenness import as_uneven, with_unevenness
+from mjfriction.diagnose.settle.stated import settle
+from mjfriction.diagnose.tell.findings import make_findings
+from mjfriction.diagnose.tell.free_run import FreeRun, run_freely
+from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
+from mjfriction.diagnose.tell.seen_play import play_findings, see_play, unseen
+from mjfriction.diagnose.tell.untold import find_untold
+from mjfriction.diagnose.tell.verdict import judged, reach_verdict, summarize, unexplained, with_faults
 from mjfriction.errors import InputError
 from mjfriction.identify.effort_bandwidth import find_bandwidths, with_bandwidths
 from mjfriction.identify.joint_error import joint_error

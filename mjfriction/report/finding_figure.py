@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 from scipy.signal import lombscargle
 
-from mjfriction.diagnose.outcome import Diagnosis, Finding
+from mjfriction.diagnose.tell.outcome import Diagnosis, Finding
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import covariate_rows
 from mjfriction.record.log import Floats

@@ -6,7 +6,7 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from mjfriction.diagnose.free_run import FreeRun
+from mjfriction.diagnose.tell.free_run import FreeRun
 from mjfriction.record.log import Floats
 from mjfriction.report.figures import AFTER, BEFORE, INK, styled
 

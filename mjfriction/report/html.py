@@ -8,7 +8,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
-from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.diagnose.tell.outcome import Diagnosis
 from mjfriction.identify.outcome import Identification
 from mjfriction.identify.structure import COVARIATES
 from mjfriction.report.compared import Compared

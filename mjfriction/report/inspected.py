@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from mjfriction.diagnose.mend import audited
-from mjfriction.diagnose.visible import Visible, visible_causes
+from mjfriction.diagnose.faults.mend import audited
+from mjfriction.diagnose.tell.visible import Visible, visible_causes
 from mjfriction.identify.gap import Gap
 from mjfriction.progress import Tell, silently
 from mjfriction.record.log import CURRENT, EFFORT, KNOWN, VELOCITY, Log

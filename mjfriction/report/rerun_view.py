@@ -13,8 +13,8 @@ import rerun as rr
 import rerun.blueprint as rrb
 from plotly.colors import hex_to_rgb
 
-from mjfriction.diagnose.free_run import FreeRun
-from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.diagnose.tell.free_run import FreeRun
+from mjfriction.diagnose.tell.outcome import Diagnosis
 from mjfriction.errors import SimulationError
 from mjfriction.identify.comparison import Comparison
 from mjfriction.identify.gap import Gap, gap_of

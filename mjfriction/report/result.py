@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, PlainSerializer
 
-from mjfriction.diagnose.outcome import Diagnosis, Finding
+from mjfriction.diagnose.tell.outcome import Diagnosis, Finding
 from mjfriction.identify.colour import NOTHING
 from mjfriction.identify.falling import FASTER
 from mjfriction.identify.fitted import Fitted

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pyarrow.parquet
 
-from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.diagnose.tell.outcome import Diagnosis
 from mjfriction.identify.outcome import Identification
 from mjfriction.report.folder import whole_folder
 from mjfriction.report.html import identified_html, report_html

@@ -14,9 +14,9 @@ from mjfriction.benchmark.cases import SEVERITY, Case, Setting, draw_of, make_ca
 from mjfriction.benchmark.drawing import draw_case
 from mjfriction.benchmark.effects.catalog import EFFECTS, Draw
 from mjfriction.benchmark.score import Finding, Outcome, score
-from mjfriction.diagnose import as_known, kin, refusal
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.diagnose.search import as_known, kin, refusal
+from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.errors import SimulationError
 from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table

@@ -8,18 +8,20 @@ import pyarrow as pa
 import pytest
 
 from mjfriction.benchmark.drawing import draw_case
-from mjfriction.diagnose import oscillations, stated, untold
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.encoder_offset import EncoderOffset
 from mjfriction.diagnose.causes.spring import Spring
-from mjfriction.diagnose.compete import compete
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.exact import level_changes, usual_nuisance
-from mjfriction.diagnose.field import make_field
-from mjfriction.diagnose.kin import plainer
-from mjfriction.diagnose.model import Chosen, build_model
-from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.diagnose.fit.exact import level_changes, usual_nuisance
+from mjfriction.diagnose.fit.model import Chosen, build_model
+from mjfriction.diagnose.search import oscillations
+from mjfriction.diagnose.search.compete import compete
+from mjfriction.diagnose.search.field import make_field
+from mjfriction.diagnose.search.kin import plainer
+from mjfriction.diagnose.settle import stated
+from mjfriction.diagnose.tell import untold
+from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.readers.table import log_from_table
 
@@ -74,8 +76,8 @@ def test_a_hum_is_no_give_of_the_transmission(monkeypatch: pytest.MonkeyPatch) -
     diagnosis = diagnosed(300084)
     assert diagnosis.verdict is Verdict.UNEXPLAINED
     assert ("drive.elasticity", "axis") not in named(diagnosis)
-    monkeypatch.setattr("mjfriction.diagnose.compete.new_oscillations", lambda model: [])
-    monkeypatch.setattr("mjfriction.diagnose.verdict.coloured_share", lambda *_: 0.0)
+    monkeypatch.setattr("mjfriction.diagnose.search.compete.new_oscillations", lambda model: [])
+    monkeypatch.setattr("mjfriction.diagnose.tell.verdict.coloured_share", lambda *_: 0.0)
     assert diagnosed(300084).verdict is not Verdict.UNEXPLAINED
 
 
@@ -85,7 +87,7 @@ def test_a_hum_is_heard_beside_a_cause_and_is_none(monkeypatch: pytest.MonkeyPat
     diagnosis = diagnosed(400037)
     assert named(diagnosis) == {("drive.cogging", "axis")}
     assert "a steady tone of 1.06 Hz" in diagnosis.summary
-    monkeypatch.setattr("mjfriction.diagnose.compete.new_oscillations", lambda model: [])
+    monkeypatch.setattr("mjfriction.diagnose.search.compete.new_oscillations", lambda model: [])
     assert named(diagnosed(400037)) != {("drive.cogging", "axis")}
 
 
@@ -106,7 +108,7 @@ def test_a_load_that_swings_is_heard_beside_causes_and_is_none(monkeypatch: pyte
     diagnosis = diagnosed(581229)
     assert named(diagnosis) == found
     assert "a load that swings at " in diagnosis.summary
-    monkeypatch.setattr("mjfriction.diagnose.oscillations._loudest_swing", lambda *_: None)
+    monkeypatch.setattr("mjfriction.diagnose.search.oscillations._loudest_swing", lambda *_: None)
     monkeypatch.setattr(untold, "DROWNED", 1.0)
     assert named(diagnosed(581229)) != found
 
@@ -122,7 +124,7 @@ def test_a_robot_that_is_off_has_no_link_of_its_own(monkeypatch: pytest.MonkeyPa
 @pytest.mark.deep
 def test_causes_that_go_under_in_what_none_explains_are_no_findings(monkeypatch: pytest.MonkeyPatch) -> None:
     # A load that swings, which goes unheard here.
-    monkeypatch.setattr("mjfriction.diagnose.oscillations._loudest_swing", lambda *_: None)
+    monkeypatch.setattr("mjfriction.diagnose.search.oscillations._loudest_swing", lambda *_: None)
     diagnosis = diagnosed(300007)
     assert diagnosis.verdict is Verdict.UNEXPLAINED
     assert {finding.joint for finding in diagnosis.findings} == {"joint6"}

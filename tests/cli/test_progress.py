@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.visible import visible_causes
+from mjfriction.diagnose.tell.visible import visible_causes
 from mjfriction.identify.comparison import compare_robots
 from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.identification import identify_log

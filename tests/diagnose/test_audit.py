@@ -14,13 +14,13 @@ import pytest
 from mjfriction.benchmark.cases import Setting, make_case
 from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.cli.logs import read_logs
-from mjfriction.diagnose import misplaced
-from mjfriction.diagnose.audit import find_faults
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.mend import audited
-from mjfriction.diagnose.misplaced import find_misplaced
-from mjfriction.diagnose.outcome import Diagnosis, Verdict
-from mjfriction.diagnose.units import find_degrees, find_degrees_by_velocity
+from mjfriction.diagnose.faults import misplaced
+from mjfriction.diagnose.faults.audit import find_faults
+from mjfriction.diagnose.faults.mend import audited
+from mjfriction.diagnose.faults.misplaced import find_misplaced
+from mjfriction.diagnose.faults.units import find_degrees, find_degrees_by_velocity
+from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.errors import LogError
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.log import Log

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from scipy.stats import f as fisher
 
-from mjfriction.diagnose.alike import AT_THE_BAR, _clearly
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.waves import Cogging
-from mjfriction.diagnose.compete import KEPT, _stays
-from mjfriction.diagnose.field import Chances
-from mjfriction.diagnose.model import Chosen
-from mjfriction.diagnose.trial import FALSE_ALARM, Trial
-from mjfriction.diagnose.wald import Wald
+from mjfriction.diagnose.fit.model import Chosen
+from mjfriction.diagnose.fit.trial import FALSE_ALARM, Trial
+from mjfriction.diagnose.fit.wald import Wald
+from mjfriction.diagnose.search.compete import KEPT, _stays
+from mjfriction.diagnose.search.field import Chances
+from mjfriction.diagnose.tell.alike import AT_THE_BAR, _clearly
 
 CANDIDATES, SPARE = 1000, 40
 

@@ -17,9 +17,9 @@ from mjfriction.diagnose.causes.links import LinkScale
 from mjfriction.diagnose.causes.load import Load
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.model import Chosen, build_model, same_columns
-from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.refusal import _of_landings
+from mjfriction.diagnose.fit.model import Chosen, build_model, same_columns
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.search.refusal import _of_landings
 from mjfriction.identify.gap import Gap, gap_of, measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.body_tables import LinkInertia, Payload

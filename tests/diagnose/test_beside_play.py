@@ -8,10 +8,10 @@ import pytest
 
 from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
-from mjfriction.diagnose.model import Chosen, build_model
-from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.stated import Settled
-from mjfriction.diagnose.untold import find_untold
+from mjfriction.diagnose.fit.model import Chosen, build_model
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.settle.stated import Settled
+from mjfriction.diagnose.tell.untold import find_untold
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation

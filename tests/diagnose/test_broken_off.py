@@ -6,15 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from mjfriction.diagnose import compete as compete_module
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.presliding import SlippingElements
 from mjfriction.diagnose.causes.spring import Spring
-from mjfriction.diagnose.compete import compete
-from mjfriction.diagnose.exact import usual_nuisance
-from mjfriction.diagnose.field import make_field
-from mjfriction.diagnose.model import Chosen, Model
+from mjfriction.diagnose.fit.exact import usual_nuisance
+from mjfriction.diagnose.fit.model import Chosen, Model
+from mjfriction.diagnose.search import compete as compete_module
+from mjfriction.diagnose.search.compete import compete
+from mjfriction.diagnose.search.field import make_field
 from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.tone import Tone
 from mjfriction.record.readers import read_log

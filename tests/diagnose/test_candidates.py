@@ -8,11 +8,11 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from mjfriction.diagnose import short_list
 from mjfriction.diagnose.causes.saturating_viscous import SaturatingViscous
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.trial import Trial
+from mjfriction.diagnose.fit.trial import Trial
+from mjfriction.diagnose.search import short_list
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
@@ -86,8 +86,8 @@ def test_what_makes_too_little_is_listed_as_refitted_and_not_told(
 
     def offsets(least: float) -> tuple[list[str], list[float]]:
         # The bar of what is told alone; the competition keeps its own.
-        monkeypatch.setattr("mjfriction.diagnose.untold.negligible", lambda *_: least > 0.0)
-        monkeypatch.setattr("mjfriction.diagnose.trial.Trial.passes", passes)
+        monkeypatch.setattr("mjfriction.diagnose.tell.untold.negligible", lambda *_: least > 0.0)
+        monkeypatch.setattr("mjfriction.diagnose.fit.trial.Trial.passes", passes)
         found = diagnose_log(log, read_robot(tmp_path / "robot.toml"))
         listed = [entry.fitted for entry in found.adjustments if entry.what == "offset"]
         return [finding.cause for finding in found.findings], listed

@@ -13,7 +13,6 @@ import pytest
 from mjfriction.benchmark.cases import Setting, make_case
 from mjfriction.benchmark.effects.drive import turned_too
 from mjfriction.benchmark.effects.effect import Effect, Place, sign
-from mjfriction.diagnose import compete
 from mjfriction.diagnose.causes.carried_drive import (
     DifferenceCarried,
     DifferenceCarriedRotor,
@@ -22,11 +21,12 @@ from mjfriction.diagnose.causes.carried_drive import (
 )
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.field import chances_in
-from mjfriction.diagnose.model import Chosen, Model, build_model
-from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.one_transmission import leaning
-from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.diagnose.fit.model import Chosen, Model, build_model
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.search import compete
+from mjfriction.diagnose.search.field import chances_in
+from mjfriction.diagnose.search.one_transmission import leaning
+from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log

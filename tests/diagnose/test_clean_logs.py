@@ -11,8 +11,8 @@ import pyarrow.parquet
 import pytest
 
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.outcome import Verdict
-from mjfriction.diagnose.verdict import STRUCTURED
+from mjfriction.diagnose.tell.outcome import Verdict
+from mjfriction.diagnose.tell.verdict import STRUCTURED
 from mjfriction.identify import gap
 from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.structure import find_structure

@@ -6,7 +6,7 @@ from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.spring import Spring
 from mjfriction.diagnose.causes.stribeck import Stribeck
-from mjfriction.diagnose.model import Chosen, without_contained
+from mjfriction.diagnose.fit.model import Chosen, without_contained
 
 
 def test_a_spring_has_the_offset_of_its_own_joint_and_no_other() -> None:

@@ -8,15 +8,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import courses, stated
 from mjfriction.diagnose.causes.along_stroke import AlongStroke, FrictionAlongStroke, TorqueAlongStroke, travelled
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
-from mjfriction.diagnose.courses import as_courses
-from mjfriction.diagnose.model import Chosen, build_model
-from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.stroke_curve import StrokeCurve
+from mjfriction.diagnose.fit.model import Chosen, build_model
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.search import courses
+from mjfriction.diagnose.search.courses import as_courses
+from mjfriction.diagnose.search.stroke_curve import StrokeCurve
+from mjfriction.diagnose.settle import stated
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.identify.structure import Structure
 from mjfriction.record.readers import read_log

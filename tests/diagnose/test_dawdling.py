@@ -11,7 +11,7 @@ import pytest
 
 from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.plant.motions import excitation
 from mjfriction.record.log import Log
 from mjfriction.record.motion import Motion, estimate_motion

@@ -10,13 +10,14 @@ import mujoco
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import exact, held_links, stated
 from mjfriction.diagnose.causes.links import LoneLink
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.exact import level_changes, stated_exactly, usual_nuisance
-from mjfriction.diagnose.model import build_model
-from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.diagnose.fit import exact
+from mjfriction.diagnose.fit.exact import level_changes, stated_exactly, usual_nuisance
+from mjfriction.diagnose.fit.model import build_model
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.settle import held_links, stated
+from mjfriction.diagnose.tell.outcome import Diagnosis
 from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.regression import Rows, System
 from mjfriction.record.readers import read_log

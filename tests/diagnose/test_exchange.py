@@ -8,19 +8,19 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from mjfriction.diagnose import exchange as exchange_module
-from mjfriction.diagnose.alike import standing
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LinkScale
 from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
-from mjfriction.diagnose.compete import NO_DIFFERENCE
-from mjfriction.diagnose.exchange import Kinds, exchanged
-from mjfriction.diagnose.field import Field, chances_in, make_field
-from mjfriction.diagnose.model import Chosen, Model, build_model
-from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.tangent import straightened
+from mjfriction.diagnose.fit.model import Chosen, Model, build_model
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.fit.tangent import straightened
+from mjfriction.diagnose.search import exchange as exchange_module
+from mjfriction.diagnose.search.compete import NO_DIFFERENCE
+from mjfriction.diagnose.search.exchange import Kinds, exchanged
+from mjfriction.diagnose.search.field import Field, chances_in, make_field
+from mjfriction.diagnose.tell.alike import standing
 from mjfriction.identify.gap import measure_gap
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation

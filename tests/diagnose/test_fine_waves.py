@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.outcome import Verdict
+from mjfriction.diagnose.tell.outcome import Verdict
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_JOINTS, Instant, Machine, write_case

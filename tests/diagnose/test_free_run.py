@@ -10,11 +10,11 @@ import pytest
 from numpy.typing import NDArray
 
 from mjfriction.benchmark.cases import Case, Setting, draw_of, make_case
-from mjfriction.diagnose import free_run
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.free_run import SECONDS
-from mjfriction.diagnose.model import Model
-from mjfriction.diagnose.outcome import Verdict
+from mjfriction.diagnose.fit.model import Model
+from mjfriction.diagnose.tell import free_run
+from mjfriction.diagnose.tell.free_run import SECONDS
+from mjfriction.diagnose.tell.outcome import Verdict
 from mjfriction.identify import stretches
 from mjfriction.identify.gap import Gap, gap_of, measure_gap
 from mjfriction.identify.stretches import Cuts, Stretches, simulated_error, stretches_at

@@ -8,15 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import diagnosis, refusal
+from mjfriction.diagnose import diagnosis
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.friction_spot import FrictionSpot
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.model import Chosen, build_model
-from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.outcome import Diagnosis
-from mjfriction.diagnose.shapes import apart
+from mjfriction.diagnose.fit.model import Chosen, build_model
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.fit.shapes import apart
+from mjfriction.diagnose.search import refusal
+from mjfriction.diagnose.tell.outcome import Diagnosis
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.effort import predict_effort

@@ -13,8 +13,8 @@ from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LinkScale
 from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.model import Chosen, same_columns
-from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.diagnose.fit.model import Chosen, same_columns
+from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Machine, write_case

@@ -9,11 +9,13 @@ import pyarrow as pa
 import pytest
 
 from mjfriction.control.servo import Control
-from mjfriction.diagnose import compete, diagnosis, stated
+from mjfriction.diagnose import diagnosis
 from mjfriction.diagnose.causes.friction_spot import FrictionSpot
 from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.diagnose.search import compete
+from mjfriction.diagnose.settle import stated
+from mjfriction.diagnose.tell.outcome import Diagnosis
 from mjfriction.identify.protocol import plan_excitation
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.sensors import Recorder

@@ -9,19 +9,19 @@ import mujoco
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import link_finding
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.gravity_direction import GravityDirection
 from mjfriction.diagnose.causes.links import LEAST_NOTED, LinkCentre, LoneWholeLink
-from mjfriction.diagnose.exact import least_off, level_changes, may_be_off
-from mjfriction.diagnose.field import make_field
-from mjfriction.diagnose.held_links import _stand_out as stand_out
-from mjfriction.diagnose.held_links import held_links
-from mjfriction.diagnose.intervals import half_widths
-from mjfriction.diagnose.model import Chosen, Model, build_model
-from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.tangent import straightened
+from mjfriction.diagnose.fit.exact import least_off, level_changes, may_be_off
+from mjfriction.diagnose.fit.intervals import half_widths
+from mjfriction.diagnose.fit.model import Chosen, Model, build_model
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.fit.tangent import straightened
+from mjfriction.diagnose.search.field import make_field
+from mjfriction.diagnose.settle.held_links import _stand_out as stand_out
+from mjfriction.diagnose.settle.held_links import held_links
+from mjfriction.diagnose.tell import link_finding
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot

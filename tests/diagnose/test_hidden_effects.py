@@ -15,11 +15,13 @@ import pyarrow.parquet as pq
 import pytest
 
 import mjfriction.diagnose.diagnosis as module
-from mjfriction.diagnose import link_finding, nuisance, refitted, stated, trial, untold
 from mjfriction.diagnose.causes import links
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.model import Chosen, Model, build_model
-from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.diagnose.fit import nuisance, refitted, trial
+from mjfriction.diagnose.fit.model import Chosen, Model, build_model
+from mjfriction.diagnose.settle import stated
+from mjfriction.diagnose.tell import link_finding, untold
+from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
@@ -201,7 +203,7 @@ def test_without_the_cause_among_the_candidates_it_is_not_found(
     with_it = diagnosed(case.cause)
     kept = tuple(cause for cause in module.STRUCTURAL if cause.name != case.cause)
     monkeypatch.setattr(module, "STRUCTURAL", kept)
-    monkeypatch.setattr("mjfriction.diagnose.stated.LEAST_CHANGE", np.inf)
+    monkeypatch.setattr("mjfriction.diagnose.settle.stated.LEAST_CHANGE", np.inf)
     without_it = run(tmp_path, machine, seed=21)
     assert (case.cause, UR5_JOINTS[case.joint]) not in names(without_it)
     if case.cause not in ALIKE:
@@ -569,8 +571,8 @@ def test_friction_that_is_a_little_uneven_everywhere_is_no_finding(
     # A single wave as small on a machine that is even is one.
     one = Machine(noise=0.03, hidden={2: uneven(2)})
     assert names(run(tmp_path / "one", one, seed=21)) == [("friction.position", "elbow_joint")]
-    monkeypatch.setattr("mjfriction.diagnose.unevenness.UNEVEN", np.inf)
-    monkeypatch.setattr("mjfriction.diagnose.trial.STANDS_OUT", 0.0)
+    monkeypatch.setattr("mjfriction.diagnose.search.unevenness.UNEVEN", np.inf)
+    monkeypatch.setattr("mjfriction.diagnose.fit.trial.STANDS_OUT", 0.0)
     told = [cause for cause, _ in names(run(tmp_path / "told", machine, seed=21))]
     assert set(told) == {"friction.position"}
     assert len(told) >= 5
@@ -588,7 +590,7 @@ def test_the_ripple_of_gears_is_told_where_it_stands_out(tmp_path: Path, monkeyp
     large = Machine(noise=0.03, hidden={1: cogs(1, 0.25), 2: cogs(2, 0.25)})
     both = {("drive.cogging", "shoulder_lift_joint"), ("drive.cogging", "elbow_joint")}
     assert set(names(run(tmp_path / "large", large, seed=21))) == both
-    monkeypatch.setattr("mjfriction.diagnose.trial.STANDS_OUT", 0.0)
+    monkeypatch.setattr("mjfriction.diagnose.fit.trial.STANDS_OUT", 0.0)
     told = names(run(tmp_path / "told", alike, seed=21))
     assert len(told) >= 2
     assert {cause for cause, _ in told} == {"drive.cogging"}
@@ -603,7 +605,7 @@ def test_a_warm_up_of_two_time_constants_is_one_warm_up(tmp_path: Path, monkeypa
     machine = Machine(noise=0.1, hidden={2: warms})
     assert names(run(tmp_path / "one", machine, seed=21)) == [("friction.temperature", "elbow_joint")]
     # What one time constant leaves of the two looks like a step, else.
-    monkeypatch.setattr("mjfriction.diagnose.untold.LEAST_OF_COURSES", 0.0)
+    monkeypatch.setattr("mjfriction.diagnose.tell.untold.LEAST_OF_COURSES", 0.0)
     assert ("event.change", "elbow_joint") in names(run(tmp_path / "two", machine, seed=21))
 
 
@@ -627,7 +629,7 @@ def test_what_a_late_drive_reports_of_another_cause_is_late_too(
     assert fitted["wavenumber"] == pytest.approx(12.0, rel=0.01)
     assert fitted["cosine"] == pytest.approx(3.0, rel=0.05)
     # Heard as if the drive were prompt, the wave is another wave.
-    monkeypatch.setattr("mjfriction.diagnose.as_known.HEARD", np.inf)
+    monkeypatch.setattr("mjfriction.diagnose.search.as_known.HEARD", np.inf)
     monkeypatch.setattr("mjfriction.diagnose.causes.delay._Delay.of_sensor", False)
     prompt = run(tmp_path / "prompt", machine, seed=5)
     assert set(names(prompt)) != both

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import tangent
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.fit import tangent
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import stated
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.settle import stated
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_COULOMB, Instant, Machine, write_case

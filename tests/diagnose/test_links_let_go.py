@@ -11,21 +11,22 @@ import mujoco
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import free_links, second_look, trial
-from mjfriction.diagnose.base_changes import base_changes
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LinkScale
-from mjfriction.diagnose.compete import compete
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.exact import usual_nuisance
-from mjfriction.diagnose.field import make_field
-from mjfriction.diagnose.free_links import compete_for_links
-from mjfriction.diagnose.intervals import half_widths
-from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
-from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.outcome import Diagnosis, Verdict
-from mjfriction.diagnose.trial import try_out
+from mjfriction.diagnose.fit import trial
+from mjfriction.diagnose.fit.base_changes import base_changes
+from mjfriction.diagnose.fit.exact import usual_nuisance
+from mjfriction.diagnose.fit.intervals import half_widths
+from mjfriction.diagnose.fit.model import Chosen, Model, build_model, cause_block
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.fit.trial import try_out
+from mjfriction.diagnose.search import free_links, second_look
+from mjfriction.diagnose.search.compete import compete
+from mjfriction.diagnose.search.field import make_field
+from mjfriction.diagnose.search.free_links import compete_for_links
+from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log

@@ -9,16 +9,16 @@ import mujoco
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import alike
-from mjfriction.diagnose.alike import standing
 from mjfriction.diagnose.causes.cause import Cause, Site
 from mjfriction.diagnose.causes.links import LinkCentre, LinkScale, LoneWholeLink
 from mjfriction.diagnose.causes.payload import Payload
-from mjfriction.diagnose.field import make_field
-from mjfriction.diagnose.load_at_flange import as_load
-from mjfriction.diagnose.model import Chosen, Model, build_model
-from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.tangent import straightened
+from mjfriction.diagnose.fit.model import Chosen, Model, build_model
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.fit.tangent import straightened
+from mjfriction.diagnose.search.field import make_field
+from mjfriction.diagnose.settle.load_at_flange import as_load
+from mjfriction.diagnose.tell import alike
+from mjfriction.diagnose.tell.alike import standing
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot

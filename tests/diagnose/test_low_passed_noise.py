@@ -9,9 +9,9 @@ import pyarrow.parquet as pq
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
-from mjfriction.diagnose import verdict
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.diagnose.tell import verdict
+from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_JOINTS, Machine, record, robot_toml

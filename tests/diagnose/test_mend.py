@@ -13,13 +13,13 @@ import pytest
 
 from mjfriction.benchmark.cases import Setting, make_case
 from mjfriction.cli.logs import read_logs
-from mjfriction.diagnose import mend, misplaced
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.mend import audited
-from mjfriction.diagnose.misplaced import find_misplaced
-from mjfriction.diagnose.outcome import Diagnosis, Finding, Verdict
-from mjfriction.diagnose.read_so import off_as_stated, read_so
-from mjfriction.diagnose.units import find_units
+from mjfriction.diagnose.faults import mend, misplaced
+from mjfriction.diagnose.faults.mend import audited
+from mjfriction.diagnose.faults.misplaced import find_misplaced
+from mjfriction.diagnose.faults.read_so import off_as_stated, read_so
+from mjfriction.diagnose.faults.units import find_units
+from mjfriction.diagnose.tell.outcome import Diagnosis, Finding, Verdict
 from mjfriction.errors import LogError
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.fault import Fault, Mend

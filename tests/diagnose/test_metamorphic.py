@@ -11,7 +11,7 @@ import pyarrow.parquet
 import pytest
 
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.diagnose.tell.outcome import Diagnosis
 from mjfriction.record.mapping import read_mapping
 from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table

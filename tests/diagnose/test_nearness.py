@@ -11,12 +11,12 @@ from scipy.optimize import minimize_scalar
 from scipy.stats import norm
 
 from mjfriction.benchmark.cases import Case, Setting, draw_of, make_case
-from mjfriction.diagnose import findings
-from mjfriction.diagnose import nearness as module
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.intervals import half_widths
-from mjfriction.diagnose.nearness import FARTHEST, NEAREST, Nearness, nearness
-from mjfriction.diagnose.outcome import Finding
+from mjfriction.diagnose.fit import nearness as module
+from mjfriction.diagnose.fit.intervals import half_widths
+from mjfriction.diagnose.fit.nearness import FARTHEST, NEAREST, Nearness, nearness
+from mjfriction.diagnose.tell import findings
+from mjfriction.diagnose.tell.outcome import Finding
 from mjfriction.identify.normal import Normal, Part, Products
 from mjfriction.record.readers.table import log_from_table
 

@@ -10,14 +10,15 @@ import pyarrow.parquet as pq
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
-from mjfriction.diagnose import stated, trial
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS, STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.field import make_field, size
-from mjfriction.diagnose.model import Chosen, build_model
-from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.trial import try_out
+from mjfriction.diagnose.fit import trial
+from mjfriction.diagnose.fit.model import Chosen, build_model
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.fit.trial import try_out
+from mjfriction.diagnose.search.field import make_field, size
+from mjfriction.diagnose.settle import stated
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot

@@ -6,16 +6,16 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from mjfriction.diagnose import levels_kept, stated
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
-from mjfriction.diagnose.exact import level_changes
-from mjfriction.diagnose.field import Field, make_field
-from mjfriction.diagnose.levels_kept import one_for_both
-from mjfriction.diagnose.model import Chosen, Model, build_model
-from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.stated import settle
+from mjfriction.diagnose.fit.exact import level_changes
+from mjfriction.diagnose.fit.model import Chosen, Model, build_model
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.search.field import Field, make_field
+from mjfriction.diagnose.settle import levels_kept, stated
+from mjfriction.diagnose.settle.levels_kept import one_for_both
+from mjfriction.diagnose.settle.stated import settle
 from mjfriction.identify.gap import measure_gap
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import compete
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.load import GearedDriveLoad, GearedLoad
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.outcome import Verdict
+from mjfriction.diagnose.search import compete
+from mjfriction.diagnose.tell.outcome import Verdict
 from mjfriction.identify.gap import measure_gap
 from mjfriction.laws.geared_load import GEARED_LOAD
 from mjfriction.laws.law import Law

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import pytest
 
-from mjfriction.diagnose import findings
-from mjfriction.diagnose.alike import Standing
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.causes.spring import Spring
 from mjfriction.diagnose.causes.waves import PositionFriction
-from mjfriction.diagnose.exact import usual_nuisance
-from mjfriction.diagnose.field import make_field
-from mjfriction.diagnose.findings import make_findings
-from mjfriction.diagnose.model import Chosen, Model, build_model
-from mjfriction.diagnose.shapes import apart
-from mjfriction.diagnose.stated import Settled
-from mjfriction.diagnose.untold import Untold
+from mjfriction.diagnose.fit.exact import usual_nuisance
+from mjfriction.diagnose.fit.model import Chosen, Model, build_model
+from mjfriction.diagnose.fit.shapes import apart
+from mjfriction.diagnose.search.field import make_field
+from mjfriction.diagnose.settle.stated import Settled
+from mjfriction.diagnose.tell import findings
+from mjfriction.diagnose.tell.alike import Standing
+from mjfriction.diagnose.tell.findings import make_findings
+from mjfriction.diagnose.tell.untold import Untold
 from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.stroke_waves import wavenumber_step
 from mjfriction.record.readers import read_log

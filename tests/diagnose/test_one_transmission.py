@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import one_transmission
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.search import one_transmission
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot

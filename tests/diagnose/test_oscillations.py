@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mjfriction.diagnose import oscillations
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.delay import JointDelay
 from mjfriction.diagnose.causes.waves import Cogging
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.model import Chosen, build_model
-from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.oscillations import new_oscillations
-from mjfriction.diagnose.outcome import Diagnosis, Verdict
-from mjfriction.diagnose.verdict import beside_oscillations
+from mjfriction.diagnose.fit.model import Chosen, build_model
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.search import oscillations
+from mjfriction.diagnose.search.oscillations import new_oscillations
+from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
+from mjfriction.diagnose.tell.verdict import beside_oscillations
 from mjfriction.identify.colour import NOTHING
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.identify.swing import Swing
@@ -133,7 +133,7 @@ def test_a_cause_under_a_louder_hum_is_found_and_alone(tmp_path: Path, monkeypat
     assert [(one.cause, one.joint) for one in found.findings] == [("drive.cogging", "elbow_joint")]
     assert found.verdict is Verdict.UNEXPLAINED
     assert [entry.covariate for entry in found.remaining] == ["a steady tone of 4.74 Hz"]
-    monkeypatch.setattr("mjfriction.diagnose.compete.new_oscillations", lambda model: [])
+    monkeypatch.setattr("mjfriction.diagnose.search.compete.new_oscillations", lambda model: [])
     deaf = diagnosed(tmp_path, machine)
     assert [(one.cause, one.joint) for one in deaf.findings] != [("drive.cogging", "elbow_joint")]
 
@@ -158,7 +158,7 @@ def test_a_load_that_swings_is_left_open_and_named(tmp_path: Path, monkeypatch: 
     assert float(left.covariate.split()[-2]) == pytest.approx(0.42, rel=0.01)
     elbow = next(error for error in found.joints if error.joint == "elbow_joint")
     assert elbow.rms_heldout_after == pytest.approx(5.0, rel=0.1)
-    monkeypatch.setattr("mjfriction.diagnose.oscillations._loudest_swing", lambda *_: None)
+    monkeypatch.setattr("mjfriction.diagnose.search.oscillations._loudest_swing", lambda *_: None)
     assert [entry.covariate for entry in diagnosed(tmp_path, machine).remaining] == [NOTHING]
 
 
@@ -178,7 +178,7 @@ def test_a_cause_under_a_load_that_swings_is_found_and_alone(tmp_path: Path, mon
     machine = Machine(hidden={ELBOW: lambda i: sloshing(i) + 0.2 * cogging(i)})
     found = diagnosed(tmp_path, machine)
     assert [(one.cause, one.joint) for one in found.findings] == [("drive.cogging", "elbow_joint")]
-    monkeypatch.setattr("mjfriction.diagnose.oscillations._loudest_swing", lambda *_: None)
+    monkeypatch.setattr("mjfriction.diagnose.search.oscillations._loudest_swing", lambda *_: None)
     deaf = diagnosed(tmp_path, machine)
     assert [(one.cause, one.joint) for one in deaf.findings] != [("drive.cogging", "elbow_joint")]
 
@@ -200,5 +200,5 @@ def test_what_a_cause_makes_is_no_load_that_swings(
     assert gap.rms(model.heldout_residual()[:, ELBOW], ELBOW) > 2.0 * gap.noise_floor[ELBOW]
     assert new_oscillations(model) == []
     if mistaken:
-        monkeypatch.setattr("mjfriction.diagnose.oscillations.RESONANT", np.inf)
+        monkeypatch.setattr("mjfriction.diagnose.search.oscillations.RESONANT", np.inf)
         assert new_oscillations(model) != []

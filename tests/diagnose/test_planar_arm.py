@@ -9,7 +9,7 @@ import pyarrow as pa
 import pytest
 
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.outcome import Verdict
+from mjfriction.diagnose.tell.outcome import Verdict
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder

@@ -6,15 +6,15 @@ from pathlib import Path
 
 import numpy as np
 
-from mjfriction.diagnose import compete
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
-from mjfriction.diagnose.exact import usual_nuisance
-from mjfriction.diagnose.field import chances_in, make_field
-from mjfriction.diagnose.model import Chosen, build_model
-from mjfriction.diagnose.trial import try_out
+from mjfriction.diagnose.fit.exact import usual_nuisance
+from mjfriction.diagnose.fit.model import Chosen, build_model
+from mjfriction.diagnose.fit.trial import try_out
+from mjfriction.diagnose.search import compete
+from mjfriction.diagnose.search.field import chances_in, make_field
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot

@@ -10,18 +10,18 @@ import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
-from mjfriction.diagnose import compete, refusal
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.delay import JointDelay, LogDelay
 from mjfriction.diagnose.causes.load import Load
 from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.causes.varying import Step
-from mjfriction.diagnose.field import chances_in, make_field
-from mjfriction.diagnose.model import Chosen, Model, build_model, cause_block
-from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.refusal import refused
-from mjfriction.diagnose.unevenness import with_unevenness
+from mjfriction.diagnose.fit.model import Chosen, Model, build_model, cause_block
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.search import compete, refusal
+from mjfriction.diagnose.search.field import chances_in, make_field
+from mjfriction.diagnose.search.refusal import refused
+from mjfriction.diagnose.search.unevenness import with_unevenness
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.progress import silently
 from mjfriction.record.readers import read_log

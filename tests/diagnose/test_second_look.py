@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import second_look
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.search import second_look
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_COULOMB, UR5_JOINTS, UR5_VISCOUS, Machine, write_case

@@ -13,8 +13,8 @@ import pytest
 import mjfriction.diagnose.diagnosis as module
 from mjfriction.control.observe import observe_log
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.outcome import Verdict
-from mjfriction.diagnose.seen_play import SeenPlay, unseen
+from mjfriction.diagnose.tell.outcome import Verdict
+from mjfriction.diagnose.tell.seen_play import SeenPlay, unseen
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.record.log import Floats, Log
 from mjfriction.record.readers import read_log

@@ -15,10 +15,10 @@ from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.spring import Spring
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.model import Chosen, build_model, cause_block
-from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.outcome import Diagnosis, Verdict
-from mjfriction.diagnose.separate import design_experiment, with_rival
+from mjfriction.diagnose.fit.model import Chosen, build_model, cause_block
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
+from mjfriction.diagnose.tell.separate import design_experiment, with_rival
 from mjfriction.identify.gap import measure_gap
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation

@@ -8,10 +8,10 @@ from typing import NoReturn
 import pytest
 
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
-from mjfriction.diagnose.exact import usual_nuisance
-from mjfriction.diagnose.field import make_field
-from mjfriction.diagnose.model import build_model
-from mjfriction.diagnose.short_list import ranked
+from mjfriction.diagnose.fit.exact import usual_nuisance
+from mjfriction.diagnose.fit.model import build_model
+from mjfriction.diagnose.search.field import make_field
+from mjfriction.diagnose.search.short_list import ranked
 from mjfriction.identify import kept
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.readers import read_log

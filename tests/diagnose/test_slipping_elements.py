@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjfriction.diagnose.allowed import as_allowed
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.presliding import DampedPresliding, Presliding, SlippingElements
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.exact import usual_nuisance
-from mjfriction.diagnose.field import make_field
-from mjfriction.diagnose.model import Chosen, Model, build_model
-from mjfriction.diagnose.outcome import Diagnosis
-from mjfriction.diagnose.stated import settle
+from mjfriction.diagnose.fit.exact import usual_nuisance
+from mjfriction.diagnose.fit.model import Chosen, Model, build_model
+from mjfriction.diagnose.search.allowed import as_allowed
+from mjfriction.diagnose.search.field import make_field
+from mjfriction.diagnose.settle.stated import settle
+from mjfriction.diagnose.tell.outcome import Diagnosis
 from mjfriction.identify.doubt import YIELDING
 from mjfriction.identify.gap import measure_gap
 from mjfriction.laws.maxwell_slip import MAXWELL_SLIP

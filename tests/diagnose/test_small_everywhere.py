@@ -8,13 +8,13 @@ import mujoco
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import trial
 from mjfriction.diagnose.causes.gravity_direction import GravityDirection
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.exact import usual_nuisance
-from mjfriction.diagnose.model import Chosen, build_model
-from mjfriction.diagnose.outcome import Diagnosis
-from mjfriction.diagnose.visible import visible_causes
+from mjfriction.diagnose.fit import trial
+from mjfriction.diagnose.fit.exact import usual_nuisance
+from mjfriction.diagnose.fit.model import Chosen, build_model
+from mjfriction.diagnose.tell.outcome import Diagnosis
+from mjfriction.diagnose.tell.visible import visible_causes
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
@@ -37,7 +37,7 @@ def test_a_base_that_leans_a_little_is_told_of_an_even_machine(tmp_path: Path, m
     machine = Machine(noise=0.02, change=leaning)
     assert [finding.cause for finding in diagnosed(tmp_path / "told", machine).findings] == ["body.gravity_direction"]
     monkeypatch.setattr(trial, "EVENEST", 1.0)
-    monkeypatch.setattr("mjfriction.diagnose.unevenness.EVENEST", 1.0)
+    monkeypatch.setattr("mjfriction.diagnose.search.unevenness.EVENEST", 1.0)
     assert diagnosed(tmp_path / "as of an uneven one", machine).findings == ()
 
 

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from mjfriction.diagnose import untold
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.offset import Offset
-from mjfriction.diagnose.model import Chosen, Model, build_model
-from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.stated import Settled
+from mjfriction.diagnose.fit.model import Chosen, Model, build_model
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.settle.stated import Settled
+from mjfriction.diagnose.tell import untold
 from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.structure import Structure
 from mjfriction.record.log import Floats

@@ -7,12 +7,12 @@ from typing import Any
 
 import pytest
 
-from mjfriction.diagnose import compete
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.viscous_nonlinear import ViscousNonlinear
-from mjfriction.diagnose.field import Chances
-from mjfriction.diagnose.model import Chosen
+from mjfriction.diagnose.fit.model import Chosen
+from mjfriction.diagnose.search import compete
+from mjfriction.diagnose.search.field import Chances
 
 CHANCES = Chances(100, {})
 MODEL: Any = SimpleNamespace(gap=None, nuisance=None, chosen=(), with_also=lambda _: MODEL)

@@ -9,7 +9,7 @@ import pytest
 
 from mjfriction.diagnose.causes.steepening_viscous import SteepeningViscous
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Instant, Machine, write_case

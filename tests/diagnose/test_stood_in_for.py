@@ -8,9 +8,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import untold
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.trial import Trial
+from mjfriction.diagnose.fit.trial import Trial
+from mjfriction.diagnose.tell import untold
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.diagnose.test_planar_arm import JOINT, LINK

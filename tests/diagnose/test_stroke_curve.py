@@ -8,13 +8,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import compete, stated, stroke_curve
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.model import Chosen
-from mjfriction.diagnose.outcome import Diagnosis, Verdict
-from mjfriction.diagnose.stroke_curve import ALONG_STROKE
+from mjfriction.diagnose.fit.model import Chosen
+from mjfriction.diagnose.search import compete, stroke_curve
+from mjfriction.diagnose.search.stroke_curve import ALONG_STROKE
+from mjfriction.diagnose.settle import stated
+from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.spring import spring_along

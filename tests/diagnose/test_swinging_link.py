@@ -9,7 +9,6 @@ import pyarrow as pa
 import pytest
 
 import mjfriction.diagnose.diagnosis as module
-from mjfriction.diagnose import compete, oscillations, short_list
 from mjfriction.diagnose.causes import elasticity, moved_link
 from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
@@ -17,10 +16,11 @@ from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.elasticity import SwingingElasticity
 from mjfriction.diagnose.causes.moved_link import own_slopes
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.exact import usual_nuisance
-from mjfriction.diagnose.field import chances_in, make_field
-from mjfriction.diagnose.model import Chosen, build_model
-from mjfriction.diagnose.outcome import Verdict
+from mjfriction.diagnose.fit.exact import usual_nuisance
+from mjfriction.diagnose.fit.model import Chosen, build_model
+from mjfriction.diagnose.search import compete, oscillations, short_list
+from mjfriction.diagnose.search.field import chances_in, make_field
+from mjfriction.diagnose.tell.outcome import Verdict
 from mjfriction.identify.gap import measure_gap, thinned
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import pick_and_place

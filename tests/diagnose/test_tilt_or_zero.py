@@ -6,16 +6,16 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from mjfriction.diagnose.alike import standing
 from mjfriction.diagnose.causes.encoder_offset import EncoderOffset
 from mjfriction.diagnose.causes.gravity_direction import GravityDirection
 from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.exact import usual_nuisance
-from mjfriction.diagnose.field import make_field
-from mjfriction.diagnose.model import Chosen, build_model
-from mjfriction.diagnose.outcome import Verdict
-from mjfriction.diagnose.tangent import straightened
+from mjfriction.diagnose.fit.exact import usual_nuisance
+from mjfriction.diagnose.fit.model import Chosen, build_model
+from mjfriction.diagnose.fit.tangent import straightened
+from mjfriction.diagnose.search.field import make_field
+from mjfriction.diagnose.tell.alike import standing
+from mjfriction.diagnose.tell.outcome import Verdict
 from mjfriction.identify.gap import measure_gap
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
-from mjfriction.diagnose.exact import usual_nuisance
-from mjfriction.diagnose.field import make_field
-from mjfriction.diagnose.free_links import compete_for_links
-from mjfriction.diagnose.model import build_model
-from mjfriction.diagnose.trial import EVENEST
-from mjfriction.diagnose.unevenness import as_uneven, with_unevenness
+from mjfriction.diagnose.fit.exact import usual_nuisance
+from mjfriction.diagnose.fit.model import build_model
+from mjfriction.diagnose.fit.trial import EVENEST
+from mjfriction.diagnose.search.field import make_field
+from mjfriction.diagnose.search.free_links import compete_for_links
+from mjfriction.diagnose.search.unevenness import as_uneven, with_unevenness
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot

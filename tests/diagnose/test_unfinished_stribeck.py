@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import alike, stated
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.outcome import Finding
+from mjfriction.diagnose.settle import stated
+from mjfriction.diagnose.tell import alike
+from mjfriction.diagnose.tell.outcome import Finding
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_JOINTS, UR5_VISCOUS, Effect, Machine, write_case

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import untold
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.untold import shows
+from mjfriction.diagnose.tell import untold
+from mjfriction.diagnose.tell.untold import shows
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_COULOMB, Instant, Machine, bristle, write_case

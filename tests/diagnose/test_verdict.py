@@ -8,11 +8,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import verdict
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.coupling import SharedEffort, SharedFriction
-from mjfriction.diagnose.model import Chosen, build_model
-from mjfriction.diagnose.nuisance import make_nuisance
+from mjfriction.diagnose.fit.model import Chosen, build_model
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.tell import verdict
 from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.structure import Structure
 from mjfriction.record.readers import read_log

@@ -9,7 +9,7 @@ import pyarrow as pa
 import pytest
 
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.visible import visible_causes
+from mjfriction.diagnose.tell.visible import visible_causes
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import compete
 from mjfriction.diagnose.causes import varying
 from mjfriction.diagnose.causes.varying import WarmUpDrift
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.search import compete
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_COULOMB, UR5_VISCOUS, Instant, Machine, write_case

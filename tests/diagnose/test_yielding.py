@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import contacts
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.exact import usual_nuisance
-from mjfriction.diagnose.field import make_field
-from mjfriction.diagnose.outcome import Diagnosis, Verdict
-from mjfriction.diagnose.yielding import yielding
+from mjfriction.diagnose.fit.exact import usual_nuisance
+from mjfriction.diagnose.search.field import make_field
+from mjfriction.diagnose.search.yielding import yielding
+from mjfriction.diagnose.tell import contacts
+from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjfriction.diagnose import nuisance
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.model import build_model
-from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.outcome import Diagnosis
-from mjfriction.diagnose.refitted import OUT_OF_CHANCE, ZERO
-from mjfriction.diagnose.unevenness import with_unevenness
+from mjfriction.diagnose.fit import nuisance
+from mjfriction.diagnose.fit.model import build_model
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.fit.refitted import OUT_OF_CHANCE, ZERO
+from mjfriction.diagnose.search.unevenness import with_unevenness
+from mjfriction.diagnose.tell.outcome import Diagnosis
 from mjfriction.identify.gap import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot

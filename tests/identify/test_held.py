@@ -12,8 +12,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.look import SAMPLES, look_at
-from mjfriction.diagnose.which_log import logs_with
+from mjfriction.diagnose.faults.look import SAMPLES, look_at
+from mjfriction.diagnose.faults.which_log import logs_with
 from mjfriction.errors import LogError, RobotError
 from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.identification import identify_log

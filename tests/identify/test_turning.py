@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.outcome import Verdict
+from mjfriction.diagnose.tell.outcome import Verdict
 from mjfriction.identify import gap
 from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.turning import TURNED, turning_speeds

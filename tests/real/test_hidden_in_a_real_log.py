@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.outcome import Diagnosis, Verdict
+from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.record.log import Floats, Log
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot

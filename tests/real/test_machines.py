@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.diagnose.tell.outcome import Diagnosis
 from mjfriction.identify.identification import identify_log
 from mjfriction.record.log import Log
 from mjfriction.record.merge import merge_logs

@@ -11,10 +11,10 @@ from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.coupling import SumDrive, SumRotor
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.intervals import half_widths
-from mjfriction.diagnose.model import Chosen, build_model
-from mjfriction.diagnose.nuisance import make_nuisance
-from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.diagnose.fit.intervals import half_widths
+from mjfriction.diagnose.fit.model import Chosen, build_model
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.tell.outcome import Diagnosis
 from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.identification import identify_log
 from scripts.real_runs.tx40 import COULOMB, RATIO, ROTOR, VISCOUS, tx40_log

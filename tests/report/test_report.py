@@ -15,7 +15,7 @@ import jsonschema
 import pytest
 
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.diagnose.tell.outcome import Diagnosis
 from mjfriction.errors import OutputError
 from mjfriction.record.readers import read_log
 from mjfriction.report.folder import whole_file, whole_folder

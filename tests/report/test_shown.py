@@ -10,7 +10,7 @@ import plotly.graph_objects as go
 import pytest
 
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.outcome import Diagnosis
+from mjfriction.diagnose.tell.outcome import Diagnosis
 from mjfriction.record.readers import read_log
 from mjfriction.report.figures import INK, thinned, time_course
 from mjfriction.report.finding_figure import finding_figure

@@ -11,7 +11,7 @@ import pytest
 from rich.console import Console
 
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.outcome import Verdict
+from mjfriction.diagnose.tell.outcome import Verdict
 from mjfriction.identify.identification import identify_log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.report.html import identified_html, report_html

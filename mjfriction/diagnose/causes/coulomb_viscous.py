@@ -19,7 +19,7 @@ class CoulombViscous(JointCause):
     """ΔF_c·sgn v + ΔF_v·v.
 
     The competition refits both levels of every joint in any case; whether they are off by enough to be a finding is
-    judged at the end (:mod:`~mjfriction.diagnose.stated`).
+    judged at the end (:mod:`~mjfriction.diagnose.settle.stated`).
     """
 
     name = "friction.coulomb_viscous"

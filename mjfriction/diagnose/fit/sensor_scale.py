@@ -1,0 +1,38 @@
+"""What a new scale of a joint's effort sensor means for what was fitted beside it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mjfriction.diagnose.causes.torque_constant import TorqueConstant
+from mjfriction.diagnose.fit.model import Model
+from mjfriction.record.log import Floats
+
+
+def sensor_factors(model: Model, strengths: Floats) -> Floats:
+    """Return by what factor each fitted strength is larger than the value that the robot file has to state.
+
+    The fit adds every effect at the sensor's output.  Where a joint's sensor gets a new scale 1 + ε, effects before the
+    sensor come out 1 + ε times as large there; the robot file states them before it.  What changes the links' loads is
+    felt by several joints, whose sensors' scales act on the loads as they are found, so its strengths are not larger.
+    """
+    nuisance = model.nuisance
+    scale = np.ones(len(model.gap.robot.joints))
+    drives = list(zip(nuisance.drives, strengths[nuisance.of_drives].tolist(), strict=True))
+    constants = [(drive.site.joint, change) for drive, change in drives if drive.cause.name == TorqueConstant.name]
+    constants += [
+        (choice.site.joint, float(strengths[place][0]))
+        for choice, place in zip(model.chosen, model.places, strict=True)
+        if choice.cause.name == TorqueConstant.name
+    ]
+    for joint, change in constants:
+        scale[joint] *= 1.0 + change
+    out = np.ones(strengths.size)
+    for level in nuisance.levels:
+        out[nuisance.of_level(level.site.joint)] = scale[level.site.joint]
+    for k, (drive, _) in enumerate(drives, start=nuisance.of_drives.start):
+        out[k] = scale[drive.site.joint] if drive.cause.before_sensor else 1.0
+    for choice, place in zip(model.chosen, model.places, strict=True):
+        if choice.cause.before_sensor and not choice.cause.of_body:
+            out[place] = scale[choice.site.joint]
+    return out

@@ -1,0 +1,82 @@
+"""Search for the best shapes of causes, such as the speed over which a level fades or the period of a wave."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+from scipy.optimize import minimize
+
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.fit.model import Chosen, Model, build_model
+from mjfriction.diagnose.fit.trial import try_out
+from mjfriction.record.log import Floats
+
+Bounds = Sequence[tuple[float, float]]
+
+
+def best_shape(model: Model, choice: Chosen, bounds: Bounds | None = None) -> Chosen:
+    """Return a cause, not part of the model, with the shape that reduces the model's residual most.
+
+    ``bounds`` are those of the cause if not given.
+    """
+
+    def lost(site: Site) -> float:
+        columns = choice.cause.columns(model.gap, site)
+        strengths, gains = model.system.screen({joint: values[:, None, :] for joint, values in columns.items()})
+        return -float(gains[0]) if choice.cause.admissible(model.gap, site, strengths[0]) else 0.0
+
+    around = choice.cause.around_sites(model.gap, choice.site)
+    if around:
+        return Chosen(choice.cause, min([choice.site, *around], key=lost))
+    bounds = choice.cause.shape_bounds(model.gap, choice.site) if bounds is None else bounds
+    if not bounds:
+        return choice
+
+    relative = choice.cause.relative_shape
+
+    def shape_at(x: Floats) -> tuple[float, ...]:
+        return tuple((np.exp(x) if relative else first + x).tolist())
+
+    def loss(x: Floats) -> float:
+        return lost(choice.site.shaped(shape_at(x)))
+
+    # A shape that is not relative, such as a moment, is searched as an offset from its start value, because clocks may
+    # start at any number of seconds.
+    first, limits = np.clip(choice.site.shape, *np.array(bounds).T), np.array(bounds)
+    steps = np.asarray(choice.cause.shape_steps(model.gap, choice.site))
+    if relative:
+        start, limits, steps = np.log(first), np.log(limits), np.log1p(steps / choice.site.shape)
+    else:
+        start, limits = np.zeros(first.size), limits - first[:, None]
+    simplex = np.vstack([start, start + np.diag(steps)])
+    options = {"maxfev": 60, "xatol": 1e-2 * float(np.min(steps)), "initial_simplex": simplex}
+    found = minimize(loss, start, method="Nelder-Mead", bounds=limits.tolist(), options=options)
+    return Chosen(choice.cause, choice.site.shaped(shape_at(found.x))) if found.fun < loss(start) else choice
+
+
+def apart(model: Model, choice: Chosen) -> bool:
+    """Return whether the motion tells a cause apart from the model's causes of the same kind on the same joint."""
+    return all(
+        choice.cause.apart(model.gap, choice.site, other.site)
+        for other in model.chosen
+        if (other.cause.name, other.site.joint) == (choice.cause.name, choice.site.joint)
+    )
+
+
+def reshaped(model: Model, joints: Collection[int] | None = None) -> Model:
+    """Return the model with the shapes of its causes (only those on ``joints``, if given) searched again, one by one.
+
+    A new cause, or a level that is now held, moves the best shapes of other causes on the joints that feel it.  A cause
+    keeps its present shape if the new one is not physical, belongs to a different cause, or is not told apart from that
+    of another cause of its kind.
+    """
+    for i, choice in enumerate(model.chosen):
+        mine = joints is None or choice.site.joint in joints
+        if (choice.site.shape or choice.site.around) and not choice.tangent and mine:
+            without = model.without(choice)
+            better = best_shape(without, choice)
+            own = choice.cause.own_shape(model.gap, better.site) and apart(without, better)
+            if own and try_out(without, better) is not None:
+                model = build_model(model.gap, model.nuisance, (*model.chosen[:i], better, *model.chosen[i + 1 :]))
+    return model

@@ -1,0 +1,53 @@
+"""Replace waves, spots and springs that only approximate a curve along the stroke by that curve."""
+
+from __future__ import annotations
+
+from mjfriction.diagnose.causes.along_stroke import AlongStroke, FrictionAlongStroke, TorqueAlongStroke, travelled
+from mjfriction.diagnose.fit.as_little import leaves_as_little
+from mjfriction.diagnose.fit.model import Chosen, Key, Model, build_model, without_contained
+from mjfriction.diagnose.fit.trial import try_out
+from mjfriction.diagnose.search.refusal import proved
+from mjfriction.diagnose.search.richer import PAYS, paid_gain
+from mjfriction.diagnose.search.stroke_curve import stroke_curves, vague_waves
+
+
+def as_courses(model: Model) -> Model:
+    """Return the model with a curve along the stroke in the place of causes that only approximate it.
+
+    A friction curve replaces waves and spots where it pays for its extra strengths, or where the periods of several
+    waves are not known and it leaves as little error. A torque curve replaces waves and springs that one smooth curve
+    does as well as, where it leaves as little error.
+    """
+    vague = {joint for _, joint, _ in vague_waves(model)}
+    for joint in model.gap.examined:
+        own = [
+            choice
+            for choice in model.chosen
+            if (choice.cause.name, choice.site.joint) == (FrictionAlongStroke.name, joint)
+        ]
+        if all(isinstance(choice.cause, FrictionAlongStroke) for choice in own):
+            continue
+        there = _with_course(model, joint, frozenset(choice.key for choice in own), FrictionAlongStroke())
+        if there is not None and (
+            paid_gain(model, there.chosen) > PAYS or (joint in vague and leaves_as_little(there, model, [joint]))
+        ):
+            model = there
+    for curve in stroke_curves(model, model.heldout_residual()):
+        joint = model.gap.robot.joints.index(curve.structure.joint)
+        there = _with_course(model, joint, curve.keys, TorqueAlongStroke())
+        if there is not None and leaves_as_little(there, model, [joint]):
+            model = there
+    return model
+
+
+def _with_course(model: Model, joint: int, keys: frozenset[Key], course: AlongStroke) -> Model | None:
+    if not travelled(model.gap, joint):
+        return None
+    whole = Chosen(course, course.along(model.gap, joint))
+    others = (choice for choice in model.chosen if choice.key not in keys | {whole.key})
+    rest = without_contained(others, whole)
+    without = build_model(model.gap, model.nuisance, rest)
+    if try_out(without, whole) is None:
+        return None
+    there = without.with_also(whole)
+    return there if proved(there, whole) else None

@@ -1,0 +1,168 @@
+"""Causes that fit but are not real: the checks that a found model must pass before it is believed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mjfriction.diagnose.causes.delay import JointDelay, late
+from mjfriction.diagnose.causes.friction_spot import FrictionSpot
+from mjfriction.diagnose.causes.play import Play
+from mjfriction.diagnose.causes.presliding import Presliding
+from mjfriction.diagnose.causes.varying import Varying
+from mjfriction.diagnose.causes.waves import PositionFriction
+from mjfriction.diagnose.fit.intervals import half_widths
+from mjfriction.diagnose.fit.model import Chosen, Model, cause_block
+from mjfriction.diagnose.fit.nearness import nearness_of, relief
+from mjfriction.identify.proof import measure_gain
+from mjfriction.record.motion_frequency import quickest_motion
+from mjfriction.robot.bandwidth import HARMONICS
+
+BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "friction.presliding", "friction.asymmetry"})
+PROOF_SEED = 0  # of the resampling that tests a gain against zero
+ON_THE_WAY = 0.5  # share of its gain that friction which builds up over travel must gain while its joint moves
+APART, SURELY_APART = 0.5, 2.0  # delays differ if they do so by this share of one, and this many standard deviations
+EARLY = 0.03  # s, the most that one joint's effort may seem early because of a slow filter of its position
+BLURRED = 0.1  # periods of the position filter's cutoff, to which the moment at which a joint turns is known
+
+
+def refused(model: Model) -> list[Chosen]:
+    """Return the causes of a model that are no findings.
+
+    These are causes whose held-out gain may be zero while joints move; causes whose size cannot be told from zero
+    beside another curve on their joint; efforts that seem early beside play; delays that friction does not share with
+    the rest of the effort, or that only what is quicker than the motion shows; courses of friction over time that raise
+    it when slow and lower it when fast, or the other way round; and a spot along a stroke beside waves of friction.
+    """
+    unproved = [choice for choice in model.chosen if not proved(model, choice)]
+    rules = (_dissolved, _of_landings, _torn, _too_quick, _both_ways, _among_waves)
+    return [*unproved, *(choice for rule in rules for choice in rule(model))]
+
+
+def proved(model: Model, choice: Chosen) -> bool:
+    """Return whether a cause of a model has a held-out gain while joints move, or instead brings drives and links
+    nearer to what is stated by more than its own strengths are worth.
+
+    A joint at rest holds its friction at any level below Coulomb's for as long as it rests: many rows that carry one
+    piece of information.  What shows only there, and not while the joint moves, is no finding.  Rows are weighted by
+    how certain they are.  Friction that builds up over travel does so on the way, so at least half of its gain has to
+    come while its joint moves.
+    """
+    gap, weight = model.gap, model.system.rows.weight
+    without = model.without(choice)
+    price = len(choice.cause.quantities(gap, choice.site)) * float(np.log(gap.blocks.count))
+    # It must also count in units of what is usual for robots: links that are right to a percent are not meaningfully
+    # nearer if they are right to a tenth of a percent.
+    if min(relief(model, without), nearness_of(without).distance - nearness_of(model).distance) > price:
+        return True
+    before, after = without.heldout_residual() * weight, model.heldout_residual() * weight
+    moving = np.abs(gap.at_rows("velocity")) > gap.doubt_speed
+    touched, _ = cause_block(gap, choice)
+    if choice.cause.name == Presliding.name:
+        joint = choice.site.joint
+        gain = np.square(before[:, joint]) - np.square(after[:, joint])
+        if np.sum(gain[moving[:, joint]]) < ON_THE_WAY * np.sum(gain):
+            return False
+    return any(
+        measure_gain(before[own, joint], after[own, joint], gap.blocks.row[own], PROOF_SEED).low > 0.0
+        for joint, own in ((joint, moving[:, joint]) for joint in touched)
+        if np.any(own)
+    )
+
+
+def _dissolved(model: Model) -> list[Chosen]:
+    # Two curves over speed on one joint may stand in for a third, each large only to cancel the other.  With their
+    # shapes free as well, the size of one of them cannot then be told from zero.
+    joints = [choice.site.joint for choice in model.chosen if choice.cause.name in BENDING]
+    if len(set(joints)) == len(joints):
+        return []
+    widths = half_widths(model).causes
+    doubt = [
+        (float(half[0] / max(abs(model.strengths[place][0]), 1e-300)), choice)
+        for choice, place, half in zip(model.chosen, model.places, widths, strict=True)
+        if choice.cause.name in BENDING and joints.count(choice.site.joint) > 1
+    ]
+    worst, least_sure = max(doubt, key=lambda entry: entry[0])
+    return [least_sure] if worst > 1.0 else []
+
+
+def _of_landings(model: Model) -> list[Chosen]:
+    # A link that lands after crossing play pushes its motor back before any row can show it.  Beside play, efforts that
+    # seem early on the same joint come from that.
+    loose = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, Play)}
+    return [
+        choice
+        for choice, place in zip(model.chosen, model.places, strict=True)
+        if isinstance(choice.cause, JointDelay) and choice.site.joint in loose and model.strengths[place][0] < 0.0
+    ]
+
+
+def _among_waves(model: Model) -> list[Chosen]:
+    # A spot and waves together can imitate nearly anything along a stroke.  Waves alone can do so less, so they are
+    # preferred.
+    waving = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, PositionFriction)}
+    return [choice for choice in model.chosen if isinstance(choice.cause, FrictionSpot) and choice.site.joint in waving]
+
+
+def _both_ways(model: Model) -> list[Chosen]:
+    return [
+        choice
+        for choice, place in zip(model.chosen, model.places, strict=True)
+        if isinstance(choice.cause, Varying)
+        and not choice.cause.one_way(model.gap, choice.site, model.strengths[place])
+    ]
+
+
+def _torn(model: Model) -> list[Chosen]:
+    # A drive that reports late reports all of its effort late.  If friction shows quite another delay than the rest of
+    # the effort, something else is wrong with one of the two.  But friction even later than a late rest is that of a
+    # contact that yields, and friction even earlier than an early rest is that of a joint that its drive winds up
+    # before it turns.  An effort that is earlier than a position filter can make it seem is a shift in time only if its
+    # friction is known to be as early.
+    gap, friction = model.gap, model.gap.known.effort.friction
+    out = []
+    for choice, place in _delays(model):
+        delay = float(model.strengths[place][0])
+        joints = gap.examined if choice.cause.whole_arm else (choice.site.joint,)
+        own = {joint: gap.reported(joint, late(gap, friction[:, joint], delay)[:, None]) for joint in joints}
+        normal = model.system.extended(own, np.zeros(1))
+        rest, beside = float(normal.fitted[place][0]), float(normal.fitted[-1])
+        deviation = float(np.sqrt(normal.covariance(np.arange(gap.blocks.count))[-1, -1]))
+        farther = rest * delay > APART * delay**2 and beside * delay > 0.0
+        known = max(APART * abs(delay), SURELY_APART * deviation, BLURRED / gap.motion.cutoff)
+        torn = abs(beside) > known and not farther
+        early = not choice.cause.whole_arm and delay < -EARLY
+        if torn or (early and abs(beside) + SURELY_APART * deviation > APART * abs(delay)):
+            out.append(choice)
+    return out
+
+
+def _too_quick(model: Model) -> list[Chosen]:
+    # A drive that reports late is also late with the motion that its joint was commanded to make.  What is quicker,
+    # such as a controller's response to sensor noise or an arm that shakes its base, may look late by any time.  It is
+    # that if means over a part of the motion's own period do not show the delay.
+    gap, motion, delays = model.gap, model.gap.motion, _delays(model)
+    if not delays:
+        return []
+    quickest = quickest_motion(motion.position, motion.pieces, motion.rate, gap.body.sliding)
+    step = float(np.median(np.diff(gap.chain.time)))
+    if quickest == 0.0 or (count := int(0.5 / (HARMONICS * quickest * step))) < 2:
+        return []
+    normal = model.system.averaged(count)
+    covariances = normal.covariance(np.arange(gap.blocks.count)), normal.white_covariance(np.ones(normal.joints))
+    out = []
+    for choice, place in delays:
+        delay, slow = float(model.strengths[place][0]), float(normal.fitted[place][0])
+        deviation = np.sqrt(max(float(own[place, place][0, 0]) for own in covariances))
+        if slow * delay < APART * delay**2 or abs(slow) < SURELY_APART * deviation:
+            out.append(choice)
+    return out
+
+
+def _delays(model: Model) -> list[tuple[Chosen, slice]]:
+    # A shift of less than one sample is only refitted along, and not checked.
+    return [
+        (choice, place)
+        for choice, place in zip(model.chosen, model.places, strict=True)
+        if choice.cause.name == JointDelay.name
+        and choice.cause.noteworthy(model.gap, choice.site, model.strengths[place])
+    ]

@@ -1,0 +1,67 @@
+"""Causes in a richer form, with more strengths, where the gain pays for these."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mjfriction.diagnose.fit.model import Chosen, Model
+from mjfriction.diagnose.fit.shapes import best_shape
+from mjfriction.diagnose.fit.trial import try_out
+from mjfriction.diagnose.search.field import Field
+from mjfriction.diagnose.search.refusal import proved
+
+PAYS = 10.0  # merit above which a richer form is worth the parameters that it adds to a report
+
+
+@dataclass(frozen=True)
+class Richer:
+    """A ``model`` with a cause in its richer form, and its held-out gain less what the additional freedoms cost."""
+
+    model: Model
+    gain: float
+
+
+def in_richer_form(model: Model, choice: Chosen, plain: Chosen) -> Richer | None:
+    """Return the model with the richer form of ``plain`` in place of ``choice``, a straight cause of the model.
+
+    None where that is not physical or the motion does not prove it.
+    """
+    assert plain.cause.richer is not None, "asked of causes that have one"
+    without = model.without(choice)
+    whole = best_shape(without, Chosen(plain.cause.richer(), plain.site))
+    if try_out(without, whole) is None:
+        return None
+    richer = without.with_also(whole)
+    return Richer(richer, paid_gain(model, richer.chosen)) if proved(richer, whole) else None
+
+
+def paid_gain(model: Model, chosen: tuple[Chosen, ...]) -> float:
+    """Return the held-out gain over a model of other causes in place of its own, with the same row weights, less what
+    their additional freedoms, searched shapes included, gain on noise alone.
+    """
+    blocks, normal = model.gap.blocks, model.with_others(chosen)
+    more = normal.precision.size - model.system.normal.precision.size
+    more += _searched(model, chosen) - _searched(model, model.chosen)
+    gain = float(np.sum(model.heldout_errors) - np.sum(normal.heldout_errors(blocks.folds)))
+    return gain - more * float(np.log(blocks.count))
+
+
+def _searched(model: Model, chosen: tuple[Chosen, ...]) -> int:
+    return sum(len(choice.cause.shape_bounds(model.gap, choice.site)) for choice in chosen)
+
+
+def enriched(model: Model, field: Field) -> Model:
+    """Return the model with those of its causes in their richer form that gain by it.
+
+    Forms that compete in the field on their own are left to do so.
+    """
+    competing = {type(entrant.cause) for entrant in field}
+    for choice in model.chosen:
+        if choice.cause.richer is None or choice.cause.richer in competing or choice.tangent:
+            continue
+        richer = in_richer_form(model, choice, choice)
+        if richer is not None and richer.gain > PAYS:
+            model = richer.model
+    return model

@@ -1,0 +1,113 @@
+"""Screening of candidates on a part of the rows, and trials of those that rank first."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from mjfriction.diagnose.fit.model import Chosen, Model
+from mjfriction.diagnose.fit.shapes import apart, best_shape
+from mjfriction.diagnose.fit.tangent import straightened
+from mjfriction.diagnose.fit.trial import Trial, try_out
+from mjfriction.diagnose.search.field import Chances, Entrant, Field, present
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.regression import UNSEEN, Columns
+
+SHORT_LIST = 8
+NEAR_BEST = 0.9  # fraction of the best candidate's merit above which curved candidates are refitted before comparing
+SCREENED_ROWS = 1000  # rows that candidates are screened on, at least: enough to rank shapes
+
+
+def contenders(model: Model, field: Field) -> list[Trial]:
+    """Screen every candidate not in the model yet, and return the trials of a short list, each at its best shape."""
+    return all_tried(model, ranked(model, field)[:SHORT_LIST])
+
+
+def fairly(model: Model, trials: list[Trial]) -> list[Trial]:
+    """Return the trials, with curved candidates near the best refitted on the nonlinear balance if several are near.
+
+    A payload that is linearised at zero can lose against a shifted link, which is less nonlinear.
+    """
+    best = max((trial.merit for trial in trials), default=0.0)
+    close = [trial for trial in trials if trial.merit > NEAR_BEST * best]
+    if len(close) < 2:
+        return trials
+    return [_bent(model, trial) if trial.merit > NEAR_BEST * best else trial for trial in trials]
+
+
+def best_bent(model: Model, trials: list[Trial], chances: Chances) -> list[Trial]:
+    """Return the trials, with the best one refitted on the nonlinear balance if it is not beyond chance.
+
+    The linearised fit of a play of half the stroke leaves so much that the effect might be chance.
+    """
+    best = max(trials, key=lambda trial: trial.merit, default=None)
+    if best is None or best.merit <= 0.0 or best.beyond_chance(chances.among(best.chosen.cause)):
+        return trials
+    return [_bent(model, trial) if trial is best else trial for trial in trials]
+
+
+def all_tried(model: Model, choices: list[Chosen]) -> list[Trial]:
+    """Return the trials of candidates, each at its best shape; candidates that are not physical are left out."""
+    trials = [_tried(model, choice) for choice in choices]
+    return [trial for trial in trials if trial is not None]
+
+
+def passing(trials: list[Trial], chances: Chances) -> list[Trial]:
+    """Return the trials that are beyond chance, given how many candidates there are, and large enough to matter."""
+    return [trial for trial in trials if trial.passes(chances.among(trial.chosen.cause))]
+
+
+def ranked(model: Model, field: Field) -> list[Chosen]:
+    """Return candidates at their best shape, ranked by their gain on a part of the rows less the price of their degrees
+    of freedom; those that gain nothing are left out.
+    """
+    every = max(1, model.gap.blocks.row.size // SCREENED_ROWS)
+    best = []
+    for entrant in field:
+        order = present(model, entrant)
+        if order >= entrant.times:
+            continue
+        columns = _screening(model.gap, entrant, every)
+        strengths, gains = model.system.screen(columns, every)
+        for i in np.argsort(-gains):
+            if entrant.cause.admissible(model.gap, entrant.sites[i], strengths[i]):
+                gain = float(gains[i]) - _price(model.gap, _shown(columns, int(i)) + len(entrant.sites[i].shape))
+                best.append((gain, Chosen(entrant.cause, replace(entrant.sites[i], order=order))))
+                break
+    return [choice for gain, choice in sorted(best, key=lambda entry: -entry[0]) if gain > 0.0]
+
+
+def _tried(model: Model, choice: Chosen) -> Trial | None:
+    best = best_shape(model, choice)
+    if not choice.cause.own_shape(model.gap, best.site) or not apart(model, best):
+        return None
+    # The shape that fits best may not be physical, while that of the grid may be.
+    trial = try_out(model, best) or try_out(model, choice)
+    if trial is not None and choice.cause.of_sensor and model.chosen:
+        return _bent(model, trial)
+    return trial
+
+
+def _bent(model: Model, trial: Trial) -> Trial:
+    if not trial.chosen.cause.curved:
+        return trial
+    # Curved causes that were chosen before keep their tangents: only the newcomer is linearised again.
+    fitted = straightened(model.with_also(trial.chosen), trial.chosen)
+    return try_out(model, fitted.chosen[-1]) or trial
+
+
+def _screening(gap: Gap, entrant: Entrant, every: int) -> Columns:
+    key = f"screening {type(entrant.cause).__name__} {entrant.joint}"
+    return gap.kept.recall(key, lambda: entrant.cause.screening(gap, entrant.sites, every))
+
+
+def _shown(columns: Columns, site: int) -> int:
+    # The number of a candidate's strengths that the motion excites at all.
+    size = sum(np.mean(np.square(values[:, site]), axis=0) for values in columns.values())
+    return int(np.count_nonzero(size > UNSEEN**2 * np.max(size)))
+
+
+def _price(gap: Gap, freedoms: int) -> float:
+    # Every degree of freedom, searched shapes included, costs what it gains on noise alone.
+    return freedoms * float(np.log(gap.blocks.row.size))

@@ -1,0 +1,76 @@
+"""Causes and shapes that free friction levels make up for, refitted beside levels held as stated.
+
+What a shared drive takes of a joint's own velocity looks like that joint's damping, so with free levels any ratio fits.
+A torque constant of half its value beside twice the friction fits like a link of half its mass. Where levels can stay
+as stated, nothing else needs to be wrong.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from mjfriction.diagnose.causes.carried_drive import CarriedDrive
+from mjfriction.diagnose.fit.as_little import leaves_as_little
+from mjfriction.diagnose.fit.model import Chosen, Model, build_model, cause_block, without_contained
+from mjfriction.diagnose.fit.shapes import best_shape, reshaped
+from mjfriction.diagnose.fit.trial import try_out
+from mjfriction.diagnose.search.exchange import for_place_of
+from mjfriction.diagnose.search.field import Field, chances_in
+from mjfriction.diagnose.search.short_list import contenders, fairly, passing
+
+ROUNDS = 2
+
+
+def with_levels_as_stated(model: Model) -> Model:
+    """Return the model with levels held as stated wherever free ones make up for a cause's shape, and that shape
+    refitted beside them, where this does as well.
+    """
+    for choice in model.chosen:
+        bounds = choice.cause.bounds_beside_stated_levels(model.gap, choice.site)
+        if bounds:
+            model = _reshaped(model, choice, bounds)
+    return model
+
+
+def _reshaped(model: Model, choice: Chosen, bounds: list[tuple[float, float]]) -> Model:
+    gap, felt, kept = model.gap, cause_block(model.gap, choice)[0].keys(), model.nuisance
+    own = replace(choice, site=choice.site.shaped(choice.site.shape or tuple(1.0 for _ in bounds)))
+    for joint in felt:
+        kept = kept.without_level(joint)
+    held = build_model(gap, kept, model.without(choice).chosen)
+    for _ in range(ROUNDS):
+        # With levels held, curves near rest take other shapes, beside which this cause's shape is searched again.
+        own = best_shape(held, own, bounds)
+        if try_out(held, own) is None:
+            return model
+        there = reshaped(build_model(gap, kept, (*held.chosen, own)), felt)
+        held = there.without(own)
+    return there if leaves_as_little(there, model, felt) else model
+
+
+def one_for_both(model: Model, joint: int, field: Field) -> Model | None:
+    """Return the model with one cause in the place of both a cause on a joint and the joint's refitted levels, which
+    are held as stated; None where no such cause leaves as little everywhere.
+
+    A joint's own drive that also turns with its neighbour, and takes as much of the stated friction as the refitted
+    levels add, is an additional drive.
+    """
+    gap, kept = model.gap, model.nuisance.without_level(joint)
+    for choice in model.chosen:
+        if isinstance(choice.cause, CarriedDrive) and choice.cause.told_at(choice.site) == joint:
+            besides, rest = Chosen(choice.cause.besides(), choice.site), model.without(choice).chosen
+            there = reshaped(build_model(gap, kept, (*rest, besides)), cause_block(gap, besides)[0].keys())
+            if there.admissible() is there and leaves_as_little(there, model):
+                return there
+    for choice in model.noteworthy:
+        if choice.site.joint != joint:
+            continue
+        held = build_model(gap, kept, model.without(choice).chosen)
+        rivals = fairly(held, contenders(held, for_place_of(choice, field)))
+        able = [
+            one for one in passing(rivals, chances_in(field)) if leaves_as_little(held.with_also(one.chosen), model)
+        ]
+        if able:
+            best = max(able, key=lambda trial: trial.merit).chosen
+            return build_model(gap, kept, (*without_contained(held.chosen, best), best))
+    return None

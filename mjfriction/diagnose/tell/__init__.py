@@ -1,0 +1,1 @@
+"""What a diagnosis says: findings, rivals, what is left, the verdict, and the proof on motion not fitted."""

@@ -1,0 +1,80 @@
+"""Presliding within the travel that any contact yields: when it is a finding all the same."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from mjfriction.diagnose.causes.presliding import Presliding
+from mjfriction.diagnose.causes.stribeck import Stribeck
+from mjfriction.diagnose.fit.model import Chosen, Key, Model
+from mjfriction.diagnose.fit.refitted import FEWEST_JOINTS
+from mjfriction.record.log import Floats
+from mjfriction.robot.friction import stated_levels
+
+# Such presliding is more than a contact's where it takes away more than this many times the mean square left at its
+# joint.
+NO_CONTACT = 3.0
+# Another joint is rigid if the share of its level that builds up is below this fraction of this joint's share.
+RIGID = 0.3
+DEVIATIONS = 2.0  # standard deviations by which it must be below
+FEWEST_RIGID = 2  # other joints that must be rigid, or all where a machine has fewer
+
+
+def more_than_contacts(model: Model, before: Mapping[Key, Floats], after: Floats) -> set[Key]:
+    """Return the causes that are presliding within the travel that any contact yields, but findings all the same.
+
+    They are findings only on a machine that does not yield so throughout: where presliding is by far the largest error
+    at its joint, or where other joints would show as short a travel and do not. A contact that sticks also yields, so
+    beside a Stribeck curve the other joints are no measure.
+
+    ``before`` and ``after`` (rows, joints) are held-out residuals, without each cause and with all.
+    """
+    gap = model.gap
+    short = [
+        choice
+        for choice, place in zip(model.chosen, model.places, strict=True)
+        if choice.cause.name == Presliding.name
+        and not choice.cause.noteworthy(gap, choice.site, model.strengths[place])
+    ]
+    if len(short) >= FEWEST_JOINTS:
+        return set()
+
+    def gained(choice: Chosen) -> float:
+        joint = choice.site.joint
+        without, own = (gap.rms(left[:, joint], joint) ** 2 for left in (before[choice.key], after))
+        return without / own - 1.0
+
+    sticking = {choice.site.joint for choice in model.chosen if choice.cause.name == Stribeck.name}
+    return {
+        choice.key
+        for choice in short
+        if gained(choice) > NO_CONTACT or (choice.site.joint not in sticking and _others_are_rigid(model, choice))
+    }
+
+
+def _others_are_rigid(model: Model, choice: Chosen) -> bool:
+    # Whether enough other joints would show a like share of their level that builds up over a like part of their
+    # stroke, and do not.
+    gap, joint = model.gap, choice.site.joint
+    stroke = np.ptp(gap.motion.position, axis=0)
+    place = model.places[[own.key for own in model.chosen].index(choice.key)]
+    part = choice.cause.taken_level(model.strengths[place]) / max(_level(model, joint), 1e-300)
+    yielding = {own.site.joint for own in model.chosen if own.cause.name == Presliding.name}
+    others = [other for other in gap.examined if other != joint and _level(model, other) > 0.0]
+    rigid = 0
+    for other in others:
+        travel = choice.site.shape[0] * float(stroke[other] / stroke[joint])
+        alike = Chosen(Presliding(), replace(choice.site, joint=other, shape=(travel,)))
+        ((least, most),) = alike.cause.shape_bounds(gap, alike.site)
+        if other not in yielding and least < travel < most:
+            normal = model.with_candidate(alike)
+            deviation = float(np.sqrt(normal.covariance(gap.blocks.group)[-1, -1]))
+            rigid += normal.fitted[-1] + DEVIATIONS * deviation < RIGID * part * _level(model, other)
+    return bool(others) and rigid >= min(FEWEST_RIGID, len(others))
+
+
+def _level(model: Model, joint: int) -> float:
+    return stated_levels(model.gap.robot.table.joint[joint])[0]

@@ -1,0 +1,156 @@
+"""The findings of a settled model: each cause with its size, its gain and its rivals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from mjfriction.diagnose.causes.catalog import STATED_LEVELS
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.links import LinkScale
+from mjfriction.diagnose.causes.payload import Payload
+from mjfriction.diagnose.causes.torque_constant import TorqueConstant
+from mjfriction.diagnose.fit.intervals import widths_told
+from mjfriction.diagnose.fit.model import Chosen, Key, Model
+from mjfriction.diagnose.fit.trial import shown_at
+from mjfriction.diagnose.search.field import Field
+from mjfriction.diagnose.settle.one_factor import with_factor
+from mjfriction.diagnose.settle.stated import Settled
+from mjfriction.diagnose.tell.alike import EVEN, Standing, standing
+from mjfriction.diagnose.tell.link_finding import link_finding
+from mjfriction.diagnose.tell.outcome import Finding
+from mjfriction.diagnose.tell.separate import Experiment, design_experiment, with_rival
+from mjfriction.diagnose.tell.to_tell import ToTell, to_tell
+from mjfriction.diagnose.tell.untold import Untold
+from mjfriction.identify.proof import gain_at
+from mjfriction.record.log import Floats
+
+OF_ONE_FACTOR = {STATED_LEVELS.name: TorqueConstant.name, TorqueConstant.name: STATED_LEVELS.name}
+ONE_OF_MANY = 0.25  # confidence below which a cause with alternatives is one of so many that it names nothing
+# Confidence below which nothing is reported: a cause's other half may prove to be none once all is known.
+FAINTEST = 0.05
+
+
+@dataclass(frozen=True)
+class Told:
+    """The ``findings``, largest gain first, and the ``experiment`` (a motion) that would settle the least certain of
+    them.
+
+    ``untold`` are the causes of the model that are not findings.
+    """
+
+    findings: tuple[Finding, ...]
+    experiment: Experiment | None
+    untold: frozenset[Key]
+
+
+def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> Told:
+    """Return what there is to report of a settled model.
+
+    ``untold`` says which of its causes are not findings. A cause is not a finding either if it is very unlikely, or if
+    it is one of many alternatives and something is left unexplained or there is another finding at its joint. ``seed``
+    sets the resampling behind the intervals of the gains.
+    """
+    model = settled.model
+    heldout, widths = model.heldout_residual(oscillations=True), widths_told(model)
+    entries, links = list(to_tell(settled, untold, widths)), link_finding(model, widths, untold, field, seed)
+    links_off = links is not None or any(entry.choice.cause.name == LinkScale.name for entry in entries)
+    findings = [] if links is None else [links]
+    of_many: set[Key] = set()
+    unsure: list[_Unsure] = []
+    standings = [_standing(settled, entry.choice, field) for entry in entries]
+    firm = [entry.choice for entry, stands in zip(entries, standings, strict=True) if not _one_of_many(stands)]
+    for entry, stands in zip(entries, standings, strict=True):
+        choice = entry.choice
+        if choice not in firm and _names_nothing(choice, stands, untold, firm):
+            of_many.add(choice.key)
+            continue
+        instead = _instead(settled, choice, stands) if stands.alternatives else None
+        unsure += [] if instead is None else [_Unsure(stands.confidence, choice, *instead)]
+        findings.append(_finding(model, entry, _beside_links(choice, stands) if links_off else stands, heldout, seed))
+    findings.sort(key=lambda finding: -finding.gain.reduction)
+    return Told(tuple(findings), _settling(model, unsure), untold.keys | of_many)
+
+
+def _standing(settled: Settled, choice: Chosen, field: Field) -> Standing:
+    stands = standing(settled.model, choice, field)
+    return _of_one_factor(choice, stands) if choice.site.joint in settled.scaled else stands
+
+
+def _one_of_many(stands: Standing) -> bool:
+    return stands.confidence < FAINTEST or (bool(stands.alternatives) and stands.confidence < ONE_OF_MANY)
+
+
+def _names_nothing(choice: Chosen, stands: Standing, untold: Untold, firm: Sequence[Chosen]) -> bool:
+    # One of many alternatives may be all that is known of a joint. But where an error is left that no cause explains,
+    # or that a ``firm`` cause beside it leaves because its form is not quite the fitted one, the cause names a random
+    # part of that error.
+    if stands.confidence < FAINTEST:
+        return True
+    if choice.cause.whole_arm:
+        return bool(untold.left)
+    joint = choice.site.joint
+    return joint in untold.left or any(one.site.joint == joint and not one.cause.whole_arm for one in firm)
+
+
+@dataclass(frozen=True)
+class _Unsure:
+    confidence: float
+    choice: Chosen
+    rival: str  # cause name of its likeliest rival
+    other: Model  # the model with that rival in its place
+
+
+def _settling(model: Model, unsure: Sequence[_Unsure]) -> Experiment | None:
+    # The motion that best distinguishes the least certain finding from its rival.
+    if not unsure:
+        return None
+    least = min(unsure, key=lambda entry: entry.confidence)
+    return design_experiment(model, least.other, least.choice.site.joint, (least.choice.cause.name, least.rival))
+
+
+def _finding(model: Model, told: ToTell, stands: Standing, heldout: Floats, seed: int) -> Finding:
+    choice, gap = told.choice, model.gap
+    before = told.without.heldout_residual(oscillations=True)
+    shown = shown_at(model, choice, before, heldout)
+    return Finding(
+        cause=choice.cause.name,
+        joint=None if choice.cause.whole_arm else gap.robot.joints[choice.cause.told_at(choice.site)],
+        confidence=stands.confidence,
+        alternatives=stands.alternatives,
+        parameters=told.parameters,
+        gain=gain_at(gap, before, heldout, shown, seed),
+        evidence=choice.cause.evidence(gap, choice.site, told.strengths),
+        covariate=choice.cause.covariate,
+        picture=choice.cause.picture,
+        shown_at=gap.robot.joints[shown],
+    )
+
+
+def _instead(settled: Settled, choice: Chosen, stands: Standing) -> tuple[str, Model] | None:
+    # The likeliest other explanation: the name of its cause, and the whole model.
+    model, joint = settled.model, choice.site.joint
+    if joint in settled.scaled and choice.cause is STATED_LEVELS:
+        return TorqueConstant.name, with_factor(model, joint, settled.scaled[joint])
+    if joint in settled.scaled and isinstance(choice.cause, TorqueConstant):
+        other = with_rival(model, choice, Chosen(STATED_LEVELS, Site(joint)))
+        return None if other is None else (STATED_LEVELS.name, other)
+    if stands.rival is None:
+        return None
+    other = with_rival(model, choice, stands.rival)
+    return None if other is None else (stands.rival.cause.name, other)
+
+
+def _of_one_factor(choice: Chosen, stands: Standing) -> Standing:
+    # Both levels off by one factor, and a torque constant off by that factor: either may be the cause.
+    if choice.cause.name not in OF_ONE_FACTOR:
+        return stands
+    alternatives = tuple(dict.fromkeys((*stands.alternatives, OF_ONE_FACTOR[choice.cause.name])))
+    return replace(stands, alternatives=alternatives, confidence=min(stands.confidence, EVEN))
+
+
+def _beside_links(choice: Chosen, stands: Standing) -> Standing:
+    # A payload that is held throughout is a part of the last link, and that link may be off too where others are.
+    if not isinstance(choice.cause, Payload) or stands.alternatives:
+        return stands
+    return replace(stands, alternatives=(LinkScale.name,), confidence=min(stands.confidence, EVEN))

@@ -1,0 +1,159 @@
+"""Causes of a model that are no findings: they are refitted along, and listed as refitted values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from mjfriction.diagnose.causes.catalog import STATED_LEVELS
+from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
+from mjfriction.diagnose.causes.moved_link import MovedLink
+from mjfriction.diagnose.causes.presliding import Presliding
+from mjfriction.diagnose.causes.torque_constant import TorqueConstant
+from mjfriction.diagnose.causes.varying import Step, WarmUpDrift
+from mjfriction.diagnose.fit.model import Chosen, Key, Model, build_model, partners
+from mjfriction.diagnose.fit.nearness import STRAINED, relief
+from mjfriction.diagnose.fit.trial import effects, negligible
+from mjfriction.diagnose.search.stroke_curve import StrokeCurve, vague_waves
+from mjfriction.diagnose.settle.stated import Settled
+from mjfriction.diagnose.tell.contacts import more_than_contacts
+from mjfriction.diagnose.tell.links_off import links_far_off
+from mjfriction.diagnose.tell.verdict import beside_oscillations
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.structure import Structure
+from mjfriction.record.log import Floats
+
+LEAST_SEEN = 0.1  # a cause must reduce the mean square at a joint by this fraction of what is left there
+MISFIT = 0.05  # and by this fraction of the other causes' reduction, since their form may not fit exactly
+SURELY_SEEN = 0.2  # fraction of what is left that suffices whatever others reduce: an effect half as large as the noise
+BRISTLE_MISFIT = 0.005  # the same as MISFIT beside a bristle, for no machine's friction builds up exactly like it
+# A cause must remove this many times the mean square that is left unexplained at its joint, which halves the RMS; only
+# once beside a load that swings or a tone, which are known and refitted along.
+DROWNED = 3.0
+COURSES = frozenset({WarmUpDrift.name, Step.name})  # causes that are a course of friction over time
+LEAST_OF_COURSES = 0.2  # size, relative to the largest on a joint, that a course must reach: no warm-up fits exactly
+
+
+@dataclass(frozen=True)
+class Untold:
+    """The causes of a model that are no findings (``keys``), the unexplained share of the residual by joint (``left``),
+    and the held-out residual without any cause (``bare``, (rows, joints)).
+    """
+
+    keys: frozenset[Key]
+    left: dict[int, float]
+    bare: Floats
+
+
+def find_untold(
+    settled: Settled, remaining: tuple[Structure, ...], curves: Sequence[StrokeCurve], heldout: Floats
+) -> Untold:
+    """Return which causes of a settled model are no findings.
+
+    A cause may only fit what larger causes leave, if these are fitted slightly wrong.  That is so if its effort is next
+    to nothing, or if it hardly shows beside the held-out residual (``heldout``, (rows, joints), without oscillations)
+    and does not keep drives and links near what is stated.  Structure that is no cause (``remaining``) may be fitted in
+    part by many causes, such as a dragging brake by a warm-up.  Causes that only approximate one of ``curves`` are
+    evidence of nothing else; nor are two friction waves whose period is hardly known.  A course over time that is small
+    beside another on its joint is a misfit of that other's form.
+
+    A link is no finding if all links, a few percent off in all of their ten parameters, do as well.  Nor is a torque
+    constant or a rotor that is a few percent off, if the whole robot is, or if the joint's link is not where its sensor
+    says, because of play or compliance: its accelerations then depend on how that is modelled.
+
+    The other half of a cause that is reported was asked for by name, and is reported too.  Friction that builds up
+    within the travel that any contact yields can be a finding at one or two joints, as
+    :func:`~mjfriction.diagnose.tell.contacts.more_than_contacts` says.
+    """
+    model, strengths = settled.model, settled.model.strengths
+    gap = model.gap
+    spelt = {gap.robot.joints.index(curve.structure.joint) for curve in curves}
+    oscillating = {source.joint for source in model.nuisance.sources}
+    left = {gap.robot.joints.index(entry.joint): entry.share for entry in remaining}
+    left = {joint: share for joint, share in left.items() if joint not in spelt | oscillating}
+    beside = beside_oscillations(model, heldout)
+    drowning = {joint: DROWNED * share for joint, share in left.items()} | beside
+    left |= beside
+    exact = settled.exact
+    giving = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, MovedLink)}
+    common = {
+        choice.key
+        for choice, place in zip(model.chosen, model.places, strict=True)
+        if not choice.cause.noteworthy(gap, choice.site, strengths[place])
+        or (choice.cause.usual(gap, choice.site, strengths[place]) and (not exact or choice.site.joint in giving))
+    }
+    causes = (*model.chosen, *settled.levels)
+    without = {choice.key: without_cause(model, choice) for choice in causes}
+    before = {key: own.heldout_residual() for key, own in without.items()}
+    common -= more_than_contacts(model, before, heldout)
+    small = {
+        choice.key
+        for choice, place in zip(model.chosen, model.places, strict=True)
+        if negligible(model, choice, strengths[place], before[choice.key], heldout)
+    }
+    small |= _beside_larger_courses(model)
+    bare = build_model(gap, model.nuisance, ()).heldout_residual()
+    for choice in causes:
+        # Without this cause, others adapt to stand in for it, and what that costs may show at joints that it does not
+        # touch: all joints are examined.
+        built_up = {
+            other.site.joint: before[other.key]
+            for other in model.chosen
+            if other.cause.name == Presliding.name and other.key != choice.key
+        }
+        if choice.key in common | small or shows(gap, before[choice.key], heldout, drowning, bare, built_up):
+            continue
+        # A cause also counts if drives and links can stand in for it only by being off as far as they hardly ever are.
+        # At a joint where something is left unexplained they may be off because of that, and it does not count.
+        if choice.site.joint in left or relief(model, without[choice.key]) < STRAINED:
+            small.add(choice.key)
+    of_links = [choice for choice in model.chosen if isinstance(choice.cause, LinkScale | LinkCentre)]
+    if any(choice.key not in common | small for choice in of_links) and not links_far_off(model):
+        common |= {choice.key for choice in of_links}
+    told = [choice for choice in model.chosen if choice.key not in common | small]
+    asked = {choice.key for choice in model.chosen if partners(choice, told)}
+    spelling = frozenset(key for curve in curves for key in curve.keys) | vague_waves(model)
+    return Untold(frozenset(common | (small - asked)) | spelling, left, bare)
+
+
+def _beside_larger_courses(model: Model) -> set[Key]:
+    # The courses of friction over time that are small compared with another on their joint.
+    sizes: dict[int, dict[Key, float]] = {}
+    for choice, place in zip(model.chosen, model.places, strict=True):
+        if choice.cause.name in COURSES:
+            joint = choice.site.joint
+            own, _ = effects(model, choice, model.strengths[place], joint)
+            sizes.setdefault(joint, {})[choice.key] = own
+    return {key for own in sizes.values() for key, size in own.items() if size < LEAST_OF_COURSES * max(own.values())}
+
+
+def without_cause(model: Model, choice: Chosen) -> Model:
+    """Return the model as it would be without a cause, with what could stand in for it held as stated."""
+    if isinstance(choice.cause, LinkScale):
+        return model.without(choice).without_links()  # the links that are refitted along would scale instead
+    if choice.cause is STATED_LEVELS:
+        return build_model(model.gap, model.nuisance.without_level(choice.site.joint), model.chosen)
+    without, joint = model.without(choice), choice.site.joint
+    if isinstance(choice.cause, TorqueConstant) and model.nuisance.level_near(joint):
+        return build_model(model.gap, model.nuisance.without_level(joint), without.chosen)
+    return without
+
+
+def shows(
+    gap: Gap, before: Floats, after: Floats, drowning: Mapping[int, float], bare: Floats, built_up: Mapping[int, Floats]
+) -> bool:
+    """Return whether a change reduces the held-out mean square by enough at one joint or more.
+
+    ``before`` and ``after`` (rows, joints) are the residuals without and with it, ``bare`` the residual without any
+    cause.  ``drowning`` has, for joints where something is left unexplained, how many times the mean square of
+    ``after`` the change must remove.  ``built_up`` has, for joints with another cause by which friction builds up over
+    travel, the residual without that cause.
+    """
+    for joint in gap.examined:
+        own, without, none = (gap.rms(course[:, joint], joint) ** 2 for course in (after, before, bare))
+        misfit = min(MISFIT * (none - without), SURELY_SEEN * own)
+        if joint in built_up:
+            misfit = max(misfit, BRISTLE_MISFIT * (gap.rms(built_up[joint][:, joint], joint) ** 2 - own))
+        if without - own > max(LEAST_SEEN * own, misfit, drowning.get(joint, 0.0) * own):
+            return True
+    return False
