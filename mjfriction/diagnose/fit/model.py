@@ -104,11 +104,26 @@ class Model:
             ends.append(ends[-1] + len(choice.cause.quantities(self.gap, choice.site)))
         return [slice(a, b) for a, b in itertools.pairwise(ends)]
 
+    @functools.cached_property
+    def fitted_causes(self) -> tuple[tuple[Chosen, Floats], ...]:
+        """Each chosen cause with its fitted strengths."""
+        return tuple((choice, self.strengths[place]) for choice, place in zip(self.chosen, self.places, strict=True))
+
+    def strengths_of(self, target: Chosen) -> Floats:
+        """Return the fitted strengths of a chosen cause.
+
+        Raises :class:`StopIteration` if it is none of the model's.
+        """
+        return next(strengths for choice, strengths in self.fitted_causes if choice.key == target.key)
+
     @property
     def noteworthy(self) -> tuple[Chosen, ...]:
         """The chosen causes that would be findings; the others are only refitted along."""
-        pairs = zip(self.chosen, self.places, strict=True)
-        return tuple(one for one, at in pairs if one.cause.noteworthy(self.gap, one.site, self.strengths[at]))
+        return tuple(
+            choice
+            for choice, strengths in self.fitted_causes
+            if choice.cause.noteworthy(self.gap, choice.site, strengths)
+        )
 
     @functools.cached_property
     def friction(self) -> dict[int, float]:
@@ -183,8 +198,8 @@ class Model:
 
     def admissible(self) -> Model:
         """Return the model without the causes whose fitted strengths are not physical: these explain nothing."""
-        for choice, place in zip(self.chosen, self.places, strict=True):
-            if not choice.cause.admissible(self.gap, choice.site, self.strengths[place]):
+        for choice, strengths in self.fitted_causes:
+            if not choice.cause.admissible(self.gap, choice.site, strengths):
                 return self.without(choice).admissible()
         return self
 

@@ -30,8 +30,8 @@ def straightened(model: Model, newcomer: Chosen | None = None) -> Model:
     """
     for _ in range(ROUNDS):
         strengths = [
-            _drawn_at(choice, model.strengths[place], newcomer is None or choice.key == newcomer.key)
-            for choice, place in zip(model.chosen, model.places, strict=True)
+            _drawn_at(choice, fitted, newcomer is None or choice.key == newcomer.key)
+            for choice, fitted in model.fitted_causes
         ]
         pairs = list(zip(model.chosen, strengths, strict=True))
         if not any(_bends(model, *pair) for pair in pairs) or not all(_admissible(model, *pair) for pair in pairs):
@@ -39,7 +39,7 @@ def straightened(model: Model, newcomer: Chosen | None = None) -> Model:
         drawn = [c for c in model.chosen if c.cause.curved and (newcomer is None or c.key == newcomer.key)]
         chosen = _tangents(model, strengths, drawn)
         model = build_model(model.gap, model.nuisance, chosen)
-        moved = [model.strengths[place] for place in model.places]
+        moved = [fitted for _, fitted in model.fitted_causes]
         anew = {choice.key for choice in drawn}
         steps = [(a, b) for c, a, b in zip(chosen, strengths, moved, strict=True) if c.key in anew]
         if all(np.linalg.norm(b - a) <= SETTLED * np.linalg.norm(a) for a, b in steps):

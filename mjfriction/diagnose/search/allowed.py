@@ -35,10 +35,8 @@ def as_allowed(model: Model, asked: Field) -> Model:
 
 
 def _is_allowed(model: Model, choice: Chosen) -> bool:
-    strengths = [
-        model.strengths[place] for one, place in zip(model.chosen, model.places, strict=True) if one.key == choice.key
-    ]
-    return all(choice.cause.admissible(model.gap, choice.site, own) for own in strengths)
+    own = [fitted for one, fitted in model.fitted_causes if one.key == choice.key]
+    return all(choice.cause.admissible(model.gap, choice.site, fitted) for fitted in own)
 
 
 def _other_forms(choice: Chosen, asked: Field) -> list[Chosen]:

@@ -46,10 +46,9 @@ def _weighed(model: Model) -> Robot:
     robot, inertias = model.gap.robot, model.nuisance.inertias
     if inertias is not None:
         robot = inertias.applied(robot, model.strengths[model.nuisance.of_inertias])
-    for choice, place in zip(model.chosen, model.places, strict=True):
-        strengths = model.strengths[place]
-        if choice.cause.of_body and choice.cause.admissible(model.gap, choice.site, strengths):
-            robot = choice.cause.extend(robot, choice.site, strengths)
+    for choice, fitted in model.fitted_causes:
+        if choice.cause.of_body and choice.cause.admissible(model.gap, choice.site, fitted):
+            robot = choice.cause.extend(robot, choice.site, fitted)
     return robot
 
 
@@ -66,8 +65,8 @@ def _load_changes(gap: Gap, robot: Robot) -> bool:
 def _delays(model: Model) -> Floats:
     # By how much (s) the drives report later than stated, as found so far, (joints,).
     stated = robot = model.gap.robot
-    for choice, place in zip(model.chosen, model.places, strict=True):
+    for choice, fitted in model.fitted_causes:
         if choice.cause.of_sensor:
-            robot = choice.cause.extend(robot, choice.site, model.strengths[place])
+            robot = choice.cause.extend(robot, choice.site, fitted)
     pairs = zip(robot.table.joint, stated.table.joint, strict=True)
     return np.array([found.effort_sensor.delay - own.effort_sensor.delay for found, own in pairs])

@@ -17,7 +17,6 @@ from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.fit.model import Chosen, Key, Model
 from mjfriction.diagnose.fit.trial import try_out
 from mjfriction.diagnose.search.field import Chances
-from mjfriction.record.log import Floats
 
 # Relative tolerance for an effect to belong to a drive.  A joint's share of its effort must match the ratio by which
 # the drive turns with that joint; a change of a joint's rotor must match what the drive's own rotor makes there.
@@ -59,19 +58,15 @@ def _belongs(model: Model, one: Chosen, drive: Chosen) -> bool:
     if not isinstance(one.cause, RotorInertia) or one.site.joint not in _pair(drive):
         return False
     own = _turned(model, drive, one.site.joint)
-    return abs(float(_strengths(model, one)[0]) - own) < AS_GEARED * own
+    return abs(float(model.strengths_of(one)[0]) - own) < AS_GEARED * own
 
 
 def _turned(model: Model, drive: Chosen, joint: int) -> float:
     # The inertia of the drive's own rotor as a joint feels it.
     assert isinstance(drive.cause, SharedDrive), "no other turns with two joints"
-    own = dict(zip((each.name for each in drive.cause.takes), _strengths(model, drive).tolist(), strict=True))
+    own = dict(zip((each.name for each in drive.cause.takes), model.strengths_of(drive).tolist(), strict=True))
     ratio = drive.cause.ratio(drive.site) if joint == drive.site.joint else 1.0
     return ratio**2 * float(own.get(INERTIA.name, 0.0))
-
-
-def _strengths(model: Model, choice: Chosen) -> Floats:
-    return model.strengths[model.places[[one.key for one in model.chosen].index(choice.key)]]
 
 
 def _pair(choice: Chosen) -> tuple[int, int | None]:

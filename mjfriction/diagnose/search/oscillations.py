@@ -71,9 +71,9 @@ def new_oscillations(model: Model) -> list[Source]:
 def _of_own_link(model: Model, frequency: float) -> bool:
     # A link that swings on its transmission has other frequencies in other poses, and does not swing quite as the cause
     # models it.  What is left of that, at any joint, has no other source.
-    for choice, place in zip(model.chosen, model.places, strict=True):
+    for choice, fitted in model.fitted_causes:
         if isinstance(choice.cause, SwingingElasticity):
-            own = choice.cause.resonances(model.gap, choice.site, model.strengths[place])
+            own = choice.cause.resonances(model.gap, choice.site, fitted)
             if np.min(own) / NEAR < frequency < np.max(own) * NEAR:
                 return True
     return False

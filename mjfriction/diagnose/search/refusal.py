@@ -77,8 +77,8 @@ def _dissolved(model: Model) -> list[Chosen]:
         return []
     widths = half_widths(model).causes
     doubt = [
-        (float(half[0] / max(abs(model.strengths[place][0]), 1e-300)), choice)
-        for choice, place, half in zip(model.chosen, model.places, widths, strict=True)
+        (float(half[0] / max(abs(fitted[0]), 1e-300)), choice)
+        for (choice, fitted), half in zip(model.fitted_causes, widths, strict=True)
         if choice.cause.name in BENDING and joints.count(choice.site.joint) > 1
     ]
     worst, least_sure = max(doubt, key=lambda entry: entry[0])
@@ -91,8 +91,8 @@ def _of_landings(model: Model) -> list[Chosen]:
     loose = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, Play)}
     return [
         choice
-        for choice, place in zip(model.chosen, model.places, strict=True)
-        if isinstance(choice.cause, JointDelay) and choice.site.joint in loose and model.strengths[place][0] < 0.0
+        for choice, fitted in model.fitted_causes
+        if isinstance(choice.cause, JointDelay) and choice.site.joint in loose and fitted[0] < 0.0
     ]
 
 
@@ -106,9 +106,8 @@ def _among_waves(model: Model) -> list[Chosen]:
 def _both_ways(model: Model) -> list[Chosen]:
     return [
         choice
-        for choice, place in zip(model.chosen, model.places, strict=True)
-        if isinstance(choice.cause, Varying)
-        and not choice.cause.one_way(model.gap, choice.site, model.strengths[place])
+        for choice, fitted in model.fitted_causes
+        if isinstance(choice.cause, Varying) and not choice.cause.one_way(model.gap, choice.site, fitted)
     ]
 
 

@@ -103,5 +103,4 @@ def _near(model: Model, joint: int, spread: float) -> tuple[Model, Floats]:
 
 def _common(model: Model, choice: Chosen) -> bool:
     # Whether a cause's change is within what such stated values are off by on any robot.
-    place = model.places[[one.key for one in model.chosen].index(choice.key)]
-    return choice.cause.usual(model.gap, choice.site, model.strengths[place])
+    return choice.cause.usual(model.gap, choice.site, model.strengths_of(choice))

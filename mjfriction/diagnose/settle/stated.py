@@ -139,8 +139,8 @@ def _bent(model: Model, joint: int) -> bool:
     return any(
         choice.site.joint == joint
         and choice.cause.name in WITH_LEVELS
-        and choice.cause.noteworthy(model.gap, choice.site, model.strengths[place])
-        for choice, place in zip(model.chosen, model.places, strict=True)
+        and choice.cause.noteworthy(model.gap, choice.site, fitted)
+        for choice, fitted in model.fitted_causes
     )
 
 
@@ -170,8 +170,8 @@ def _of_one_direction(model: Model, level: Level, bar: float) -> bool:
     gap, joint = model.gap, level.site.joint
     change = model.strengths[model.nuisance.of_level(joint)]
     differing = [
-        float(model.strengths[place][0])
-        for choice, place in zip(model.chosen, model.places, strict=True)
+        float(fitted[0])
+        for choice, fitted in model.fitted_causes
         if isinstance(choice.cause, Asymmetry) and choice.site.joint == joint
     ]
     ways = [change + np.array([0.0, way * half]) for half in differing for way in (-1.0, 1.0)]
@@ -193,8 +193,8 @@ def _off_beyond_a_bend(model: Model, level: Level, bar: float) -> bool:
     # bend near rest, or too far away from a spot.
     gap, joint = model.gap, level.site.joint
     bends = [
-        (choice, place)
-        for choice, place in zip(model.chosen, model.places, strict=True)
+        (choice, fitted)
+        for choice, fitted in model.fitted_causes
         if choice.site.joint == joint and choice.cause.name in WITH_LEVELS
     ]
     if not all(choice.cause.name == Stribeck.name or isinstance(choice.cause, FrictionSpot) for choice, _ in bends):
@@ -211,7 +211,7 @@ def _off_beyond_a_bend(model: Model, level: Level, bar: float) -> bool:
         return False
     stated = level.columns[joint] @ np.array(stated_levels(gap.robot.table.joint[joint]))
     moved = level.columns[joint] @ model.strengths[model.nuisance.of_level(joint)]
-    bent = sum(cause_block(gap, choice)[0][joint] @ model.strengths[place] for choice, place in bends)
+    bent = sum(cause_block(gap, choice)[0][joint] @ fitted for choice, fitted in bends)
     friction, off, faded = (float(np.linalg.norm(np.asarray(part)[beyond])) for part in (stated, moved, bent))
     return faded < FADED * off and off > bar * friction
 
@@ -223,9 +223,9 @@ def _of_another_moment(model: Model, level: Level, bar: float) -> bool:
     change = model.strengths[model.nuisance.of_level(joint)]
     return any(
         relative_change(gap, level.site, change + shift) <= bar
-        for choice, place in zip(model.chosen, model.places, strict=True)
+        for choice, fitted in model.fitted_causes
         if choice.site.joint == joint
-        for shift in choice.cause.level_shifts(gap, choice.site, model.strengths[place])
+        for shift in choice.cause.level_shifts(gap, choice.site, fitted)
     )
 
 

@@ -35,9 +35,8 @@ def more_than_contacts(model: Model, before: Mapping[Key, Floats], after: Floats
     gap = model.gap
     short = [
         choice
-        for choice, place in zip(model.chosen, model.places, strict=True)
-        if choice.cause.name == Presliding.name
-        and not choice.cause.noteworthy(gap, choice.site, model.strengths[place])
+        for choice, fitted in model.fitted_causes
+        if choice.cause.name == Presliding.name and not choice.cause.noteworthy(gap, choice.site, fitted)
     ]
     if len(short) >= FEWEST_JOINTS:
         return set()
@@ -60,8 +59,7 @@ def _others_are_rigid(model: Model, choice: Chosen) -> bool:
     # stroke, and do not.
     gap, joint = model.gap, choice.site.joint
     stroke = np.ptp(gap.motion.position, axis=0)
-    place = model.places[[own.key for own in model.chosen].index(choice.key)]
-    part = choice.cause.taken_level(model.strengths[place]) / max(_level(model, joint), 1e-300)
+    part = choice.cause.taken_level(model.strengths_of(choice)) / max(_level(model, joint), 1e-300)
     yielding = {own.site.joint for own in model.chosen if own.cause.name == Presliding.name}
     others = [other for other in gap.examined if other != joint and _level(model, other) > 0.0]
     rigid = 0

@@ -65,8 +65,7 @@ def find_untold(
     within the travel that any contact yields can be a finding at one or two joints, as
     :func:`~mjfriction.diagnose.tell.contacts.more_than_contacts` says.
     """
-    model, strengths = settled.model, settled.model.strengths
-    gap = model.gap
+    model, gap = settled.model, settled.model.gap
     spelt = {gap.robot.joints.index(curve.structure.joint) for curve in curves}
     oscillating = {source.joint for source in model.nuisance.sources}
     left = {gap.robot.joints.index(entry.joint): entry.share for entry in remaining}
@@ -78,9 +77,9 @@ def find_untold(
     giving = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, MovedLink)}
     common = {
         choice.key
-        for choice, place in zip(model.chosen, model.places, strict=True)
-        if not choice.cause.noteworthy(gap, choice.site, strengths[place])
-        or (choice.cause.usual(gap, choice.site, strengths[place]) and (not exact or choice.site.joint in giving))
+        for choice, fitted in model.fitted_causes
+        if not choice.cause.noteworthy(gap, choice.site, fitted)
+        or (choice.cause.usual(gap, choice.site, fitted) and (not exact or choice.site.joint in giving))
     }
     causes = (*model.chosen, *settled.levels)
     without = {choice.key: without_cause(model, choice) for choice in causes}
@@ -88,8 +87,8 @@ def find_untold(
     common -= more_than_contacts(model, before, heldout)
     small = {
         choice.key
-        for choice, place in zip(model.chosen, model.places, strict=True)
-        if negligible(model, choice, strengths[place], before[choice.key], heldout)
+        for choice, fitted in model.fitted_causes
+        if negligible(model, choice, fitted, before[choice.key], heldout)
     }
     small |= _beside_larger_courses(model)
     bare = build_model(gap, model.nuisance, ()).heldout_residual()
@@ -119,10 +118,10 @@ def find_untold(
 def _beside_larger_courses(model: Model) -> set[Key]:
     # The courses of friction over time that are small compared with another on their joint.
     sizes: dict[int, dict[Key, float]] = {}
-    for choice, place in zip(model.chosen, model.places, strict=True):
+    for choice, fitted in model.fitted_causes:
         if choice.cause.name in COURSES:
             joint = choice.site.joint
-            own, _ = effects(model, choice, model.strengths[place], joint)
+            own, _ = effects(model, choice, fitted, joint)
             sizes.setdefault(joint, {})[choice.key] = own
     return {key for own in sizes.values() for key, size in own.items() if size < LEAST_OF_COURSES * max(own.values())}
 
