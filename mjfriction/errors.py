@@ -3,17 +3,17 @@
 ::
 
     MjfrictionError
-    ├── InputError            something the user gave is wrong (exit status 2)
-    │   ├── LogError          a log: columns, rows, sampling
-    │   ├── RobotError        a robot.toml or its model file
-    │   ├── LawError          a friction law's name or parameters
-    │   ├── SimulationError   a MuJoCo model or simulation that cannot carry friction
-    │   ├── ControlError      an observer or a controller that cannot work as it is set
-    │   ├── OutputError       a place where results cannot be written
-    │   └── BenchmarkError    a tool under benchmark that failed
-    └── InternalError         a failure of our own (exit status 1)
+    └── InputError            something the user gave is wrong (exit status 2)
+        ├── LogError          a log: columns, rows, sampling
+        ├── RobotError        a robot.toml or its model file
+        ├── LawError          a friction law's name or parameters
+        ├── SimulationError   a MuJoCo model or simulation that cannot carry friction
+        ├── ControlError      an observer or a controller that cannot work as it is set
+        ├── OutputError       a place where results cannot be written
+        └── BenchmarkError    a tool under benchmark that failed
 
-Every message is one line: what was given, what is allowed, what to do.
+Every message is one line: what was given, what is allowed, what to do.  Any other exception is a failure of our own; a
+command then ends with exit status 1.
 """
 
 from __future__ import annotations
@@ -56,10 +56,6 @@ class OutputError(InputError):
 
 class BenchmarkError(InputError):
     """A tool under benchmark failed."""
-
-
-class InternalError(MjfrictionError):
-    """A failure of this package itself."""
 
 
 def suggestion(word: str, allowed: Iterable[str]) -> str:

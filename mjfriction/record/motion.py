@@ -21,6 +21,7 @@ from mjfriction.record.resample import SHORTEST_PIECE, Clock, Grid, grid_segment
 
 EDGE_PERIODS = 3  # periods of the cutoff by which a piece is extrapolated at both ends before it is filtered
 SETTLING_PERIODS = 3.0  # periods of the cutoff at each end of a piece that the filter's start and end affect
+MOST_OF_RATE = 0.45  # of the sampling rate, that the cutoff is at most
 STILL = 1e-5  # rad or m; a joint that travels less counts as at rest
 # A joint is held by its drive, and only yields a little, where its travel and its speed are both below this share of
 # the largest among joints of its kind (sliding or turning).  As it may be the only one of its kind, it is also held
@@ -198,69 +199,94 @@ def estimate_motion(log: Log, joints: Sequence[str], cutoff: float, sliding: Seq
             f"{log.source}: no stretch of {SHORTEST_PIECE} samples without a gap; "
             "record longer motions or a steadier log"
         )
-    rate = 1.0 / clock.step
-    cutoff = min(cutoff, 0.45 * rate)
-    slow = butterworth(ORDER, cutoff, rate)
-
-    def on_clock(values: Floats, *, smooth: bool) -> list[Floats]:
-        return [onto_grid(values, log.time, grid, smooth=smooth) for grid in grids]
-
-    edge = int(EDGE_PERIODS * rate / cutoff) + 12
-
-    def derivatives(pieces: list[Floats], order: int) -> list[list[Floats]]:
-        smooth = [_low_pass(slow, piece, edge) for piece in pieces]
-        return [_derivatives(values, rate, order, margin) for values, margin in smooth]
-
-    position, velocity, acceleration, noise, torque, quantity = [], [], [], [], [], []
-    for joint in joints:
-        measured = log.channel(POSITION, joint)
-        assert measured is not None, "check_joints lets no joint without a position pass"
-        kinematics = derivatives(on_clock(measured, smooth=True), 2)
-        smooth = [piece[0] for piece in kinematics]
-        rates = [piece[1:] for piece in kinematics]
-        # A differentiator in front of a low-pass of this cutoff passes (2π·cutoff)²/3 of the noise's power in band.
-        level = raw_noise(log, POSITION, joint, clock) * 2.0 * np.pi * cutoff * np.sqrt(2.0 * cutoff / rate / 3.0)
-        direct = log.channel(VELOCITY, joint)
-        if direct is not None:
-            direct_level = raw_noise(log, VELOCITY, joint, clock) * np.sqrt(2.0 * cutoff / rate)
-            late = velocity_lateness(log, joint, cutoff, clock) if direct_level < level else None
-            if late is not None:
-                prompt = [onto_grid(direct, log.time, grid, smooth=True, late=late) for grid in grids]
-                rates, level = derivatives(prompt, 1), direct_level
-        position.append(np.concatenate(smooth))
-        velocity.append(np.concatenate([piece[0] for piece in rates]))
-        acceleration.append(np.concatenate([piece[1] for piece in rates]))
-        noise.append(float(level))
-        measured_quantity = log.torque_quantity(joint)
-        quantity.append(measured_quantity)
-        reported = log.channel(measured_quantity, joint) if measured_quantity else None
-        torque.append(
-            np.concatenate(on_clock(reported, smooth=False))
-            if reported is not None
-            else np.full(position[-1].size, np.nan)
-        )
+    pieces = _Pieces(log, clock, grids, min(cutoff, MOST_OF_RATE / clock.step))
+    courses = [pieces.course(joint) for joint in joints]
     used = {f"{q}.{joint}" for q in (POSITION, VELOCITY, EFFORT, CURRENT) for joint in joints}
-    others = {
-        name: np.concatenate(on_clock(values, smooth=False)) for name, values in log.columns.items() if name not in used
-    }
     return Motion(
         joints=tuple(joints),
         time=np.concatenate([grid.time for grid in grids]),
         piece=grid_segments(grids),
-        rate=rate,
-        cutoff=cutoff,
-        position=np.column_stack(position),
-        velocity=np.column_stack(velocity),
-        acceleration=np.column_stack(acceleration),
-        velocity_noise=np.array(noise),
-        torque=np.column_stack(torque),
-        quantity=tuple(quantity),
-        settled=np.concatenate([_settled(grid.time.size, rate, cutoff) for grid in grids]),
-        columns=others,
+        rate=pieces.rate,
+        cutoff=pieces.cutoff,
+        position=np.column_stack([course.position for course in courses]),
+        velocity=np.column_stack([course.velocity for course in courses]),
+        acceleration=np.column_stack([course.acceleration for course in courses]),
+        velocity_noise=np.array([course.velocity_noise for course in courses]),
+        torque=np.column_stack([course.torque for course in courses]),
+        quantity=tuple(course.quantity for course in courses),
+        settled=np.concatenate([_settled(grid.time.size, pieces.rate, pieces.cutoff) for grid in grids]),
+        columns={
+            name: np.concatenate(pieces.on_clock(values, smooth=False))
+            for name, values in log.columns.items()
+            if name not in used
+        },
         clock=clock,
         grids=tuple(grids),
         sliding=tuple(sliding) if sliding is not None else (False,) * len(joints),
     )
+
+
+@dataclass(frozen=True)
+class _Course:
+    """What one joint did, each (n,) but ``velocity_noise`` and ``quantity``, as in :class:`Motion`."""
+
+    position: Floats
+    velocity: Floats
+    acceleration: Floats
+    velocity_noise: float
+    torque: Floats
+    quantity: str | None
+
+
+@dataclass(frozen=True)
+class _Pieces:
+    """The pieces of a log without gaps, on an even clock, and the cutoff (Hz) of the filter for positions."""
+
+    log: Log
+    clock: Clock
+    grids: Sequence[Grid]
+    cutoff: float
+
+    @property
+    def rate(self) -> float:
+        return 1.0 / self.clock.step
+
+    def on_clock(self, values: Floats, *, smooth: bool, late: float = 0.0) -> list[Floats]:
+        return [onto_grid(values, self.log.time, grid, smooth=smooth, late=late) for grid in self.grids]
+
+    def derivatives(self, pieces: list[Floats], order: int) -> list[Floats]:
+        # Values through the low-pass, followed by as many of their derivatives as asked for, each (n,).
+        edge = int(EDGE_PERIODS * self.rate / self.cutoff) + 12
+        slow = butterworth(ORDER, self.cutoff, self.rate)
+        smooth = [_low_pass(slow, piece, edge) for piece in pieces]
+        out = [_derivatives(values, self.rate, order, margin) for values, margin in smooth]
+        return [np.concatenate(parts) for parts in zip(*out, strict=True)]
+
+    def course(self, joint: str) -> _Course:
+        measured = self.log.channel(POSITION, joint)
+        assert measured is not None, "check_joints lets no joint without a position pass"
+        position, *rates = self.derivatives(self.on_clock(measured, smooth=True), 2)
+        # A differentiator in front of a low-pass of this cutoff passes (2π·cutoff)²/3 of the noise's power in band.
+        passed = np.sqrt(2.0 * self.cutoff / self.rate)
+        noise = raw_noise(self.log, POSITION, joint, self.clock) * 2.0 * np.pi * self.cutoff * passed / np.sqrt(3.0)
+        direct = self.log.channel(VELOCITY, joint)
+        if direct is not None:
+            direct_noise = raw_noise(self.log, VELOCITY, joint, self.clock) * passed
+            late = velocity_lateness(self.log, joint, self.cutoff, self.clock) if direct_noise < noise else None
+            if late is not None:
+                rates, noise = self.derivatives(self.on_clock(direct, smooth=True, late=late), 1), direct_noise
+        quantity = self.log.torque_quantity(joint)
+        reported = self.log.channel(quantity, joint) if quantity else None
+        return _Course(
+            position=position,
+            velocity=rates[0],
+            acceleration=rates[1],
+            velocity_noise=float(noise),
+            torque=np.full(position.size, np.nan)
+            if reported is None
+            else np.concatenate(self.on_clock(reported, smooth=False)),
+            quantity=quantity,
+        )
 
 
 def smooth_derivatives(motion: Motion, values: Floats, share: float = 1.0) -> list[Floats]:
