@@ -104,18 +104,17 @@ def settle(model: Model, asked: Field) -> Settled:
         trial = try_out(held, Chosen(STATED_LEVELS, level.site))
         if trial is None or trial.chance > FALSE_ALARM or trial.gain <= 0.0:
             model = held
-        elif trial.passes(field_size) and change[joint] > bar:
+        elif trial.passes(field_size) and change[joint] > bar and not _of_another_moment(model, level, bar):
             held, trial = _unmoved(model, held, trial)
             rival = _simpler(held, trial, asked)
-            elsewhen = _of_another_moment(model, level, bar)
-            scaled = scaled_levels(model, held, trial, change) if rival is None and not elsewhen else None
+            scaled = scaled_levels(model, held, trial, change) if rival is None else None
             if rival is not None:
                 model = build_model(held.gap, held.nuisance, (*without_contained(held.chosen, rival), rival))
             elif scaled is not None and scaled.one_factor:
                 model = scaled.model
             elif (other := one_for_both(model, joint, asked)) is not None:
                 model = other
-            elif not elsewhen and _own(model, level, change[joint], bar):
+            elif _own(model, level, change[joint], bar):
                 findings.append(trial.chosen)
             alike |= {joint: scaled.spread} if scaled is not None else {}
     model = with_levels_as_stated(model)
