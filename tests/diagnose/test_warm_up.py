@@ -11,6 +11,7 @@ from mjfriction.diagnose.causes import varying
 from mjfriction.diagnose.causes.varying import WarmUpDrift
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.search import compete
+from mjfriction.diagnose.settle import stated
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_COULOMB, UR5_VISCOUS, Instant, Machine, write_case
@@ -91,3 +92,25 @@ def test_a_warm_up_of_a_twelfth_of_the_log_is_one(tmp_path: Path, monkeypatch: p
     assert told() == [("friction.temperature", "elbow_joint")]
     monkeypatch.setattr(varying, "FASTEST", 0.1 * seconds)
     assert told() != [("friction.temperature", "elbow_joint")]
+
+
+@pytest.mark.deep
+def test_damping_that_is_as_stated_when_warm_needs_no_bend(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A lubricant's viscosity falls exponentially; what is stated holds at one temperature on the way."""
+
+    def warm(time: np.ndarray) -> np.ndarray:
+        return 20.0 * (1.0 - np.exp(-time / 20.0))
+
+    def thinning(at: Instant) -> np.ndarray:
+        return (np.exp(-0.05 * (warm(at.time) - 12.0)) - 1.0) * UR5_VISCOUS[ELBOW] * at.v
+
+    ambient = {"temperature.elbow_joint": lambda time: 25.0 + warm(time)}
+    machine = Machine(hidden={ELBOW: thinning}, noise=0.1, ambient=ambient)
+    log, robot = write_case(tmp_path, machine, seed=4, seconds=40.0, off=0.03)
+
+    def causes() -> list[str]:
+        return [one.cause for one in diagnose_log(read_log(log), read_robot(robot)).findings]
+
+    assert causes() == ["friction.temperature"]
+    monkeypatch.setattr(stated, "_of_another_moment", lambda *_: False)
+    assert len(causes()) > 1
