@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from mjfriction.diagnose.causes.asymmetry import Asymmetry
 from mjfriction.diagnose.causes.delay import JointDelay, late
 from mjfriction.diagnose.causes.friction_spot import FrictionSpot
 from mjfriction.diagnose.causes.play import Play
 from mjfriction.diagnose.causes.presliding import Presliding
+from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.causes.varying import Varying
+from mjfriction.diagnose.causes.viscous_nonlinear import ViscousNonlinear
 from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.fit.intervals import half_widths
 from mjfriction.diagnose.fit.model import Chosen, Model, cause_block
@@ -17,7 +20,8 @@ from mjfriction.identify.proof import measure_gain
 from mjfriction.record.motion_frequency import quickest_motion
 from mjfriction.robot.bandwidth import HARMONICS
 
-BENDING = frozenset({"friction.viscous_nonlinear", "friction.stribeck", "friction.presliding", "friction.asymmetry"})
+# Causes that change the curve of friction over speed.
+BENDING = frozenset(cause.name for cause in (ViscousNonlinear, Stribeck, Presliding, Asymmetry))
 PROOF_SEED = 0  # of the resampling that tests a gain against zero
 ON_THE_WAY = 0.5  # share of its gain that friction which builds up over travel must gain while its joint moves
 APART, SURELY_APART = 0.5, 2.0  # delays differ if they do so by this share of one, and this many standard deviations
