@@ -76,7 +76,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
         structure_before=tuple(find_structure(gap, np.nan_to_num(seen.stated))),
         structure_after=after,
         remaining=remaining,
-        faults=audit.faults,
+        faults=(*audit.faults, *audit.unused),
         refused=refused,
         not_examined=tuple(joint for i, joint in enumerate(gap.robot.joints) if i not in gap.examined),
         robot=with_bandwidths(extended, bandwidths),

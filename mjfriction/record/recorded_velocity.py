@@ -43,7 +43,7 @@ def velocity_lateness(log: Log, joint: str, cutoff: float, clock: Clock) -> floa
 
 def velocity_ratio(log: Log, joint: str, cutoff: float) -> float | None:
     """Return a joint's measured velocity over the derivative of its position by the log's clock, at low frequencies,
-    well below ``cutoff`` (Hz).
+    well below ``cutoff`` (Hz); negative where one of the two has its sign reversed.
 
     None where the two are not correlated, the log has no such column, or its clock cannot be used.
     """
@@ -58,7 +58,7 @@ def velocity_ratio(log: Log, joint: str, cutoff: float) -> float | None:
         return None
     own, _, other = compared
     power, cross, mine = (float(np.mean(pair)) for pair in (other * other, other * own, own * own))
-    return cross / power if power > 0.0 and cross > LIKENESS * np.sqrt(power * mine) else None
+    return cross / power if power > 0.0 and abs(cross) > LIKENESS * np.sqrt(power * mine) else None
 
 
 def _made_of_it(log: Log, joint: str, clock: Clock) -> bool:

@@ -47,7 +47,7 @@ def inspected_table(log: Log, robot: Robot | None, tell: Tell = silently) -> dic
         "other_columns": sorted(set(log.columns) - known),
         "data_problems": [
             {"kind": fault.kind, "where": fault.where, "action": fault.action}
-            for fault in (*log.faults, *(audit.faults if audit is not None else ()))
+            for fault in (*log.faults, *((*audit.faults, *audit.unused) if audit is not None else ()))
         ],
     }
     if audit is not None:

@@ -210,6 +210,32 @@ def test_degrees_and_a_clock_that_is_off_are_known_by_measured_velocities(case: 
         assert faults(with_velocities(factor)) == set()
 
 
+@pytest.mark.parametrize(
+    ("factor", "kind", "words"),
+    [
+        (-1.0, "data.sign", "turn its sign"),
+        (180.0 / np.pi, "data.unit", "degrees per second"),
+        (-30.0 / np.pi, "data.unit", "revolutions per minute"),
+    ],
+)
+def test_a_velocity_that_contradicts_its_position_is_told_and_not_used(
+    factor: float, kind: str, words: str, case: tuple[Path, Path]
+) -> None:
+    log, robot = read_log(case[0]), read_robot(case[1])
+    own = velocities(log)
+    plain = diagnose_log(log, robot)
+    sound = replace(log, columns=dict(log.columns) | own)
+    assert diagnose_log(sound, robot).faults == ()
+    name = f"velocity.{robot.joints[2]}"
+    diagnosis = diagnose_log(replace(log, columns=dict(log.columns) | {name: factor * own[name]}), robot)
+    (fault,) = diagnosis.faults
+    assert (fault.kind, fault.where) == (kind, name)
+    assert words in fault.action
+    assert "not used" in fault.action
+    # Nothing else depends on it.
+    assert (diagnosis.verdict, diagnosis.findings) == (plain.verdict, plain.findings)
+
+
 @pytest.mark.parametrize(("spread", "told"), [(0.003, False), (0.1, False), (0.15, True)])
 def test_a_clock_is_at_fault_where_it_is_uneven_and_not_where_it_is_but_read_by_a_computer(
     spread: float, *, told: bool, case: tuple[Path, Path]

@@ -12,6 +12,7 @@ from mjfriction.diagnose.faults.look import NO_WORSE, look_at
 from mjfriction.diagnose.faults.misplaced import effort_column
 from mjfriction.diagnose.faults.of_another_kind import of_another_kind
 from mjfriction.diagnose.faults.read_so import off_as_stated, read_so
+from mjfriction.diagnose.faults.velocities import find_velocity_faults
 from mjfriction.errors import LogError
 from mjfriction.identify.gap import Gap, measure_gap
 from mjfriction.record.fault import Fault, Mend
@@ -30,13 +31,15 @@ ANOTHER_SIZE, TOLD, NEAR = 1.25, 0.05, 0.1
 class Audited:
     """A log checked for ``faults``: ``gap`` is of the log as it should have been read, ``stated`` of the log as it is.
 
-    If one of the faults cannot be mended with certainty, the log is ``refused`` and both gaps are the same.
+    If one of the faults cannot be mended with certainty, the log is ``refused`` and both gaps are the same.  ``unused``
+    are faults of columns that the diagnosis does without.
     """
 
     stated: Gap
     gap: Gap
     faults: tuple[Fault, ...]
     refused: bool
+    unused: tuple[Fault, ...] = ()
 
     @property
     def moved_otherwise(self) -> bool:
@@ -64,7 +67,7 @@ def audited(log: Log, robot: Robot, *, highest: float = HIGHEST) -> Audited:
             return Audited(stated, stated, tuple(rounds[0]), refused=True)
         gap = mended
     told = [replace(fault, action=f"{fault.action} (read so here)") for faults in rounds for fault in faults]
-    return Audited(stated, gap, tuple(told), refused=False)
+    return Audited(stated, gap, tuple(told), refused=False, unused=tuple(find_velocity_faults(gap)))
 
 
 def _mended(gap: Gap, faults: Sequence[Fault], robot: Robot, highest: float) -> Gap | None:

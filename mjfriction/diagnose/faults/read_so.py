@@ -65,5 +65,5 @@ def _velocity(column: str, log: Log, cutoff: float) -> Iterator[str]:
     quantity, _, joint = column.partition(".")
     if quantity == POSITION:
         ratio = velocity_ratio(log, joint, cutoff)
-        if ratio is not None and abs(np.log(ratio)) < np.log(AGREES):
+        if ratio is not None and ratio > 0.0 and abs(np.log(ratio)) < np.log(AGREES):
             yield f"{VELOCITY}.{joint}"

@@ -117,7 +117,7 @@ def stretched_clock(log: Log, motion: Motion) -> float | None:
 
 def _velocity_ratios(log: Log, cutoff: float, joints: Sequence[str]) -> dict[str, float]:
     found = {joint: velocity_ratio(log, joint, cutoff) for joint in joints}
-    return {joint: ratio for joint, ratio in found.items() if ratio is not None}
+    return {joint: ratio for joint, ratio in found.items() if ratio is not None and ratio > 0.0}
 
 
 def _near(ratio: float, other: float) -> bool:
