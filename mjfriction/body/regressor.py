@@ -73,15 +73,24 @@ def _own_parameters(body: Body) -> Floats:
     return np.array([inertia.toDynamicParameters() for inertia in list(body.model.inertias)[1:]])[:, :, None]
 
 
-def link_and_moment_torques(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> Floats:
-    """Return joint torques of every link, (n, joints, links, 1 + 3), in one pass.
+def link_change_torques(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> Floats:
+    """Return joint torques of every link, (n, joints, links, 1 + 3 + 1), in one pass.
 
-    The first entry is that of :func:`link_torques`.  The other three are the changes in torque per metre of shift of
+    The first entry is that of :func:`link_torques`.  The next three are the changes in torque per metre of shift of
     the link's centre of mass along each axis of its frame, to first order.  The shift also changes the inertia about
-    the frame.
+    the frame.  The last is the share of the link's moments of inertia about its own centre: a factor on them alone
+    multiplies it.
     """
-    weight = np.concatenate([_own_parameters(body), _moment_tangents(body)], axis=2)
+    parts = [_own_parameters(body), _moment_tangents(body), _own_moments(body)]
+    weight = np.concatenate(parts, axis=2)
     return weighed_links(body, position, velocity, acceleration, weight)
+
+
+def _own_moments(body: Body) -> Floats:
+    parameters = np.zeros((body.model.njoints - 1, 10, 1))
+    for k, inertia in enumerate(list(body.model.inertias)[1:]):
+        parameters[k, 4:, 0] = inertia.inertia[LOWER]
+    return parameters
 
 
 def _moment_tangents(body: Body) -> Floats:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mjfriction.body.inverse import motion_derivatives
 from mjfriction.body.model import Body
-from mjfriction.body.regressor import link_and_moment_torques
+from mjfriction.body.regressor import link_change_torques
 from mjfriction.errors import LogError
 from mjfriction.identify.blocks import Blocks, cut_blocks
 from mjfriction.identify.blows import blows, quick_accelerations
@@ -234,14 +234,14 @@ class Gap:
 
     @functools.cached_property
     def link_rows(self) -> dict[int, Floats]:
-        """What each examined joint reports for every link, (rows, links, 4).
+        """What each examined joint reports for every link, (rows, links, 5).
 
-        The first number is the link's share of the inverse dynamics, the others the change per metre that its centre of
-        mass is moved along x, y and z.
+        The first number is the link's share of the inverse dynamics, the next three are the change per metre that its
+        centre of mass is moved along x, y and z, and the last is the share of its moments of inertia about that centre.
         """
         at = self.linked
         return self.rows_of(
-            lambda own: link_and_moment_torques(self.body, at.position[own], at.velocity[own], at.acceleration[own])
+            lambda own: link_change_torques(self.body, at.position[own], at.velocity[own], at.acceleration[own])
         )
 
     @functools.cached_property

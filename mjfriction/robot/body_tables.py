@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from pydantic import ValidationInfo, field_validator
 
@@ -59,9 +61,16 @@ class LinkInertia(Table):
     @field_validator("inertia")
     @classmethod
     def _of_a_body(cls, value: tuple[float, ...]) -> tuple[float, ...]:
-        xx, yy, zz, xy, xz, yz = value
-        moments = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        least = float(np.linalg.eigvalsh(0.5 * np.trace(moments) * np.eye(3) - moments)[0])
-        if least < -ROUNDING * abs(float(np.trace(moments))):
+        if no_body_has(value):
             raise ValueError("no body has these moments: no principal moment may be more than the sum of the others")
         return value
+
+
+def no_body_has(moments: Sequence[float]) -> bool:
+    """Return whether no body has moments of inertia xx, yy, zz, xy, xz, yz about its centre: one of the principal
+    moments is more than the sum of the others.
+    """
+    xx, yy, zz, xy, xz, yz = moments
+    tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    least = float(np.linalg.eigvalsh(0.5 * np.trace(tensor) * np.eye(3) - tensor)[0])
+    return least < -ROUNDING * abs(float(np.trace(tensor)))

@@ -15,7 +15,7 @@ from mjfriction.diagnose.causes.encoder_offset import EncoderOffset
 from mjfriction.diagnose.causes.friction_spot import FrictionSpot
 from mjfriction.diagnose.causes.gravity_direction import GravityDirection
 from mjfriction.diagnose.causes.landed_play import LandedPlay
-from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
+from mjfriction.diagnose.causes.links import LinkCentre, LinkMoments, LinkScale
 from mjfriction.diagnose.causes.load import DriveLoad, Load
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.payload import Payload, PayloadForAWhile
@@ -76,6 +76,7 @@ STRUCTURAL: tuple[Cause, ...] = (
     PayloadForAWhile(),
     LinkScale(),
     LinkCentre(),
+    LinkMoments(),
     GravityDirection(),
     JointDelay(),
     LogDelay(),

@@ -1,4 +1,6 @@
-"""body.link_inertia: a link's mass and inertia are a factor off, or its centre of mass lies elsewhere."""
+"""body.link_inertia: a link's mass and inertia are a factor off, its centre of mass lies elsewhere, or only its moments
+of inertia about that centre are a factor off.
+"""
 
 from __future__ import annotations
 
@@ -11,13 +13,22 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
-from mjfriction.robot.links import link_scale, link_shift, scaled_link, shifted_link
+from mjfriction.robot.links import (
+    link_scale,
+    link_shift,
+    moments_of_a_body,
+    scaled_link,
+    shifted_link,
+    with_moments,
+)
 from mjfriction.robot.robot import Robot
 
 LEAST_NOTED = 0.08  # relative change of a link's mass above which it is a finding: stated masses are no better
 LEAST_ALONE = 0.02  # the same where everything else is stated exactly
 LEAST_MOVED = 0.01  # m, shift of a centre of mass above which it is a finding: most models omit cables and covers
 LEAST_MOVED_ALONE = 0.004  # the same where everything else is stated exactly
+LEAST_MOMENTS = 0.25  # relative change of a link's moments of inertia above which it is a finding
+MOST_MOMENTS = 50.0  # times the stated moments, past which the motion does not show the link's
 FARTHEST = 0.3  # m, largest shift of a centre of mass
 FELT = 1e-6  # fraction of the RMS effort up to which a link counts as not felt
 
@@ -29,7 +40,7 @@ class _Link(Cause):
     covariate = "effort"
     whole_arm = True
     of_body = True
-    part: ClassVar[slice]  # the cause's own columns among the four of each link in a gap's link rows
+    part: ClassVar[slice]  # the cause's own columns among the five of each link in a gap's link rows
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every link of the robot's own joints that any examined joint feels."""
@@ -155,3 +166,41 @@ class LoneWholeLink(_MovedLink):
         """Give the factor and the shift."""
         scaled = self.scaled.evidence(gap, site, strengths[:1])
         return f"{scaled}; {super().evidence(gap, site, strengths[1:])}"
+
+
+@final
+class LinkMoments(_Link):
+    """The moments of inertia of one link about its centre of mass are off by a factor, and its mass is right."""
+
+    part = slice(4, 5)
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """Of all links those with moments that a body can have, and on which no payload is stated."""
+        payload, names = gap.robot.table.payload, gap.robot.joints
+        laden = None if payload is None else gap.body.link_holding(payload.parent)
+        return [
+            s for s in super().sites(gap) if names[s.joint] != laden and moments_of_a_body(gap.robot, names[s.joint])
+        ]
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """The factor."""
+        name = gap.robot.joints[site.joint]
+        meaning = "moments of inertia, about its centre, of the link that the joint moves, relative to what is stated"
+        return (Quantity(Parameter(f"link_moments.{name}", "1", meaning, lower=0.0), shift=1.0),)
+
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """Some of the stated moments are left, and they are not many times as large."""
+        return bool(-0.95 < strengths[0] < MOST_MOMENTS)
+
+    def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """More than stated moments of inertia, which come from drawings, are usually off."""
+        return bool(abs(strengths[0]) > LEAST_MOMENTS)
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """State the link with the moments multiplied."""
+        return with_moments(robot, robot.joints[site.joint], 1.0 + float(strengths[0]))
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Give the factor."""
+        factor, name = 1.0 + strengths[0], gap.robot.joints[site.joint]
+        return f"as the link of {name} turns, joints need what {factor:.3g} times its stated moments of inertia need"

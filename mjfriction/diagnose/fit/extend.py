@@ -12,7 +12,7 @@ from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.fit.base_changes import base_changes
 from mjfriction.diagnose.fit.intervals import half_widths
 from mjfriction.diagnose.fit.model import Key, Model
-from mjfriction.diagnose.fit.nuisance import PER_LINK
+from mjfriction.diagnose.fit.refitted import PER_LINK
 from mjfriction.diagnose.fit.sensor_scale import sensor_factors
 from mjfriction.identify.gap import Gap
 from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS

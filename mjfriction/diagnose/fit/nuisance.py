@@ -19,6 +19,7 @@ import numpy as np
 
 from mjfriction.diagnose.fit.refitted import (
     OUT_OF_CHANCE,
+    PER_LINK,
     Drive,
     Level,
     Link,
@@ -39,7 +40,6 @@ from mjfriction.record.log import Floats
 
 FARTHEST = 3.0  # prior deviations that a link or a drive may move at most
 LET_GO = 1.5  # prior deviation of each of the ten numbers of a link that is let go, relative to what is stated
-PER_LINK = 4  # a scale and three shifts
 HELD = 1e12  # prior precision of a strength that must not move
 
 

@@ -25,6 +25,7 @@ OUT_OF_CHANCE = 5.0  # deviations that chance does not reach, however many candi
 # Prior deviation of a zero, as a share of the joint's Coulomb level.  OUT_OF_CHANCE of these are the least size of an
 # offset: what is larger is one.
 ZERO = Offset.least_of_friction / OUT_OF_CHANCE
+PER_LINK = 4  # strengths of a refitted link: a scale and three shifts
 LINK_SCALE = 0.03  # prior deviation of the mass and inertia of a stated link, relative
 LINK_SHIFT = 0.002  # m, prior deviation of its centre of mass along each axis
 ROTOR, CONSTANT = 0.04, 0.015  # prior deviations of a drive's rotor inertia and torque constant, relative
@@ -144,7 +145,7 @@ def links_of(gap: Gap) -> tuple[Link, ...]:
     """Return the links that any examined joint feels."""
     links = []
     for k, name in enumerate(gap.body.links):
-        block = {joint: rows[:, k] for joint, rows in gap.link_rows.items()}
+        block = {joint: rows[:, k, :PER_LINK] for joint, rows in gap.link_rows.items()}
         if any(np.any(values) for values in block.values()):
             links.append(Link(name, block, np.array([LINK_SCALE**-2.0, *[LINK_SHIFT**-2.0] * 3])))
     return tuple(links)

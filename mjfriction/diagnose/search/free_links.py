@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
+from mjfriction.diagnose.causes.links import LinkCentre, LinkMoments, LinkScale
 from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.fit.model import Chosen, Model, cause_block
 from mjfriction.diagnose.fit.nuisance import Nuisance
@@ -25,7 +25,7 @@ from mjfriction.identify.regression import System
 from mjfriction.progress import Tell, silently
 from mjfriction.record.log import Floats
 
-OF_LINKS = LinkScale | LinkCentre | Payload
+OF_LINKS = LinkScale | LinkCentre | LinkMoments | Payload
 STRAINED = 2.0  # prior standard deviations by which a refitted link must be off before freed links are tried
 FEWEST_GAINING = 2  # joints that must gain by freed links
 MANY = 2  # with this many named links and payloads, no single cause is credible, whatever joints gain

@@ -13,7 +13,7 @@ from mjfriction.diagnose.fit.base_changes import base_changes
 from mjfriction.diagnose.fit.exact import OUTLYING, levels_off
 from mjfriction.diagnose.fit.intervals import HalfWidths
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model
-from mjfriction.diagnose.fit.nuisance import PER_LINK
+from mjfriction.diagnose.fit.refitted import PER_LINK
 from mjfriction.diagnose.search.field import Field
 from mjfriction.diagnose.settle.load_at_flange import of_last_link
 from mjfriction.diagnose.tell.alike import EVEN, MOST_CONFIDENT, Standing, standing

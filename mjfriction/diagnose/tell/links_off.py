@@ -5,7 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from mjfriction.body.inertia import PER_LINK, symmetric
-from mjfriction.diagnose.causes.links import LEAST_MOVED, LEAST_NOTED, LinkCentre, LinkScale
+from mjfriction.diagnose.causes.links import (
+    LEAST_MOMENTS,
+    LEAST_MOVED,
+    LEAST_NOTED,
+    LinkCentre,
+    LinkMoments,
+    LinkScale,
+)
 from mjfriction.diagnose.fit.exact import stated_exactly
 from mjfriction.diagnose.fit.model import Model, cause_block
 from mjfriction.diagnose.fit.nearness import nearness_of
@@ -21,9 +28,9 @@ FAR = 4.0  # times that spread, as the norm over a link's ten numbers: more is f
 def links_far_off(model: Model) -> bool:
     """Return whether any link has to be off by more than usual.
 
-    Its mass or its centre of mass must also be off by as much as is ever a finding. That threshold is lower in
-    proportion where links are nearer to what is stated, and it is dropped where links are held as stated or all else is
-    stated exactly.
+    Its mass, its centre of mass or its moments about that must also be off by as much as is ever a finding. That
+    threshold is lower in proportion where links are nearer to what is stated, and it is dropped where links are held as
+    stated or all else is stated exactly.
 
     All ten parameters of every link are refitted at once, with a prior around what is stated, in the place of what the
     model says of links: errors of a few percent everywhere add up to what a single link would have to be a quarter off
@@ -35,7 +42,7 @@ def links_far_off(model: Model) -> bool:
     links = link_inertias(gap, usually)
     if links is None:
         return False
-    others = [choice for choice in model.chosen if not isinstance(choice.cause, LinkScale | LinkCentre)]
+    others = [choice for choice in model.chosen if not isinstance(choice.cause, LinkScale | LinkCentre | LinkMoments)]
     nuisance = model.nuisance.without_links()
     blocks: list[tuple[Columns, Floats]] = [(nuisance.columns, nuisance.precision)] if nuisance.count else []
     blocks += [cause_block(gap, choice) for choice in others]
@@ -50,5 +57,10 @@ def links_far_off(model: Model) -> bool:
     part = usually / USUALLY
     shift = np.linalg.norm(first / mass[:, None] - stated[:, :3, 3] / stated[:, 3, 3, None], axis=1)
     heavier, moved = np.abs(mass / stated[:, 3, 3] - 1.0) > part * LEAST_NOTED, shift > part * LEAST_MOVED
+    sizes = [
+        np.trace(own[:, :3, :3], axis1=1, axis2=2) - np.sum(np.square(own[:, :3, 3]), axis=1) / own[:, 3, 3]
+        for own in (stated, fitted)
+    ]
+    spread = np.abs(sizes[1] / sizes[0] - 1.0) > part * LEAST_MOMENTS
     far = np.linalg.norm(changes, axis=(1, 2)) > FAR * usually
-    return bool(np.any(far & (heavier | moved | (usually == EXACTLY))))
+    return bool(np.any(far & (heavier | moved | spread | (usually == EXACTLY))))

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
-from mjfriction.diagnose.causes.links import LinkCentre, LinkScale
+from mjfriction.diagnose.causes.links import LinkCentre, LinkMoments, LinkScale
 from mjfriction.diagnose.causes.moved_link import MovedLink
 from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
@@ -106,7 +106,7 @@ def find_untold(
         # At a joint where something is left unexplained they may be off because of that, and it does not count.
         if choice.site.joint in left or relief(model, without[choice.key]) < STRAINED:
             small.add(choice.key)
-    of_links = [choice for choice in model.chosen if isinstance(choice.cause, LinkScale | LinkCentre)]
+    of_links = [choice for choice in model.chosen if isinstance(choice.cause, LinkScale | LinkCentre | LinkMoments)]
     if any(choice.key not in common | small for choice in of_links) and not links_far_off(model):
         common |= {choice.key for choice in of_links}
     told = [choice for choice in model.chosen if choice.key not in common | small]
