@@ -21,6 +21,8 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
+NO_DIGITS = str.maketrans("", "", "0123456789")
+
 
 class MjfrictionError(Exception):
     """Base of every exception this package raises on purpose."""
@@ -59,6 +61,10 @@ class BenchmarkError(InputError):
 
 
 def suggestion(word: str, allowed: Iterable[str]) -> str:
-    """Return the end of a sentence: ``"; did you mean 'x'?"`` for the nearest allowed word, or a full stop."""
-    near = difflib.get_close_matches(word, list(allowed), n=1)
+    """Return the end of a sentence: ``"; did you mean 'x'?"`` for the nearest allowed word, or a full stop.
+
+    Words that differ in single digits alone, as the names of joints do, are not mistaken for one another.
+    """
+    others = [own for own in allowed if len(own) != len(word) or own.translate(NO_DIGITS) != word.translate(NO_DIGITS)]
+    near = difflib.get_close_matches(word, others, n=1)
     return f"; did you mean '{near[0]}'?" if near else "."

@@ -106,7 +106,7 @@ def load_body(
     the link's frame); ``rotor_inertia`` (kg·m² or kg at the joint, per requested joint) is added to the model's.
 
     Raises :class:`RobotError` if the file is missing or does not parse, if a joint is unknown or has more than one
-    axis, or if the payload's parent is unknown.
+    axis, if the payload's parent is unknown, or if nothing that moves has a mass.
     """
     full, own_gravity = parse(path, text)
     known = [name for name in full.names if name != "universe"]
@@ -144,6 +144,11 @@ def load_body(
         armature = model.armature.copy()
         armature[list(columns)] += np.asarray(rotor_inertia)
         model.armature = armature
+    if not any(inertia.mass > 0.0 for inertia in list(model.inertias)[1:]) and not np.any(model.armature):
+        raise RobotError(
+            f"{path}: no link that moves has a mass, so that no effort can be predicted; state the links' inertias in "
+            "the model, as CAD exports often leave them out"
+        )
     order = list(columns)
     lower, upper = _limits(model, joints)
     return Body(

@@ -17,11 +17,13 @@ def demo(out: Out = Path("demo_out"), json: Json = False) -> None:
 
     Example: mjfriction demo --out demo_out
     """
+    import shutil
     from importlib.resources import files
 
     from mjfriction.cli.diagnose import report_diagnosis
     from mjfriction.identify.gap import measure_gap
     from mjfriction.record.readers import read_log
+    from mjfriction.report.folder import whole_file
     from mjfriction.robot.files import read_robot
 
     bundled = Path(str(files("mjfriction"))) / "bundled" / "demo"
@@ -31,6 +33,8 @@ def demo(out: Out = Path("demo_out"), json: Json = False) -> None:
             "A simulated UR5 was recorded for 30 s. Its elbow hides something that its robot file does not state.\n"
         )
     report_diagnosis([bundled / "log.parquet"], robot, out, mapping=None, seed=0, json=json)
+    with whole_file(out / "log.parquet") as draft:  # so that it can be diagnosed again
+        shutil.copyfile(bundled / "log.parquet", draft)
     if json:
         return
     stated, extended = (

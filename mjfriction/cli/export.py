@@ -30,6 +30,8 @@ def export(robot: RobotSource, out: Out, fastest: Fastest = 2.0, as_json: Json =
     from mjfriction.sim.export import export_spec
 
     read = read_robot(robot)
+    if out.suffix.lower() != ".xml":
+        raise OutputError(f"{out}: what is written is MJCF; give a name that ends in .xml")
     if not out.parent.is_dir() or out.is_dir():
         raise OutputError(f"{out}: give the name of a file in a folder that is there")
     try:

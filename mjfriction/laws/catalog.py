@@ -9,6 +9,7 @@ from mjfriction.errors import LawError, suggestion
 from mjfriction.laws.arctan import ARCTAN
 from mjfriction.laws.arctan_load import ARCTAN_LOAD
 from mjfriction.laws.asymmetric import ASYMMETRIC
+from mjfriction.laws.asymmetric_curve import ASYMMETRIC_CURVE
 from mjfriction.laws.coulomb import COULOMB
 from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
 from mjfriction.laws.dahl import DAHL
@@ -65,6 +66,7 @@ LAWS: dict[str, Law] = {
         GMS,
         DWELL_TIME,
         PRESSED_SEALS,
+        ASYMMETRIC_CURVE,
     )
 }
 

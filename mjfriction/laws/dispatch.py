@@ -9,6 +9,7 @@ from mjfriction.laws import (
     arctan,
     arctan_load,
     asymmetric,
+    asymmetric_curve,
     coulomb,
     coulomb_viscous,
     dahl,
@@ -96,6 +97,8 @@ def steady_of(number: int, v: float, ambient: Floats, p: Floats) -> float:  # no
         return dwell_time.steady(v, ambient, p)
     if number == 26:
         return pressed_seals.steady(v, ambient, p)
+    if number == 27:
+        return asymmetric_curve.steady(v, ambient, p)
     return float("nan")
 
 
@@ -172,4 +175,6 @@ def advance_of(  # noqa: PLR0911, PLR0912
         return dwell_time.advance(v, ambient, z, h, p, z_next)
     if number == 26:
         return pressed_seals.advance(v, ambient, z, h, p, z_next)
+    if number == 27:
+        return asymmetric_curve.advance(v, ambient, z, h, p, z_next)
     return float("nan"), 0.0

@@ -105,31 +105,29 @@ class Log:
 
 
 def check_joints(log: Log, robot_name: str, robot_joints: tuple[str, ...]) -> None:
-    """Raise :class:`LogError` unless the log's joints are exactly the robot's, and one at least has effort or current.
+    """Raise :class:`LogError` unless the log has all of the robot's joints, and one at least has effort or current.
 
-    Columns of joints that the robot lacks, and misspelt quantities, are errors as well.
+    Joints that the robot lacks, such as a gripper's, are ignored; misspelt quantities and joints are errors.
     """
     unknown = [joint for joint in log.joints if joint not in robot_joints]
     listed = ", ".join(robot_joints)
     if unknown and len(unknown) == len(log.joints):
         raise LogError(
             f"{log.source}: this looks like a log of another robot: it has joints {', '.join(log.joints)}, "
-            f"robot '{robot_name}' has {listed}; give the robot file that belongs to the log"
-        )
-    if unknown:
-        raise LogError(
-            f"{log.source}: column 'position.{unknown[0]}': robot '{robot_name}' has no joint "
-            f"'{unknown[0]}'{suggestion(unknown[0], robot_joints)} Its joints are {listed}"
+            f"robot '{robot_name}' has {listed}; give the robot file that belongs to the log, or say with --map which "
+            "column is which joint's"
         )
     missing = [joint for joint in robot_joints if joint not in log.joints]
     if missing:
+        foreign = [f"{POSITION}.{joint}" for joint in unknown]
+        foreign += [name for name in log.columns if name.partition(".")[0] not in OF_JOINTS]
         raise LogError(
             f"{log.source}: column 'position.{missing[0]}' is missing"
-            f"{suggestion(f'position.{missing[0]}', log.columns)} Found positions of {', '.join(log.joints)}. Every "
+            f"{suggestion(f'position.{missing[0]}', foreign)} Found positions of {', '.join(log.joints)}. Every "
             f"joint that robot '{robot_name}' lists must be recorded, for its pose sets the load of the others; a "
             "joint taken out of the robot file is held at zero"
         )
-    if not any(log.torque_quantity(joint) for joint in log.joints):
+    if not any(log.torque_quantity(joint) for joint in robot_joints):
         raise LogError(
             f"{log.source}: no 'effort.<joint>' or 'current.<joint>' column; one joint at least must have what its "
             f"drive measured. Found: {', '.join(log.columns)}"
@@ -141,7 +139,7 @@ def check_joints(log: Log, robot_name: str, robot_joints: tuple[str, ...]) -> No
             raise LogError(
                 f"{log.source}: column '{name}' is not of the format, and would be left out; did you mean '{meant}'?"
             )
-        if dot and quantity in (VELOCITY, EFFORT, CURRENT) and joint not in robot_joints:
+        if dot and quantity in (VELOCITY, EFFORT, CURRENT) and joint not in (*robot_joints, *log.joints):
             raise LogError(
                 f"{log.source}: column '{name}': robot '{robot_name}' has no joint "
                 f"'{joint}'{suggestion(joint, robot_joints)} Its joints are {listed}"

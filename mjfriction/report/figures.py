@@ -52,16 +52,16 @@ def courses(
     """
     figure = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.08, subplot_titles=("effort", "error"))
     kept = thinned(time.size)
-    figure.add_scattergl(
+    figure.add_scatter(
         x=time[kept], y=measured[kept], name="measured", line={"color": MEASURED, "width": 4}, row=1, col=1
     )
     for (name, residual), colour in zip(left.items(), itertools.cycle(MODELS)):
         line = {"color": colour, "width": 1.3}
-        figure.add_scattergl(x=time[kept], y=(measured - residual)[kept], name=name, line=line, row=1, col=1)
+        figure.add_scatter(x=time[kept], y=(measured - residual)[kept], name=name, line=line, row=1, col=1)
         for own, shade, width in ((~clear, INK, 0.5), (clear, colour, 1.3)):
             error = np.where(own, residual, np.nan)[kept]
             shown = {"color": shade, "width": width}
-            figure.add_scattergl(x=time[kept], y=error, name=name, line=shown, showlegend=False, row=2, col=1)
+            figure.add_scatter(x=time[kept], y=error, name=name, line=shown, showlegend=False, row=2, col=1)
     counted = [np.abs(residual[clear]) for residual in left.values() if np.any(clear)]
     top = ROOM * max((float(np.quantile(own, COUNTED)) for own in counted), default=0.0)
     figure.update_yaxes(title_text=unit)

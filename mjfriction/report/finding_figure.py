@@ -87,7 +87,7 @@ def _panels(seen: _Seen, values: Floats, left: Floats, label: str, *, against: b
         for rows, shade, faint in ((shown & ~clear, INK, 0.2), (shown & clear, colour, 0.4)):
             kept = np.flatnonzero(rows)[thinned(int(np.count_nonzero(rows)))]
             marker = {"size": 3, "color": shade, "opacity": faint}
-            figure.add_scattergl(x=values[kept], y=residual[kept], mode="markers", marker=marker, row=1, col=k)
+            figure.add_scatter(x=values[kept], y=residual[kept], mode="markers", marker=marker, row=1, col=k)
         centre, mean = _binned(values[clear], residual[clear])
         figure.add_scatter(x=centre, y=mean, mode="lines", line={"color": INK, "width": 3}, row=1, col=k)
     figure.update_xaxes(title_text=label, type="log" if log else "linear")

@@ -23,7 +23,7 @@ def free_run_figure(run: FreeRun, joint: int, *, sliding: bool) -> go.Figure:
         apart = np.pad(courses, ((0, 0), (0, 1)), constant_values=np.nan).ravel()
         line = {"color": colour, "width": 1}
         along = np.tile(np.append(time, np.nan), courses.shape[0])
-        figure.add_scattergl(x=along, y=apart, mode="lines", line=line, opacity=0.5, row=1, col=k)
+        figure.add_scatter(x=along, y=apart, mode="lines", line=line, opacity=0.5, row=1, col=k)
         for bound in _spread(courses):
             figure.add_scatter(x=time, y=bound, mode="lines", line={"color": INK, "width": 3}, row=1, col=k)
     figure.update_xaxes(title_text="time since the run began, s")

@@ -27,7 +27,7 @@ def friction_against_speed(identification: Identification, law: JointLaw) -> go.
     velocity = gap.at_rows("velocity")[:, joint]
     figure = go.Figure()
     marker = {"size": 3, "color": MEASURED, "opacity": 0.5}
-    figure.add_scattergl(x=velocity[kept], y=problem.target[kept], mode="markers", marker=marker, name="measured")
+    figure.add_scatter(x=velocity[kept], y=problem.target[kept], mode="markers", marker=marker, name="measured")
     top = float(np.max(np.abs(velocity)))
     side = np.linspace(top / POINTS, top, POINTS // 2) ** 2 / top
     speeds = np.concatenate([-side[::-1], side])

@@ -17,6 +17,9 @@ from mjfriction.errors import LawError, RobotError, suggestion
 from mjfriction.robot.robot import Robot, bundled_robots
 from mjfriction.robot.schema import RobotTable
 
+MODELS = {".urdf", ".xml", ".mjcf"}
+MOST_SHOWN = 80  # characters of a wrong value that a message shows
+
 
 def read_robot(source: Path | str) -> Robot:
     """Read a robot file, the ``robot.toml`` of a folder, or one of the bundled robots by its name.
@@ -39,6 +42,11 @@ def read_robot(source: Path | str) -> Robot:
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        if path.suffix.lower() in MODELS:
+            raise RobotError(
+                f"{path}: this is a model file; a robot file names it and states the drives: "
+                f"mjfriction new {path} --out {path.with_suffix('.toml')} drafts one"
+            ) from None
         raise RobotError(f"{path}: not valid TOML: {error}") from None
     return Robot(_checked(table, path), path.resolve().parent)
 
@@ -88,7 +96,10 @@ def _one_line(detail: ErrorDetails, table: dict[str, Any], path: Path) -> str:
         allowed = list(_model_at(detail["loc"][:-1]).model_fields)
         key = str(detail["loc"][-1])
         return f"{path}: {where}: unknown key '{key}'{suggestion(key, allowed)} Allowed: {', '.join(allowed)}"
-    given = "" if detail["type"] == "missing" else f" (given: {detail['input']!r})"
+    if detail["type"] == "missing":
+        return f"{path}: '{where}' is missing; state it"
+    said = repr(detail["input"])
+    given = f" (given: {said})" if len(said) <= MOST_SHOWN else ""
     return f"{path}: {where}: {detail['msg'].removeprefix('Value error, ')}{given}"
 
 

@@ -165,7 +165,11 @@ WRONG = {
     "missing time": ({"table": {"time": None}}, ALREADY, "column 'time' is missing"),
     "doubled time": ({"table": {"time": twice}}, ALREADY, "row 2: time 0 s is doubled"),
     "NaN": ({"table": {"position.elbow_joint": absent}}, ALREADY, "row 1, column 'position.elbow_joint' is nan"),
-    "unknown joint": ({"table": {"position.elbow_jont": np.zeros(5000)}}, ALREADY, "did you mean 'elbow_joint'"),
+    "unknown joint": (
+        {"table": {"position.elbow_jont": np.zeros(5000), "position.elbow_joint": None}},
+        ALREADY,
+        "did you mean 'position.elbow_jont'",
+    ),
     "constant position": ({"table": constant}, ALREADY, "every position is constant"),
     "another robot": ({}, (None, "linear_axis"), "this looks like a log of another robot"),
     "misspelt key": ({"robot": 'nam = "x"'}, ALREADY, "unknown key 'nam'; did you mean 'name'?"),

@@ -147,7 +147,7 @@ def test_the_numbers_of_laws_never_change() -> None:
     coulomb coulomb_viscous static_kinetic stribeck lorentzian quadratic_viscous power_viscous saturating_viscous
     asymmetric load_dependent geared_load temperature_dependent position_dependent arctan arctan_load pressure
     dahl lugre lugre_lorentzian lugre_arctan lugre_smooth elasto_plastic maxwell_slip leuven gms dwell_time
-    pressed_seals
+    pressed_seals asymmetric_curve
     """
     assert list(LAWS) == order.split()
     assert math.isnan(steady_of(len(LAWS), 1.0, ROOM, np.zeros(3)))

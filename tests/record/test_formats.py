@@ -311,6 +311,18 @@ def test_matrices_by_other_names_can_be_guessed(tmp_path: Path) -> None:
     np.testing.assert_allclose(log.columns["effort.elbow"], columns()["effort.elbow"])
 
 
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252", "utf-16"])
+def test_text_of_spreadsheets_is_read_whatever_its_encoding(encoding: str, tmp_path: Path) -> None:
+    rows = "\n".join(f"{0.01 * k:.2f};{0.1 * k:.2f};{0.2 * k:.2f};21" for k in range(200))
+    path = tmp_path / "log.csv"
+    path.write_bytes(
+        f"time;position.a;effort.a;Öl [°C]\n{rows}\n".replace(".", ",").replace(",a;", ".a;").encode(encoding)
+    )
+    log = read_log(path)
+    np.testing.assert_allclose(log.columns["effort.a"], 0.2 * np.arange(200), atol=1e-9)
+    assert "Öl [°C]" in log.columns
+
+
 def test_a_comma_in_a_name_does_not_make_decimals_commas(tmp_path: Path) -> None:
     rows = "\n".join(f"{0.01 * k:.2f};{0.1 * k:.2f};{0.2 * k:.2f};left, then right" for k in range(200))
     path = tmp_path / "log.csv"

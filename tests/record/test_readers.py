@@ -159,8 +159,14 @@ def test_joints_are_held_against_the_robot(tmp_path: Path) -> None:
     with pytest.raises(LogError, match="'position.b' is missing"):
         check_joints(log, "arm", ("a", "b"))
     two = read_log(write(tmp_path, columns() | {"position.elbw": columns()["time"]}))
-    with pytest.raises(LogError, match="no joint 'elbw'; did you mean 'elbow'"):
+    with pytest.raises(LogError, match="'position.elbow' is missing; did you mean 'position.elbw'"):
         check_joints(two, "arm", ("a", "elbow"))
+    numbered = read_log(write(tmp_path, {**columns(), "position.joint1": columns()["time"]}))
+    with pytest.raises(LogError, match=r"'position.joint2' is missing\. Found"):
+        check_joints(numbered, "arm", ("a", "joint2"))
+    # A gripper that the robot file leaves out comes along in most logs.
+    gripper = {f"{quantity}.gripper": np.cos(np.arange(200)) for quantity in ("position", "velocity", "effort")}
+    check_joints(read_log(write(tmp_path, columns() | gripper)), "arm", ("a",))
     silent = read_log(write(tmp_path, {k: v for k, v in columns().items() if k != "effort.a"}))
     with pytest.raises(LogError, match=r"no 'effort.<joint>' or 'current.<joint>' column"):
         check_joints(silent, "arm", ("a",))

@@ -134,6 +134,9 @@ def test_a_joint_listed_twice_and_a_file_that_is_not_there(tmp_path: Path) -> No
     assert read_robot(tmp_path / "result") == read_robot(written)
     with pytest.raises(RobotError, match="neither a file nor a bundled robot; did you mean 'ur5'"):
         read_robot("ur55")
+    (tmp_path / "arm.urdf").write_text("<robot/>")
+    with pytest.raises(RobotError, match=r"this is a model file; .*mjfriction new .*arm.urdf --out .*arm.toml"):
+        read_robot(tmp_path / "arm.urdf")
     with pytest.raises(RobotError, match="one package that can be named"):
         _ = read_text(tmp_path, TEXT.replace(str(UR5), "package://elsewhere/a.urdf")).model_path
 
@@ -265,3 +268,18 @@ def test_a_model_file_that_was_written_anew_is_read_anew(name: str, tmp_path: Pa
         os.utime(model, ns=(i, i))
         found.append(read_robot(str(tmp_path / "robot.toml")).body().model.inertias[1].mass)
     assert found == [1.0, 2.0]
+
+
+def test_a_model_in_which_nothing_that_moves_has_a_mass_is_refused(tmp_path: Path) -> None:
+    """As CAD exports leave them: every effort would be a payload's, a spring's, or whatever fits."""
+    joint = '<parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>'
+    joint += '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
+    urdf = '<robot name="bare"><link name="base"/><link name="arm">{}</link>'
+    urdf += f'<joint name="turn" type="revolute">{joint}</joint></robot>'
+    (tmp_path / "robot.toml").write_text('name = "bare"\nmodel = "bare.urdf"\n[[joint]]\nname = "turn"\n')
+    inertial = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    (tmp_path / "bare.urdf").write_text(urdf.format(inertial))
+    assert read_robot(tmp_path).body().model.inertias[1].mass == 1.0
+    (tmp_path / "bare.urdf").write_text(urdf.format("") + "<!-- saved anew -->")
+    with pytest.raises(RobotError, match="no link that moves has a mass"):
+        read_robot(tmp_path).body()

@@ -291,6 +291,8 @@ def test_a_free_pendulum_never_gains_energy(law, seed: int, angle: float) -> Non
     for name in ("level_extending", "level_retracting"):
         if name in values:
             values[name] *= 1e-3
+    if "asymmetry" in values:  # a difference of the directions opposes motion only beside as much damping in both
+        values["asymmetry"] = min(values["asymmetry"], values["viscous"])
 
     def energies(model: mujoco.MjModel) -> np.ndarray:
         data = mujoco.MjData(model)

@@ -1,4 +1,6 @@
-"""friction.asymmetry: the speed-dependent part of friction differs between the directions."""
+"""friction.asymmetry: the speed-dependent part of friction differs between the directions, in proportion to speed or
+by a curve.
+"""
 
 from __future__ import annotations
 
@@ -8,14 +10,59 @@ import numpy as np
 
 from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
 from mjfriction.identify.gap import Gap
+from mjfriction.laws.asymmetric_curve import ASYMMETRIC_CURVE
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
-from mjfriction.robot.friction import with_asymmetric_damping
+from mjfriction.robot.friction import with_asymmetric_damping, with_term
 from mjfriction.robot.robot import Robot
 
 ASYMMETRY = Parameter(
     "viscous_asymmetry", "{force}·s/{length}", "half the difference of the damping in the two directions"
 )
+
+
+HALF_VELOCITIES = (0.04, 1.5)  # range of the half velocity, as fractions of the top speed
+
+
+@final
+class AsymmetryCurve(JointCause):
+    """F_a·|v| + F_b·|v|/(1 + |v|/v_h): the difference of the directions levels off, or grows faster than speed."""
+
+    name = "friction.asymmetry"
+    shape_parameters = (ASYMMETRIC_CURVE.parameter("half_velocity"),)
+
+    def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
+        """From where the direction of friction is known to where the curve is hardly bent."""
+        slow, fast = (share * float(gap.motion.top_speed[site.joint]) for share in HALF_VELOCITIES)
+        return [(min(max(slow, float(gap.doubt_speed[site.joint])), 0.5 * fast), fast)]
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """The speed, and the speed that levels off, (n, 2)."""
+        speed = np.abs(gap.motion.velocity[:, site.joint])
+        return np.column_stack([speed, speed / (1.0 + speed / site.shape[0])])
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """Half the difference of the two dampings, and of the part that levels off."""
+        return Quantity(ASYMMETRY), Quantity(ASYMMETRIC_CURVE.parameter("asymmetry"))
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """Give each direction its own damping, and add a law that holds only the curve."""
+        joint = robot.joints[site.joint]
+        curve = {"coulomb": 0.0, "viscous": 0.0, "asymmetry": float(strengths[1]), "half_velocity": site.shape[0]}
+        return with_term(
+            with_asymmetric_damping(robot, joint, float(strengths[0])), joint, ASYMMETRIC_CURVE.name, curve
+        )
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Say in which direction the joint is damped more at two speeds, and by how much."""
+        sliding = gap.body.sliding[site.joint]
+        length, force = ("m/s", "N") if sliding else ("rad/s", "N·m")
+        top = float(gap.motion.top_speed[site.joint])
+        parts = []
+        for speed in (0.25 * top, top):
+            more = 2.0 * speed * float(strengths[0] + strengths[1] / (1.0 + speed / site.shape[0]))
+            parts.append(f"{more:+.3g} {force} at {speed:.3g} {length}")
+        return f"moving in the positive direction costs more than in the other by {' and '.join(parts)}: a curve"
 
 
 @final
@@ -27,6 +74,7 @@ class Asymmetry(JointCause):
 
     name = "friction.asymmetry"
     kin = ("drive.offset",)
+    richer = AsymmetryCurve
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The speed, (n, 1)."""

@@ -30,11 +30,15 @@ def in_richer_form(model: Model, choice: Chosen, plain: Chosen) -> Richer | None
     """
     assert plain.cause.richer is not None, "asked of causes that have one"
     without = model.without(choice)
-    whole = best_shape(without, Chosen(plain.cause.richer(), plain.site))
+    richer, site = plain.cause.richer(), plain.site
+    bounds = richer.shape_bounds(model.gap, site)
+    if bounds and not site.shape:
+        site = site.shaped(tuple(np.sqrt(np.prod(bounds, axis=1)).tolist()))  # in the middle, as ratios
+    whole = best_shape(without, Chosen(richer, site))
     if try_out(without, whole) is None:
         return None
-    richer = without.with_also(whole)
-    return Richer(richer, paid_gain(model, richer.chosen)) if proved(richer, whole) else None
+    found = without.with_also(whole)
+    return Richer(found, paid_gain(model, found.chosen)) if proved(found, whole) else None
 
 
 def paid_gain(model: Model, chosen: tuple[Chosen, ...]) -> float:

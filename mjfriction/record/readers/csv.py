@@ -20,16 +20,30 @@ def read_table(path: Path) -> pa.Table:
     try:
         with path.open("rb") as stream:
             head = stream.readline()
-        mark = max((b",", b";", b"\t"), key=head.count).decode()
-        tables = [_read(path, mark, point) for point in ("." if mark == "," else ".,")]
+        encoding = _encoding(path, head)
+        text = head.decode(encoding, errors="replace")
+        mark = max(",;\t", key=text.count)
+        tables = [_read(path, encoding, mark, point) for point in ("." if mark == "," else ".,")]
         return max(tables, key=_numeric)
     except (pa.ArrowInvalid, OSError) as error:
         raise LogError(f"{path}: not a readable CSV table: {str(error).splitlines()[0]}") from None
 
 
-def _read(path: Path, mark: str, decimal_point: str) -> pa.Table:
+def _encoding(path: Path, head: bytes) -> str:
+    # UTF-8, unless a mark says UTF-16 or the bytes are none of it: then what spreadsheets of the West write.
+    if head.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return "utf-16"
+    try:
+        path.read_bytes().decode("utf-8")
+    except UnicodeDecodeError:
+        return "cp1252"
+    return "utf-8"
+
+
+def _read(path: Path, encoding: str, mark: str, decimal_point: str) -> pa.Table:
     return pyarrow.csv.read_csv(
         path,
+        read_options=pyarrow.csv.ReadOptions(encoding=encoding),
         parse_options=pyarrow.csv.ParseOptions(delimiter=mark),
         convert_options=pyarrow.csv.ConvertOptions(decimal_point=decimal_point),
     )
