@@ -11,6 +11,7 @@ import pytest
 from mjfriction.diagnose.causes.along_stroke import AlongStroke, FrictionAlongStroke, TorqueAlongStroke, travelled
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.offset import Offset
+from mjfriction.diagnose.causes.spring import BentSpring, Spring
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.fit.model import Chosen, build_model
 from mjfriction.diagnose.fit.nuisance import make_nuisance
@@ -63,6 +64,22 @@ def test_it_takes_the_place_of_its_own_kind_and_of_its_offset(tmp_path: Path, mo
     monkeypatch.setattr(courses, "stroke_curves", lambda *_: [curve])
     (only,) = as_courses(model).chosen
     assert isinstance(only.cause, TorqueAlongStroke)
+
+
+def test_a_hose_that_pulls_from_one_place_on_is_no_spring_with_a_wave(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gap = gap_of(tmp_path, lambda i: 20.0 * np.maximum(i.q - np.quantile(i.q, 0.7), 0.0))
+    chosen = (Chosen(BentSpring(), Site(PAN)), Chosen(Cogging(), Site(PAN, (4.0,))))
+    model = build_model(gap, make_nuisance(gap), chosen)
+    monkeypatch.setattr(courses, "stroke_curves", lambda *_: [])  # what finds curves by their smoothness
+    (only,) = as_courses(model).chosen
+    assert isinstance(only.cause, TorqueAlongStroke)
+    # A spring beside the waves of a gear is one.
+    geared = gap_of(tmp_path, lambda i: 6.0 * i.q + 2.0 * np.cos(40.0 * i.q))
+    both = (Chosen(Spring(), Site(PAN)), Chosen(Cogging(), Site(PAN, (40.0,))))
+    kept = build_model(geared, make_nuisance(geared), both)
+    assert as_courses(kept) is kept
 
 
 def test_one_wave_stays_a_wave(tmp_path: Path) -> None:

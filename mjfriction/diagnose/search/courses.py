@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from mjfriction.diagnose.causes.along_stroke import AlongStroke, FrictionAlongStroke, TorqueAlongStroke, travelled
+from mjfriction.diagnose.causes.spring import Spring
+from mjfriction.diagnose.causes.waves import Cogging
 from mjfriction.diagnose.fit.as_little import leaves_as_little
 from mjfriction.diagnose.fit.model import Chosen, Key, Model, build_model, without_contained
 from mjfriction.diagnose.fit.trial import try_out
@@ -10,13 +12,16 @@ from mjfriction.diagnose.search.refusal import proved
 from mjfriction.diagnose.search.richer import PAYS, paid_gain
 from mjfriction.diagnose.search.stroke_curve import stroke_curves, vague_waves
 
+ALONG = {Spring.name, Cogging.name}
+
 
 def as_courses(model: Model) -> Model:
     """Return the model with a curve along the stroke in the place of causes that only approximate it.
 
     A friction curve replaces waves and spots where it pays for its extra strengths, or where the periods of several
-    waves are not known and it leaves as little error. A torque curve replaces waves and springs that one smooth curve
-    does as well as, where it leaves as little error.
+    waves are not known and it leaves as little error. A torque curve replaces a spring with waves beside it where it
+    pays, as where a hose pulls from one place on, and waves and springs that one smooth curve does as well as, where it
+    leaves as little error.
     """
     vague = {joint for _, joint, _ in vague_waves(model)}
     for joint in model.gap.examined:
@@ -31,6 +36,13 @@ def as_courses(model: Model) -> Model:
         if there is not None and (
             paid_gain(model, there.chosen) > PAYS or (joint in vague and leaves_as_little(there, model, [joint]))
         ):
+            model = there
+    for joint in model.gap.examined:
+        own = [choice for choice in model.chosen if choice.site.joint == joint and choice.cause.name in ALONG]
+        if {choice.cause.name for choice in own} != ALONG:
+            continue
+        there = _with_course(model, joint, frozenset(choice.key for choice in own), TorqueAlongStroke())
+        if there is not None and paid_gain(model, there.chosen) > PAYS:
             model = there
     for curve in stroke_curves(model, model.heldout_residual()):
         joint = model.gap.robot.joints.index(curve.structure.joint)
