@@ -87,8 +87,19 @@ def compete(
         if hopeless or (asked == asked_before and begin == began):
             for choice in no_causes:
                 model = model.without(choice)
-            model = geared(as_courses(by_temperature(enriched(fulfilled(model), field), field)))
-            return straightened(with_kin(_pruned(model, chances), field)), asked
+            return _in_final_form(model, field, chances), asked
+
+
+def _in_final_form(model: Model, field: Field, chances: Chances) -> Model:
+    # Forms that do not compete replace those that did, where they do better; what they make needless is dropped.
+    model = fulfilled(model)
+    model = enriched(model, field)
+    model = by_temperature(model, field)
+    model = as_courses(model)
+    model = geared(model)
+    model = _pruned(model, chances)
+    model = with_kin(model, field)
+    return straightened(model)
 
 
 def _with_found(gap: Gap, nuisance: Nuisance, begin: tuple[Chosen, ...]) -> Model:
