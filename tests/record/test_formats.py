@@ -323,6 +323,13 @@ def test_text_of_spreadsheets_is_read_whatever_its_encoding(encoding: str, tmp_p
     assert "Öl [°C]" in log.columns
 
 
+@pytest.mark.parametrize("raw", [b"\xff\xfeabc", b"time;position.a\n\x81\x8d;\x00\n"])
+def test_what_is_no_text_is_said_in_a_line(raw: bytes, tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_bytes(raw)
+    with pytest.raises(LogError, match="log.csv: "):
+        read_log(tmp_path / "log.csv")
+
+
 def test_a_comma_in_a_name_does_not_make_decimals_commas(tmp_path: Path) -> None:
     rows = "\n".join(f"{0.01 * k:.2f};{0.1 * k:.2f};{0.2 * k:.2f};left, then right" for k in range(200))
     path = tmp_path / "log.csv"

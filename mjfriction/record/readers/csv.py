@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import codecs
 from pathlib import Path
 
 import pyarrow as pa
 import pyarrow.csv
 
 from mjfriction.errors import LogError
+
+PIECE = 1 << 20  # bytes looked at in one go: a log may be larger than the memory
 
 
 def read_table(path: Path) -> pa.Table:
@@ -25,7 +28,7 @@ def read_table(path: Path) -> pa.Table:
         mark = max(",;\t", key=text.count)
         tables = [_read(path, encoding, mark, point) for point in ("." if mark == "," else ".,")]
         return max(tables, key=_numeric)
-    except (pa.ArrowInvalid, OSError) as error:
+    except (pa.ArrowInvalid, UnicodeError, OSError) as error:
         raise LogError(f"{path}: not a readable CSV table: {str(error).splitlines()[0]}") from None
 
 
@@ -33,10 +36,14 @@ def _encoding(path: Path, head: bytes) -> str:
     # UTF-8, unless a mark says UTF-16 or the bytes are none of it: then what spreadsheets of the West write.
     if head.startswith((b"\xff\xfe", b"\xfe\xff")):
         return "utf-16"
+    decoder = codecs.getincrementaldecoder("utf-8")()
     try:
-        path.read_bytes().decode("utf-8")
+        with path.open("rb") as stream:
+            while piece := stream.read(PIECE):
+                decoder.decode(piece)
+        decoder.decode(b"", final=True)
     except UnicodeDecodeError:
-        return "cp1252"
+        return "latin-1"
     return "utf-8"
 
 
