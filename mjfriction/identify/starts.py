@@ -78,6 +78,7 @@ def _values(usual: Usual, fading: float, travel: float) -> dict[str, float]:
         "viscous_positive": damping,
         "viscous_negative": damping,
         "quadratic": 0.0,
+        "asymmetry": 0.0,
         "power_coefficient": max(damping, 0.1 * level / usual.speed) * usual.speed**0.3,
         "power": 0.7,
         "half_velocity": 5.0 * fading,

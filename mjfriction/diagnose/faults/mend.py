@@ -60,8 +60,8 @@ def audited(log: Log, robot: Robot, *, highest: float = HIGHEST) -> Audited:
         rounds.append(faults)
         mended = _mended(gap, faults, robot, highest) if len(rounds) <= MOST_ROUNDS else None
         if mended is None and (instead := of_another_kind(gap, faults)):
-            rounds[-1] = instead
             mended = _mended(gap, instead, robot, highest)
+            rounds[-1] = faults if mended is None else instead  # an exchange that mends nothing is none
         if mended is None:
             # Later rounds found their faults on a log that was mended wrongly.  Only those of the first are the log's.
             return Audited(stated, stated, tuple(rounds[0]), refused=True)
