@@ -37,6 +37,7 @@ def test_many_models(printed) -> None:
     assert stated != identified
 
 
+@pytest.mark.deep
 def test_report_to_controller(printed) -> None:
     said = printed(report_to_controller, "--seconds", "20")
     strays = {name: (float(a), float(b)) for name, a, b in re.findall(r"(\w+_joint) +([\d.]+) +([\d.]+)", said)}

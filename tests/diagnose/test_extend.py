@@ -86,6 +86,7 @@ def carried(model: mujoco.MjModel) -> None:
     model.body_sameframe[link] = model.body_simple[link] = 0
 
 
+@pytest.mark.deep
 def test_what_all_joints_feel_is_not_divided_by_one_sensors_scale(tmp_path: Path) -> None:
     """A mass is no less for the drive that reports too much of it; the drive's own friction, fitted behind it, is."""
     machine = Machine(hidden={1: lambda i: 0.3 * (i.rigid + i.friction + 4.0 * np.abs(i.v)) + 4.0 * np.abs(i.v)})

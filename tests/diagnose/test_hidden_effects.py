@@ -456,6 +456,7 @@ def test_an_effort_that_comes_early_does_so_with_its_friction(
     assert (("sensor.delay", "elbow_joint") in found) is told
 
 
+@pytest.mark.deep
 def test_a_late_effort_is_timed(tmp_path: Path) -> None:
     one = run(tmp_path / "one", Machine(hidden={1: late(0.02)}), seed=5)
     assert names(one) == [("sensor.delay", "shoulder_lift_joint")]

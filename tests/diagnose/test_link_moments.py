@@ -48,6 +48,7 @@ def diagnosed(folder: Path, off: float = 0.0) -> Diagnosis:
     return diagnose_log(read_log(log), read_robot(robot))
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize("off", [deep(0.0), 0.02])
 def test_moments_that_are_off_are_told_as_the_links(
     off: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -135,6 +135,7 @@ def test_what_has_no_known_unit_is_refused_and_so_is_what_stands_beside_it(case:
         assert make_report(diagnosis).refused
 
 
+@pytest.mark.deep
 def test_one_of_two_logs_is_mended_alone(case: tuple[Log, Robot], tmp_path: Path, sound: Finding) -> None:
     log, robot = case
     late = log.time >= 0.5 * (log.time[0] + log.time[-1])

@@ -81,6 +81,7 @@ def test_a_mass_that_the_log_says_was_held_is_predicted_as_a_payload() -> None:
     assert np.max(np.abs(without[f"effort.{ELBOW}"] - told[f"effort.{ELBOW}"])) > 5.0
 
 
+@pytest.mark.deep
 def test_passes_at_two_masses_tell_what_a_load_adds() -> None:
     found = identified(True)
     (law,) = [own for own in found.laws if own.joint == ELBOW]

@@ -76,6 +76,7 @@ def test_intervals_hold_the_truth_nine_times_in_ten(tmp_path: Path) -> None:
     assert np.mean(held) > 0.9
 
 
+@pytest.mark.deep
 def test_the_law_that_is_there_is_chosen_and_its_values_found(tmp_path: Path) -> None:
     found = identify_log(log_of("stribeck"), robot_of(machine("stribeck"), tmp_path))
     laws = {law.joint: law.fit.law.name for law in found.laws}

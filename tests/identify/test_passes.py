@@ -95,6 +95,7 @@ def test_both_procedures_are_reported() -> None:
     assert f"stribeck_steepness {law.by_slope.values['stribeck_steepness']:.4g}" in page
 
 
+@pytest.mark.deep
 def test_gravity_cancels_between_the_directions() -> None:
     (law,) = identified().laws
     points = law.passes

@@ -45,6 +45,7 @@ def short(tmp_path_factory: pytest.TempPathFactory):
     return recorded(tmp_path_factory.mktemp("short"), 15.0, 250.0)
 
 
+@pytest.mark.deep
 def test_refinement_brings_the_open_loop_simulation_back_to_the_log(tmp_path: Path) -> None:
     found = identify_log(recorded(tmp_path), robot_with(tmp_path, 1.0, 1.0), law="coulomb_viscous", simulated=np.inf)
     assert found.simulated is not None

@@ -98,6 +98,7 @@ def test_a_ur10_that_is_wrong_everywhere_is_predicted_on_motion_not_fitted(
     assert relative_errors(rest, sharp)[0] > 10.0
 
 
+@pytest.mark.deep
 def test_a_ur10_is_told_to_be_wrong_everywhere_and_what_is_told_of_it_holds_on_the_rest(
     ur10_parts: tuple[Log, Log], data: Path
 ) -> None:

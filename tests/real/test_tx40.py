@@ -26,6 +26,7 @@ def tx40(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
     return diagnose_log(tx40_log(data), tx40_robot(data, tmp_path_factory.mktemp("tx40")))
 
 
+@pytest.mark.deep
 def test_the_coupling_of_the_wrist_is_found_with_its_published_size(tx40: Diagnosis) -> None:
     coupling = next(finding for finding in tx40.findings if finding.cause == "drive.coupling")
     assert coupling.joint == "joint_5"
@@ -47,6 +48,7 @@ def test_no_curve_of_friction_is_claimed_but_damping_that_thins(tx40: Diagnosis)
     assert all(finding.gain.low > 0.0 for finding in bent)
 
 
+@pytest.mark.deep
 def test_friction_identified_beside_the_coupling_is_as_published(tx40: Diagnosis) -> None:
     # What is found besides, damping that thins, would share the published linear friction out.
     coupling = next(finding for finding in tx40.findings if finding.cause == "drive.coupling")
