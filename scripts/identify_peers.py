@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 
-from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.identification import identify_log
+from mjfriction.identify.measure import measure_gap
 from mjfriction.identify.protocol import plan_passes
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.sensors import Recorder

@@ -20,7 +20,8 @@ import pyarrow.parquet
 from scipy.stats import t as student
 
 from mjfriction.body.regressor import tip_link
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.laws.law import Floats
 from mjfriction.record.motion import back_to_log
 from mjfriction.record.readers import read_log

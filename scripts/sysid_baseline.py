@@ -25,7 +25,8 @@ import pyarrow as pa
 import pyarrow.parquet
 from mujoco import sysid
 
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot, write_robot
 from mjfriction.robot.friction import stated_levels

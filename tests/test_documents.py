@@ -54,10 +54,10 @@ from mjfriction.diagnose.tell.findings import FAINTEST, ONE_OF_MANY
 from mjfriction.diagnose.tell.link_finding import ALWAYS_NOTED, SURELY
 from mjfriction.diagnose.tell.untold import BRISTLE_MISFIT, DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
 from mjfriction.diagnose.tell.verdict import FEWEST_SHOWN, LEAST_FRICTION, LEAST_SHOWN, MUCH_COLOURED
-from mjfriction.identify import choose, conclude, gap, landings, turning
+from mjfriction.identify import choose, conclude, landings, measure, turning
 from mjfriction.identify.colour import AROUND, COLOURED, EVEN_BELOW
 from mjfriction.identify.doubt import WITHIN
-from mjfriction.identify.gap import ENOUGH_CLEAR, ENOUGH_PER_PERIOD, FEWEST_CLEAR
+from mjfriction.identify.measure import ENOUGH_CLEAR, ENOUGH_PER_PERIOD, FEWEST_CLEAR
 from mjfriction.identify.stroke_waves import STEPS_PER_LOBE
 from mjfriction.identify.swing import FASTEST, SLOWEST
 from mjfriction.laws.catalog import LAWS
@@ -210,7 +210,7 @@ def test_the_pages_tell_which_joints_and_traces_are_left_out() -> None:
     decides, records = (" ".join(text(f"docs/{page}.md").split()) for page in ("how_it_decides", "recording"))
     held = f"travels less than {100 * HELD:g} % as far as the joint of its kind"
     assert f"by less than {100 * DAWDLING:g} % of both" in decides
-    assert gap.MOST_SPOILT == 0.9, "the page says nine tenths"
+    assert measure.MOST_SPOILT == 0.9, "the page says nine tenths"
     assert f"leaves less than {turning.ALONE:g} of the error left by friction that builds up" in decides
     assert f"that stands out by {jumps.PLAIN:g} standard deviations" in decides
     assert f"At least {jumps.FEWEST_ALIKE} jumps of one size" in decides

@@ -21,7 +21,7 @@ def demo(out: Out = Path("demo_out"), json: Json = False) -> None:
     from importlib.resources import files
 
     from mjfriction.cli.diagnose import report_diagnosis
-    from mjfriction.identify.gap import measure_gap
+    from mjfriction.identify.measure import measure_gap
     from mjfriction.record.readers import read_log
     from mjfriction.report.folder import whole_file
     from mjfriction.robot.files import read_robot

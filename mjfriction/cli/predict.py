@@ -77,7 +77,7 @@ def predict(log: LogPath, robot: RobotSource, out: Out, map_: MapSource = None, 
 def _gap(log: Log, robot: Robot) -> Gap | None:
     # None for a log that can be predicted but is too short to be compared with a robot.
     from mjfriction.errors import LogError
-    from mjfriction.identify.gap import measure_gap
+    from mjfriction.identify.measure import measure_gap
 
     try:
         return measure_gap(log, robot)

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from mjfriction.errors import RobotError
-from mjfriction.identify.gap import Gap, gap_of, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import gap_of, measure_gap
 from mjfriction.identify.stretches import simulated_error
 from mjfriction.progress import Tell, counting, silently
 from mjfriction.record.log import Log

@@ -14,9 +14,10 @@ from mjfriction.identify.colour import COLOURED, NOTHING, coloured_share
 from mjfriction.identify.falling import FASTER, still_falls
 from mjfriction.identify.fit import LawFit
 from mjfriction.identify.fitted import Fitted
-from mjfriction.identify.gap import Gap, gap_of
+from mjfriction.identify.gap import Gap
 from mjfriction.identify.joint_error import JointError, joint_error
 from mjfriction.identify.map_fit import MapFit
+from mjfriction.identify.measure import gap_of
 from mjfriction.identify.outcome import Candidate, Identification, JointLaw
 from mjfriction.identify.refine import Refined
 from mjfriction.identify.regression import Columns, Rows, System

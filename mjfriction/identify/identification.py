@@ -14,8 +14,9 @@ from mjfriction.identify.conclude import conclude
 from mjfriction.identify.effort_bandwidth import find_bandwidths, with_bandwidths
 from mjfriction.identify.fit import LawFit, begun, fit_anew, slopes
 from mjfriction.identify.friction_map import friction_maps
-from mjfriction.identify.gap import Gap, gap_of, measure_gap
+from mjfriction.identify.gap import Gap
 from mjfriction.identify.link_inertias import link_inertias
+from mjfriction.identify.measure import gap_of, measure_gap
 from mjfriction.identify.no_map import why_no_map
 from mjfriction.identify.outcome import Identification
 from mjfriction.identify.pendulum import by_pendulum

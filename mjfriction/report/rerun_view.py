@@ -17,7 +17,8 @@ from mjfriction.diagnose.tell.free_run import FreeRun
 from mjfriction.diagnose.tell.outcome import Diagnosis
 from mjfriction.errors import SimulationError
 from mjfriction.identify.comparison import Comparison
-from mjfriction.identify.gap import Gap, gap_of
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import gap_of
 from mjfriction.identify.outcome import Identification
 from mjfriction.record.log import Floats
 from mjfriction.report.digits import digits

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from pyarrow import parquet
 
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.log import Floats, Log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.predict import predict_log

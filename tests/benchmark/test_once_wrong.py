@@ -22,7 +22,7 @@ from mjfriction.diagnose.search.kin import plainer
 from mjfriction.diagnose.settle import stated
 from mjfriction.diagnose.tell import untold
 from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers.table import log_from_table
 
 

@@ -15,8 +15,8 @@ import pytest
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.tell.visible import visible_causes
 from mjfriction.identify.comparison import compare_robots
-from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.identification import identify_log
+from mjfriction.identify.measure import measure_gap
 from mjfriction.identify.protocol import plan_excitation, plan_passes
 from mjfriction.plant.machine import run_machine
 from mjfriction.plant.motions import sine

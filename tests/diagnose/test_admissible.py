@@ -12,7 +12,8 @@ from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.coupling import DifferenceDrive, DifferenceRotor, SumDrive
 from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.causes.varying import Step, WarmUpDrift
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.body_tables import Payload as PayloadTable
 from mjfriction.robot.files import read_robot

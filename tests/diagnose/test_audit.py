@@ -22,7 +22,7 @@ from mjfriction.diagnose.faults.misplaced import find_misplaced
 from mjfriction.diagnose.faults.units import find_degrees, find_degrees_by_velocity
 from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.errors import LogError
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table

@@ -20,7 +20,8 @@ from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.fit.model import Chosen, build_model, same_columns
 from mjfriction.diagnose.fit.nuisance import make_nuisance
 from mjfriction.diagnose.search.refusal import _of_landings
-from mjfriction.identify.gap import Gap, gap_of, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import gap_of, measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.body_tables import LinkInertia, Payload
 from mjfriction.robot.files import read_robot

@@ -12,7 +12,8 @@ from mjfriction.diagnose.fit.model import Chosen, build_model
 from mjfriction.diagnose.fit.nuisance import make_nuisance
 from mjfriction.diagnose.settle.stated import Settled
 from mjfriction.diagnose.tell.untold import find_untold
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder

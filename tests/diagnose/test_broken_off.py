@@ -15,7 +15,7 @@ from mjfriction.diagnose.fit.model import Chosen, Model
 from mjfriction.diagnose.search import compete as compete_module
 from mjfriction.diagnose.search.compete import compete
 from mjfriction.diagnose.search.field import make_field
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.identify.tone import Tone
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot

@@ -13,7 +13,8 @@ from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.fit.trial import Trial
 from mjfriction.diagnose.search import short_list
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Instant, Machine, record, robot_toml

@@ -27,7 +27,7 @@ from mjfriction.diagnose.search import compete
 from mjfriction.diagnose.search.field import chances_in
 from mjfriction.diagnose.search.one_transmission import leaning
 from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table

@@ -13,8 +13,8 @@ import pytest
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.tell.outcome import Verdict
 from mjfriction.diagnose.tell.verdict import STRUCTURED
-from mjfriction.identify import gap
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify import measure
+from mjfriction.identify.measure import measure_gap
 from mjfriction.identify.structure import find_structure
 from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table
@@ -84,8 +84,8 @@ def test_what_an_arm_holds_that_rests_for_most_of_the_time_is_no_error(
 
     assert worst() < 5.0  # what the bristles, which are not stated, leave beside the rests
     assert diagnose_log(log, read_robot(robot)).verdict is Verdict.CONSISTENT
-    monkeypatch.setattr(gap, "ENOUGH_CLEAR", log.time.size)
-    monkeypatch.setattr(gap, "WITHIN", np.inf)  # then it is judged on its rests too
+    monkeypatch.setattr(measure, "ENOUGH_CLEAR", log.time.size)
+    monkeypatch.setattr(measure, "WITHIN", np.inf)  # then it is judged on its rests too
     assert worst() > 10.0
 
 

@@ -19,7 +19,8 @@ from mjfriction.diagnose.search import courses
 from mjfriction.diagnose.search.courses import as_courses
 from mjfriction.diagnose.search.stroke_curve import StrokeCurve
 from mjfriction.diagnose.settle import stated
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.identify.structure import Structure
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot

@@ -42,7 +42,7 @@ def test_a_joint_that_hardly_moves_is_not_examined(tmp_path: Path, monkeypatch: 
     assert found.not_examined == ("wrist",)
     assert (found.findings, found.verdict) == ((), Verdict.CONSISTENT)
     monkeypatch.setattr(Motion, "dawdling", np.zeros(3, dtype=bool))
-    monkeypatch.setattr("mjfriction.identify.gap.turning_speeds", lambda velocity, *_: np.zeros(velocity.shape[1]))
+    monkeypatch.setattr("mjfriction.identify.measure.turning_speeds", lambda velocity, *_: np.zeros(velocity.shape[1]))
     assert {finding.joint for finding in diagnosed(tmp_path).findings} == {"wrist"}
 
 

@@ -18,7 +18,7 @@ from mjfriction.diagnose.fit.model import build_model
 from mjfriction.diagnose.fit.nuisance import make_nuisance
 from mjfriction.diagnose.settle import held_links, stated
 from mjfriction.diagnose.tell.outcome import Diagnosis
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.identify.regression import Rows, System
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot

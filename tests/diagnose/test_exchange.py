@@ -21,7 +21,7 @@ from mjfriction.diagnose.search.compete import NO_DIFFERENCE
 from mjfriction.diagnose.search.exchange import Kinds, exchanged
 from mjfriction.diagnose.search.field import Field, chances_in, make_field
 from mjfriction.diagnose.tell.alike import standing
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder

@@ -13,7 +13,7 @@ import pytest
 
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.effort import predict_effort
 from mjfriction.robot.files import read_robot, write_robot

@@ -16,7 +16,8 @@ from mjfriction.diagnose.tell import free_run
 from mjfriction.diagnose.tell.free_run import SECONDS
 from mjfriction.diagnose.tell.outcome import Verdict
 from mjfriction.identify import stretches
-from mjfriction.identify.gap import Gap, gap_of, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import gap_of, measure_gap
 from mjfriction.identify.stretches import Cuts, Stretches, simulated_error, stretches_at
 from mjfriction.record.log import Floats, Log
 from mjfriction.record.readers.table import log_from_table

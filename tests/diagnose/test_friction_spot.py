@@ -18,7 +18,8 @@ from mjfriction.diagnose.fit.nuisance import make_nuisance
 from mjfriction.diagnose.fit.shapes import apart
 from mjfriction.diagnose.search import refusal
 from mjfriction.diagnose.tell.outcome import Diagnosis
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.effort import predict_effort
 from mjfriction.robot.files import read_robot

@@ -22,7 +22,8 @@ from mjfriction.diagnose.search.field import make_field
 from mjfriction.diagnose.settle.held_links import _stand_out as stand_out
 from mjfriction.diagnose.settle.held_links import held_links
 from mjfriction.diagnose.tell import link_finding
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Machine, write_case

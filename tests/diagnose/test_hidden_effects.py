@@ -268,7 +268,7 @@ def test_care_for_reversals_is_what_keeps_a_delay_away(tmp_path: Path, monkeypat
     assert names(careful) == [("friction.stribeck", "elbow_joint")]
     assert careful.findings[0].parameters[0].value == pytest.approx(3.5, rel=0.1)
     monkeypatch.setattr(
-        "mjfriction.identify.gap.share_in_doubt",
+        "mjfriction.identify.measure.share_in_doubt",
         lambda _, motion, chain, *rest: chain.rows(0.0 * motion.position),
     )
     assert "sensor.delay" in {cause for cause, _ in names(found())}

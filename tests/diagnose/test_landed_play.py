@@ -9,8 +9,9 @@ import pytest
 from mjfriction.control.servo import Control
 from mjfriction.diagnose.causes.landed_play import LandedPlay
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import Gap
 from mjfriction.identify.landings import Landings, find_landings
+from mjfriction.identify.measure import measure_gap
 from mjfriction.plant.machine import Run, log_columns, run_machine
 from mjfriction.plant.motions import pick_and_place
 from mjfriction.plant.sensors import Recorder

@@ -10,7 +10,7 @@ import pytest
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot

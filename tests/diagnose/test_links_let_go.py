@@ -27,7 +27,7 @@ from mjfriction.diagnose.search.compete import compete
 from mjfriction.diagnose.search.field import make_field
 from mjfriction.diagnose.search.free_links import compete_for_links
 from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log
 from mjfriction.robot.body_tables import LinkInertia

@@ -11,7 +11,7 @@ import pytest
 from mjfriction.diagnose.causes.cause import JointCause, Site
 from mjfriction.diagnose.causes.load import DriveLoad, GearedLoad, Load
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder

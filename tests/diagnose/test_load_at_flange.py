@@ -19,7 +19,7 @@ from mjfriction.diagnose.search.field import make_field
 from mjfriction.diagnose.settle.load_at_flange import as_load
 from mjfriction.diagnose.tell import alike
 from mjfriction.diagnose.tell.alike import standing
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_COULOMB, Machine, write_case

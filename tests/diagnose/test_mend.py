@@ -21,7 +21,7 @@ from mjfriction.diagnose.faults.read_so import off_as_stated, read_so
 from mjfriction.diagnose.faults.units import find_units
 from mjfriction.diagnose.tell.outcome import Diagnosis, Finding, Verdict
 from mjfriction.errors import LogError
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.fault import Fault, Mend
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log

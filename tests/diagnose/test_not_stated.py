@@ -19,7 +19,8 @@ from mjfriction.diagnose.fit.nuisance import make_nuisance
 from mjfriction.diagnose.fit.trial import try_out
 from mjfriction.diagnose.search.field import make_field, size
 from mjfriction.diagnose.settle import stated
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_COULOMB, UR5_JOINTS, UR5_VISCOUS, Machine, record, robot_toml, write_case

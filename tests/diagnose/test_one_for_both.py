@@ -16,7 +16,7 @@ from mjfriction.diagnose.search.field import Field, make_field
 from mjfriction.diagnose.settle import levels_kept, stated
 from mjfriction.diagnose.settle.levels_kept import one_for_both
 from mjfriction.diagnose.settle.stated import settle
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder

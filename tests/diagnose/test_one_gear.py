@@ -12,7 +12,7 @@ from mjfriction.diagnose.causes.load import GearedDriveLoad, GearedLoad
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.search import compete
 from mjfriction.diagnose.tell.outcome import Verdict
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.laws.geared_load import GEARED_LOAD
 from mjfriction.laws.law import Law
 from mjfriction.laws.load_dependent import LOAD_DEPENDENT

@@ -19,7 +19,7 @@ from mjfriction.diagnose.tell import findings
 from mjfriction.diagnose.tell.alike import Standing
 from mjfriction.diagnose.tell.findings import make_findings
 from mjfriction.diagnose.tell.untold import Untold
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.identify.stroke_waves import wavenumber_step
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot

@@ -19,7 +19,8 @@ from mjfriction.diagnose.search.oscillations import new_oscillations
 from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.diagnose.tell.verdict import beside_oscillations
 from mjfriction.identify.colour import NOTHING
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.identify.swing import Swing
 from mjfriction.identify.tone import Tone
 from mjfriction.record.readers import read_log

@@ -15,7 +15,7 @@ from mjfriction.diagnose.fit.model import Chosen, build_model
 from mjfriction.diagnose.fit.trial import try_out
 from mjfriction.diagnose.search import compete
 from mjfriction.diagnose.search.field import chances_in, make_field
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Instant, Machine, write_case

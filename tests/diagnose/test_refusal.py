@@ -22,7 +22,8 @@ from mjfriction.diagnose.search import compete, refusal
 from mjfriction.diagnose.search.field import chances_in, make_field
 from mjfriction.diagnose.search.refusal import refused
 from mjfriction.diagnose.search.unevenness import with_unevenness
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.progress import silently
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot

@@ -15,7 +15,8 @@ from mjfriction.control.observe import observe_log
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.tell.outcome import Verdict
 from mjfriction.diagnose.tell.seen_play import SeenPlay, unseen
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.log import Floats, Log
 from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table

@@ -12,7 +12,7 @@ from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.elasticity import SensorElasticity
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_JOINTS, Machine, write_case

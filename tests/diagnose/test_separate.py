@@ -19,7 +19,7 @@ from mjfriction.diagnose.fit.model import Chosen, build_model, cause_block
 from mjfriction.diagnose.fit.nuisance import make_nuisance
 from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.diagnose.tell.separate import design_experiment, with_rival
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder

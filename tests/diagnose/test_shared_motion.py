@@ -14,7 +14,7 @@ from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.coupling import SharedEffort, SharedFriction, SharedMotion
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.tell.outcome import Verdict
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_JOINTS, Instant, Machine, write_case

@@ -13,7 +13,7 @@ from mjfriction.diagnose.fit.model import build_model
 from mjfriction.diagnose.search.field import make_field
 from mjfriction.diagnose.search.short_list import ranked
 from mjfriction.identify import kept
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Machine, write_case

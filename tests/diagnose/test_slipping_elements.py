@@ -17,7 +17,7 @@ from mjfriction.diagnose.search.field import make_field
 from mjfriction.diagnose.settle.stated import settle
 from mjfriction.diagnose.tell.outcome import Diagnosis
 from mjfriction.identify.doubt import YIELDING
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.laws.maxwell_slip import MAXWELL_SLIP
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot

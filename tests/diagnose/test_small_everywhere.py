@@ -15,7 +15,7 @@ from mjfriction.diagnose.fit.exact import usual_nuisance
 from mjfriction.diagnose.fit.model import Chosen, build_model
 from mjfriction.diagnose.tell.outcome import Diagnosis
 from mjfriction.diagnose.tell.visible import visible_causes
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_COULOMB, Instant, Machine, write_case

@@ -13,7 +13,7 @@ from mjfriction.diagnose.fit.model import Chosen, Model, build_model
 from mjfriction.diagnose.fit.nuisance import make_nuisance
 from mjfriction.diagnose.settle.stated import Settled
 from mjfriction.diagnose.tell import untold
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.identify.structure import Structure
 from mjfriction.record.log import Floats
 from mjfriction.record.readers import read_log

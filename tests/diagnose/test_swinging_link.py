@@ -21,7 +21,7 @@ from mjfriction.diagnose.fit.model import Chosen, build_model
 from mjfriction.diagnose.search import compete, oscillations, short_list
 from mjfriction.diagnose.search.field import chances_in, make_field
 from mjfriction.diagnose.tell.outcome import Verdict
-from mjfriction.identify.gap import measure_gap, thinned
+from mjfriction.identify.measure import measure_gap, thinned
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import pick_and_place
 from mjfriction.plant.sensors import Recorder

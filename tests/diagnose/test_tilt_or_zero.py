@@ -16,7 +16,7 @@ from mjfriction.diagnose.fit.tangent import straightened
 from mjfriction.diagnose.search.field import make_field
 from mjfriction.diagnose.tell.alike import standing
 from mjfriction.diagnose.tell.outcome import Verdict
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder

@@ -16,7 +16,8 @@ from mjfriction.diagnose.fit.trial import EVENEST
 from mjfriction.diagnose.search.field import make_field
 from mjfriction.diagnose.search.free_links import compete_for_links
 from mjfriction.diagnose.search.unevenness import as_uneven, with_unevenness
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_COULOMB, Array, Instant, Machine, write_case

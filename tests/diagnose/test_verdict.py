@@ -13,7 +13,7 @@ from mjfriction.diagnose.causes.coupling import SharedEffort, SharedFriction
 from mjfriction.diagnose.fit.model import Chosen, build_model
 from mjfriction.diagnose.fit.nuisance import make_nuisance
 from mjfriction.diagnose.tell import verdict
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.identify.structure import Structure
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot

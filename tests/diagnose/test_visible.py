@@ -10,7 +10,7 @@ import pytest
 
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.tell.visible import visible_causes
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Effect, Instant, Machine, record, robot_toml

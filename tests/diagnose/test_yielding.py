@@ -15,7 +15,8 @@ from mjfriction.diagnose.search.field import make_field
 from mjfriction.diagnose.search.yielding import yielding
 from mjfriction.diagnose.tell import contacts
 from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_COULOMB, UR5_JOINTS, Instant, Machine, bristle, write_case

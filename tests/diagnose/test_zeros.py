@@ -15,7 +15,7 @@ from mjfriction.diagnose.fit.nuisance import make_nuisance
 from mjfriction.diagnose.fit.refitted import OUT_OF_CHANCE, ZERO
 from mjfriction.diagnose.search.unevenness import with_unevenness
 from mjfriction.diagnose.tell.outcome import Diagnosis
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_COULOMB, Array, Instant, Machine, write_case

@@ -6,7 +6,8 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.plant.motions import trapezoid
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot

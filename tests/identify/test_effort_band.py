@@ -10,7 +10,7 @@ import pytest
 from scipy.signal import lfilter
 
 from mjfriction.identify import effort_band
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import sine
 from mjfriction.plant.sensors import Recorder

@@ -14,7 +14,8 @@ from mjfriction.body.inverse import inertia_along
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.errors import LogError
 from mjfriction.identify.doubt import doubt_speeds
-from mjfriction.identify.gap import Gap, gap_of, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import gap_of, measure_gap
 from mjfriction.record.log import Log
 from mjfriction.record.motion import estimate_motion
 from mjfriction.record.readers import read_log
@@ -147,7 +148,7 @@ def test_a_rest_says_one_thing_however_long_it_is(pausing: tuple[Log, Robot], mo
         return np.array([np.sum(np.square(level / gap.doubt[run, 2])) for run in runs if run.size > 5])
 
     assert np.ptp(said()) < 0.5 * np.min(said())
-    monkeypatch.setattr("mjfriction.identify.gap.rows_of_rests", lambda share, _: np.ones_like(share))
+    monkeypatch.setattr("mjfriction.identify.measure.rows_of_rests", lambda share, _: np.ones_like(share))
     assert np.max(said()) > 5.0
 
 

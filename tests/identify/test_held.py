@@ -15,8 +15,8 @@ from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.faults.look import SAMPLES, look_at
 from mjfriction.diagnose.faults.which_log import logs_with
 from mjfriction.errors import LogError, RobotError
-from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.identification import identify_log
+from mjfriction.identify.measure import measure_gap
 from mjfriction.identify.outcome import Identification
 from mjfriction.identify.protocol import plan_passes
 from mjfriction.identify.structure import Structure

@@ -16,9 +16,9 @@ from mjfriction.body.inertia import FINEST, factors, parameters_per_number, pseu
 from mjfriction.body.model import load_body
 from mjfriction.body.regressor import weighed_links
 from mjfriction.identify.base_parameters import base_parameters
-from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.identification import identify_log
 from mjfriction.identify.link_inertias import nearest_physical
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.body_tables import Payload
 from mjfriction.robot.files import read_robot, write_robot

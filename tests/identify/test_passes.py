@@ -12,10 +12,10 @@ from mjfriction.body.gravity_pose import GravityClass, gravity_pose
 from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.errors import LogError, RobotError
 from mjfriction.identify.friction_map import FrictionMap
-from mjfriction.identify.gap import measure_gap
 from mjfriction.identify.identification import identify_log
 from mjfriction.identify.map_choice import choose_on_map
 from mjfriction.identify.map_fit import arctan_procedure, fit_map
+from mjfriction.identify.measure import measure_gap
 from mjfriction.identify.outcome import Identification
 from mjfriction.identify.phases import constant_speed_phases
 from mjfriction.identify.protocol import (

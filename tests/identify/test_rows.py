@@ -9,7 +9,7 @@ import pytest
 from mjfriction.errors import LogError
 from mjfriction.identify import rows
 from mjfriction.identify.blocks import cut_blocks
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.identify.rows import make_chain
 from mjfriction.record.log import Log
 from mjfriction.record.motion import Motion, estimate_motion

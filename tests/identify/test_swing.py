@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import heard_later, measure_gap
 from mjfriction.identify.swing import Swing, courses, shown_swings
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
@@ -59,7 +60,7 @@ def test_it_starts_from_rest_in_each_stretch_and_may_swing_already(gap: Gap) -> 
 
 def test_what_a_drive_reports_late_swings_late(gap: Gap) -> None:
     swing, delay = Swing(ELBOW, 0.4, 0.02), 0.1
-    late = gap.heard_later(np.where(np.arange(6) == ELBOW, delay, 0.0))
+    late = heard_later(gap, np.where(np.arange(6) == ELBOW, delay, 0.0))
     prompt, reported = (swing.columns(one)[:, 0] for one in (gap, late))
     expected = np.interp(gap.chain.time - delay, gap.chain.time, prompt)
     assert np.std(reported - expected) < 0.02

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjfriction.identify.gap import Gap, measure_gap, thinned
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import measure_gap, thinned
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Machine, write_case

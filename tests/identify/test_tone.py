@@ -10,7 +10,8 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.identify.tone import steady_tone
 from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table

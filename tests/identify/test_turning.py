@@ -9,8 +9,8 @@ import pytest
 
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.tell.outcome import Verdict
-from mjfriction.identify import gap
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify import measure
+from mjfriction.identify.measure import measure_gap
 from mjfriction.identify.turning import TURNED, turning_speeds
 from mjfriction.record.readers import read_log
 from mjfriction.record.reversals import travel_since_turn
@@ -97,7 +97,7 @@ def test_an_arm_that_creeps_is_judged_where_its_friction_has_its_level(
         return max(measured.rms(measured.residual[:, i], i) / measured.noise_floor[i] for i in measured.examined)
 
     assert worst() < 1.3
-    monkeypatch.setattr(gap, "turning_speeds", lambda velocity, *_: np.zeros(velocity.shape[1]))
+    monkeypatch.setattr(measure, "turning_speeds", lambda velocity, *_: np.zeros(velocity.shape[1]))
     assert worst() > 2.0
 
 
@@ -107,5 +107,5 @@ def test_creeping_is_no_finding_and_leaves_nothing_open(tmp_path: Path, monkeypa
     diagnosis = diagnose_log(read_log(log), read_robot(robot))
     assert diagnosis.findings == ()
     assert diagnosis.verdict is Verdict.CONSISTENT
-    monkeypatch.setattr(gap, "turning_speeds", lambda velocity, *_: np.zeros(velocity.shape[1]))
+    monkeypatch.setattr(measure, "turning_speeds", lambda velocity, *_: np.zeros(velocity.shape[1]))
     assert diagnose_log(read_log(log), read_robot(robot)).verdict is not Verdict.CONSISTENT

@@ -9,7 +9,7 @@ import pyarrow as pa
 import pytest
 
 from mjfriction.errors import RobotError
-from mjfriction.identify.gap import measure_gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.identify.stretches import LOST, cut_stretches, missed, simulated_error
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation

@@ -14,7 +14,8 @@ from mjfriction.diagnose.faults.of_another_kind import of_another_kind
 from mjfriction.diagnose.faults.read_so import off_as_stated, read_so
 from mjfriction.diagnose.faults.velocities import find_velocity_faults
 from mjfriction.errors import LogError
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.fault import Fault, Mend
 from mjfriction.record.log import POSITION, Log
 from mjfriction.robot.bandwidth import HIGHEST
@@ -52,7 +53,7 @@ def audited(log: Log, robot: Robot, *, highest: float = HIGHEST) -> Audited:
     """Compare a log with a robot, look for faults, mend them where they say how, and look again.
 
     ``highest`` is the upper limit of the position filter's cutoff (Hz).  Raises what
-    :func:`~mjfriction.identify.gap.measure_gap` does.
+    :func:`~mjfriction.identify.measure.measure_gap` does.
     """
     stated = measure_gap(log, robot, highest=highest)
     gap, rounds = stated, list[list[Fault]]()

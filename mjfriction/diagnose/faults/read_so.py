@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from mjfriction.identify.gap import Gap, measure_gap
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.fault import Mend
 from mjfriction.record.log import POSITION, VELOCITY, Floats, Log
 from mjfriction.record.recorded_velocity import velocity_ratio

@@ -10,6 +10,7 @@ from mjfriction.diagnose.fit.model import Model, build_model
 from mjfriction.diagnose.fit.shapes import reshaped
 from mjfriction.diagnose.fit.tangent import straightened
 from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import heard_later
 from mjfriction.record.log import Floats
 from mjfriction.robot.effort import without_offsets
 from mjfriction.robot.links_torque import links_torque
@@ -31,7 +32,7 @@ def as_known(model: Model) -> Model:
         gap, nuisance, late, robot = model.gap, model.nuisance, _delays(model), _weighed(model)
         anew: Collection[int] | None = np.flatnonzero(late != gap.late).tolist()
         if np.max(np.abs(late - gap.late)) * gap.chain.band >= HEARD:
-            gap = gap.heard_later(late)
+            gap = heard_later(gap, late)
             nuisance = nuisance.along(gap, nuisance.sources)
         if _load_changes(gap, robot):
             gap, anew = gap.beside(robot), None

@@ -12,6 +12,7 @@ from mjfriction.diagnose.causes.spring import Spring
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model
 from mjfriction.diagnose.fit.refitted import Source
 from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import heard_later
 from mjfriction.identify.structure import Structure
 from mjfriction.identify.swing import Swing, courses, shown_swings
 from mjfriction.identify.tone import Tone, steady_tone, waves
@@ -114,7 +115,7 @@ def _readings(model: Model, joint: int) -> list[Model]:
     of_sensor = [one for one in own if one.cause.of_sensor]
     out = [model]
     if of_sensor:
-        gap = model.gap.heard_later(np.where(np.arange(model.gap.late.size) == joint, 0.0, model.gap.late))
+        gap = heard_later(model.gap, np.where(np.arange(model.gap.late.size) == joint, 0.0, model.gap.late))
         out.append(build_model(gap, model.nuisance.along(gap, model.nuisance.sources), _left_of(model, of_sensor)))
     if len(own) > len(of_sensor):
         out.append(build_model(out[-1].gap, out[-1].nuisance, _left_of(model, own)))

@@ -13,7 +13,8 @@ from mjfriction.diagnose.causes.play import BACKLASH, Play
 from mjfriction.diagnose.tell.alike import MOST_CONFIDENT
 from mjfriction.diagnose.tell.outcome import Finding
 from mjfriction.identify.fitted import Fitted
-from mjfriction.identify.gap import Gap, gap_along, measure_gap, thinned, thinning
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import gap_along, measure_gap, thinned, thinning
 from mjfriction.identify.proof import gain_at
 from mjfriction.record.jumps import Jumps
 from mjfriction.record.log import Floats
