@@ -17,7 +17,7 @@ from mjfriction.diagnose.causes.coupling import RATIOS
 from mjfriction.diagnose.causes.elasticity import RESONANCE_BAND
 from mjfriction.diagnose.causes.friction_spot import NARROWEST, PASSES, WIDEST
 from mjfriction.diagnose.causes.landed_play import FLOWN
-from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOVED, LEAST_MOVED_ALONE, LEAST_NOTED
+from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOMENTS, LEAST_MOVED, LEAST_MOVED_ALONE, LEAST_NOTED
 from mjfriction.diagnose.causes.load import LEAST_ROTOR
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.presliding import LEAST_PART, SLIPS
@@ -270,6 +270,7 @@ def test_how_it_decides_tells_how_far_links_are_off() -> None:
     assert f"by {PAYS:g} of merit, or leaves as little (within {100 * (AS_GOOD - 1.0):g} %)" in told
     assert f"a power of speed between {POWERS[0]:g} and {POWERS[1]:g}" in told
     assert f"lies more than {100 * LEAST_MOVED:g} cm off" in told
+    assert f"off by a factor, by more than {100 * LEAST_MOMENTS:g} %" in told
     alone = f"{100 * LEAST_ALONE:g} %"
     assert f"one link that is {alone} off; - a payload that makes the last link {alone} heavier" in told
     assert f"or moves its centre by {1e3 * LEAST_MOVED_ALONE:g} mm" in told

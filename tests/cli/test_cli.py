@@ -152,6 +152,8 @@ def test_demo_names_the_hidden_cause_and_proves_it(tmp_path: Path) -> None:
     assert [finding["cause"] for finding in report["findings"]] == ["friction.stribeck"]
     proof = next(line.split() for line in run.stdout.splitlines()[-6:] if "elbow_joint" in line)
     assert float(proof[4]) < 0.5 * float(proof[2])
+    # What the page says can be done with it: diagnose the log again.
+    assert read_log(tmp_path / "here/log.parquet").joints == UR5_JOINTS
 
 
 constant = {f"position.{joint}": np.zeros(5000) for joint in UR5_JOINTS}

@@ -52,6 +52,14 @@ def test_a_sensor_that_jumps_with_the_load_is_play(case: tuple[Path, Path]) -> N
     assert again.joints[WRIST].rms_before < 1.1 * again.joints[WRIST].noise_floor
 
 
+def test_a_joint_that_jumps_and_whose_effort_was_not_recorded_is_not_examined(case: tuple[Path, Path]) -> None:
+    log, stated = read_log(case[0]), read_robot(case[1])
+    silent = {name: values for name, values in log.columns.items() if name != f"effort.{UR5_JOINTS[WRIST]}"}
+    diagnosis = diagnose_log(replace(log, columns=silent), stated)
+    assert diagnosis.not_examined == (UR5_JOINTS[WRIST],)
+    assert UR5_JOINTS[WRIST] not in {finding.joint for finding in diagnosis.findings}
+
+
 @pytest.mark.deep
 def test_jumps_that_accelerate_more_than_the_motion_does_are_seen(tmp_path: Path) -> None:
     # As they are logged they make the load of an upright axis, which is all inertia, turn the other way.

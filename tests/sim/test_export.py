@@ -151,3 +151,10 @@ def test_a_folder_that_is_not_there_is_one_line() -> None:
     done = mjfriction("export", "--robot", "ur5", "--out", "/nowhere/arm.xml")
     assert done.returncode == 2
     assert done.stderr.count("\n") == 1
+
+
+def test_only_a_name_that_says_mjcf_is_written(tmp_path) -> None:
+    done = mjfriction("export", "--robot", "ur5", "--out", tmp_path / "arm.urdf")
+    assert done.returncode == 2
+    assert "give a name that ends in .xml" in done.stderr
+    assert list(tmp_path.iterdir()) == []

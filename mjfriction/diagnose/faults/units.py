@@ -94,7 +94,7 @@ def find_degrees_by_velocity(log: Log, body: Body, cutoff: float) -> list[Fault]
     turning = [joint for joint, sliding in zip(body.joints, body.sliding, strict=True) if not sliding]
     ratios = _velocity_ratios(log, cutoff, turning)
     action = f"it changes {1.0 / DEGREE:.1f} times as fast as {VELOCITY} says; convert it from degrees to radians"
-    return [in_another_unit(joint, DEGREE, action) for joint, ratio in ratios.items() if _near(ratio, DEGREE)]
+    return [in_another_unit(joint, DEGREE, action) for joint, ratio in ratios.items() if near(ratio, DEGREE)]
 
 
 def in_another_unit(joint: str, factor: float, action: str) -> Fault:
@@ -112,7 +112,7 @@ def stretched_clock(log: Log, motion: Motion) -> float | None:
     ratios = list(_velocity_ratios(log, motion.cutoff, motion.joints).values())
     middle = float(np.median(ratios)) if len(ratios) > 1 else 1.0
     off = abs(middle - 1.0) > OFF and 1.0 / MOST_OFF < middle < MOST_OFF
-    return middle if off and all(_near(ratio, middle) for ratio in ratios) else None
+    return middle if off and all(near(ratio, middle) for ratio in ratios) else None
 
 
 def _velocity_ratios(log: Log, cutoff: float, joints: Sequence[str]) -> dict[str, float]:
@@ -120,7 +120,8 @@ def _velocity_ratios(log: Log, cutoff: float, joints: Sequence[str]) -> dict[str
     return {joint: ratio for joint, ratio in found.items() if ratio is not None and ratio > 0.0}
 
 
-def _near(ratio: float, other: float) -> bool:
+def near(ratio: float, other: float) -> bool:
+    """Return whether a ratio is another one up to what measured velocities are off by."""
     return abs(ratio / other - 1.0) < AS_ONE
 
 

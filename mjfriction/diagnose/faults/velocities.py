@@ -4,44 +4,40 @@ from __future__ import annotations
 
 import numpy as np
 
+from mjfriction.diagnose.faults.units import DEGREE, near
 from mjfriction.identify.gap import Gap
 from mjfriction.record.fault import Fault
 from mjfriction.record.log import VELOCITY
 from mjfriction.record.recorded_velocity import velocity_ratio
 
-AS_ONE = 0.03  # relative difference below which a ratio counts as that of a known mistake
-PER_DEGREE, PER_REVOLUTION_A_MINUTE, THOUSAND = 180.0 / np.pi, 30.0 / np.pi, 1000.0
+PER_REVOLUTION_A_MINUTE, THOUSAND = 30.0 / np.pi, 1000.0
 
 
 def find_velocity_faults(gap: Gap) -> list[Fault]:
     """Return the measured velocities that are the derivative of their position with its sign reversed or in another
     unit: degrees or revolutions per minute, thousandths, or the motor's speed where the robot states a gear.
 
-    That of a log whose positions are right: what moves the joint is known from them.
+    The log's positions have to be right: they tell how the joints moved.
     """
     out = []
     for joint, name in enumerate(gap.robot.joints):
         ratio = velocity_ratio(gap.log, name, gap.motion.cutoff)
-        if ratio is None or _near(ratio, 1.0):
+        if ratio is None or near(ratio, 1.0):
             continue
         unit = "m/s" if gap.body.sliding[joint] else "rad/s"
         gear = abs(gap.robot.table.joint[joint].actuator.gear_ratio)
         units = {
-            PER_DEGREE: "degrees per second",
+            1.0 / DEGREE: "degrees per second",
             PER_REVOLUTION_A_MINUTE: "revolutions per minute",
             THOUSAND: "thousandths",
             gear: "the motor's speed",
         }
         column = f"{VELOCITY}.{name}"
         of = f"it is {ratio:.4g} times the rate at which its position changes"
-        if _near(ratio, -1.0):
+        if near(ratio, -1.0):
             out.append(Fault("data.sign", column, f"{of}: turn its sign; it was not used"))
         for factor, words in units.items():
-            if _near(abs(ratio), factor) and not _near(factor, 1.0):
+            if near(abs(ratio), factor) and not near(factor, 1.0):
                 out.append(Fault("data.unit", column, f"{of}, as {words} are: convert it to {unit}; it was not used"))
                 break
     return out
-
-
-def _near(ratio: float, other: float) -> bool:
-    return abs(ratio - other) < AS_ONE * abs(other)

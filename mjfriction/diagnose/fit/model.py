@@ -112,9 +112,9 @@ class Model:
     def strengths_of(self, target: Chosen) -> Floats:
         """Return the fitted strengths of a chosen cause.
 
-        Raises :class:`StopIteration` if it is none of the model's.
+        Raises :class:`KeyError` if it is none of the model's.
         """
-        return next(strengths for choice, strengths in self.fitted_causes if choice.key == target.key)
+        return {choice.key: strengths for choice, strengths in self.fitted_causes}[target.key]
 
     @property
     def noteworthy(self) -> tuple[Chosen, ...]:
