@@ -228,5 +228,11 @@ def test_every_verb_shows_an_example() -> None:
     assert "Example: mjfriction view" in mjfriction("view", "--help").stdout
 
 
+def test_the_package_runs_as_the_command_does() -> None:
+    command = [sys.executable, "-m", "mjfriction", "--version"]
+    said = subprocess.run(command, check=True, capture_output=True, text=True, timeout=120).stdout
+    assert said == mjfriction("--version").stdout
+
+
 def test_version() -> None:
     assert mjfriction("--version").stdout.startswith("mjfriction 0.")

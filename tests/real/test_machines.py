@@ -38,6 +38,22 @@ def test_the_directions_differ_and_there_is_no_stribeck(estimation: Diagnosis) -
     assert confidence["drive.offset"] < 0.5 * confidence["friction.asymmetry"]
 
 
+ROBOTS = Path(__file__).parents[2] / "robots"
+
+
+def test_the_published_offset_goes_with_the_symmetric_model(data: Path, estimation: Diagnosis) -> None:
+    published = read_robot(ROBOTS / "emps/robot.toml")
+    assert published.joint("axis").effort_sensor.offset == -3.1648
+    found = diagnose_log(read_log(data / "emps/estimation.parquet"), published)
+    (finding,) = found.findings
+    assert finding.cause == "friction.asymmetry"
+    asymmetry, offset = finding.parameters
+    # Published beside the asymmetry: F_v+ = 166.7, F_v− = 240.4 N·s/m, and practically no offset.
+    assert asymmetry.low < -36.9 < asymmetry.high
+    assert abs(offset.value) < 0.3
+    assert found.joints[0].rms_heldout_after == pytest.approx(estimation.joints[0].rms_heldout_after, rel=0.01)
+
+
 def test_error_falls_on_the_held_out_part(estimation: Diagnosis) -> None:
     (axis,) = estimation.joints
     assert axis.rms_heldout_after < 0.5 * axis.rms_heldout_before

@@ -8,8 +8,10 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
+from mjfriction.diagnose.causes.cause import Cause, JointCause, Quantity, Site, column
+from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.identify.gap import Gap
+from mjfriction.identify.regression import Columns
 from mjfriction.laws.asymmetric_curve import ASYMMETRIC_CURVE
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
@@ -98,4 +100,41 @@ class Asymmetry(JointCause):
             f"at {speed:.3g} {'m/s' if sliding else 'rad/s'} moving in the {more} direction costs "
             f"{2.0 * abs(strengths[0]) * speed:.3g} {'N' if sliding else 'N·m'} more than in the other, "
             "and the difference grows with speed"
+        )
+
+
+@final
+class AsymmetryWithOffset(Cause):
+    """F_a·|v| and a constant in the place of an offset that the robot states.
+
+    An offset identified with friction that is alike in both directions takes up half of what friction that is not
+    leaves, so that the asymmetry alone gains little beside it.
+    """
+
+    name = "friction.asymmetry"
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """The examined joints for which an offset is stated."""
+        return [Site(joint) for joint in gap.examined if gap.robot.table.joint[joint].effort_sensor.offset]
+
+    def columns(self, gap: Gap, site: Site) -> Columns:
+        """The columns of both."""
+        both = [cause.columns(gap, site)[site.joint] for cause in (Asymmetry(), Offset())]
+        return {site.joint: np.hstack(both)}
+
+    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
+        """Half the difference of the two dampings, and the offset, stated plus change."""
+        return (*Asymmetry().quantities(gap, site), *Offset().quantities(gap, site))
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """Give each direction its own damping, and change the offset."""
+        return Offset().extend(Asymmetry().extend(robot, site, strengths[:1]), site, strengths[1:])
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Say in which direction the joint is damped more, and what that makes of the offset."""
+        offset = Offset().quantities(gap, site)[0].shift
+        unit = "N" if gap.body.sliding[site.joint] else "N·m"
+        return (
+            f"{Asymmetry().evidence(gap, site, strengths[:1])}; the stated offset of {offset:.3g} {unit} made up for "
+            f"some of it and is {offset + strengths[1]:.3g} {unit} beside it"
         )

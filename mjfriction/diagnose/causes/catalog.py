@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mjfriction.diagnose.causes.asymmetry import Asymmetry
+from mjfriction.diagnose.causes.asymmetry import Asymmetry, AsymmetryWithOffset
 from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.carried_drive import DifferenceCarried, SumCarried
 from mjfriction.diagnose.causes.cause import Cause
@@ -40,6 +40,7 @@ STRUCTURAL: tuple[Cause, ...] = (
     SaturatingViscous(),
     SteepeningViscous(),
     Asymmetry(),
+    AsymmetryWithOffset(),
     Load(),
     DriveLoad(),
     Presliding(),
