@@ -35,7 +35,7 @@ from mjfriction.diagnose.fit.exact import EXACT, MOST_JOINTS
 from mjfriction.diagnose.fit.nuisance import FARTHEST, LET_GO
 from mjfriction.diagnose.fit.refitted import CONSTANT, FEWEST_JOINTS, LINK_SCALE, LINK_SHIFT, OUT_OF_CHANCE, ROTOR, ZERO
 from mjfriction.diagnose.fit.trial import EVENEST, FALSE_ALARM, LEAST_EFFECT, STANDS_OUT, UNEVEN, WAVIEST
-from mjfriction.diagnose.search.compete import KEPT, MOST_CAUSES
+from mjfriction.diagnose.search.compete import KEPT, MOST_CAUSES, MOST_STEPS
 from mjfriction.diagnose.search.exchange import MOST_EXCHANGED
 from mjfriction.diagnose.search.free_links import BAR, FEWEST_GAINING, LEAST_GAINED, MANY, STRAINED
 from mjfriction.diagnose.search.kin import FULLER_CHANCE, KIN_CHANCE, LEAST_KIN_EFFECT
@@ -137,7 +137,7 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert f"| a course over time | {uneven[2]:g} % |" in told
     assert EVENEST == 0.25, "the page says a quarter"
     assert f"at a level of {100 * FALSE_ALARM:g} % that is shared out" in told
-    assert (KEPT, MOST_EXCHANGED, MOST_CAUSES, ENOUGH_PER_PERIOD) == (10, 8, 12, 4.0), "in words"
+    assert (KEPT, MOST_EXCHANGED, MOST_CAUSES, MOST_STEPS, ENOUGH_PER_PERIOD) == (10, 8, 12, 40, 4.0), "in words"
     assert f"for a while, by {100 * OFF:g} % at least" in told
     assert (LOUDER, free_run.SECONDS) == (4.0, 0.25), "the page says four times, a quarter of a second"
     assert f"an uneven machine leaves at least {100 * UNEVEN / math.sqrt(2.0):.1f} % of its friction beyond its" in told

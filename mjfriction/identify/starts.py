@@ -18,6 +18,7 @@ LEFT_AS_DECLARED = frozenset(
         "damping_velocity",
         "elastic_share",
         "reference_temperature",
+        "saturation_exponent",
         # At steady speeds, these and the rod pressure together reproduce the measured force of a cylinder, whatever its
         # friction is.
         *(f"{name}_{way}" for name in ("growth", "pressure_difference") for way in ("extending", "retracting")),

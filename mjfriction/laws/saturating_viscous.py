@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
-from mjfriction.laws.curves import holding, sign
+from mjfriction.laws.curves import holding, powered, sign
 from mjfriction.laws.declared import COULOMB, VISCOUS
 from mjfriction.laws.law import Floats, Law, kernel
 from mjfriction.parameter import Parameter
 
 
 @kernel
+def thinned(speed: float, p: Floats) -> float:
+    """By what factor damping has fallen: (1 + (|v|/v_h)^n)^(1/n), with p = (F_c, F_v, v_h, n)."""
+    return float(powered(1.0 + powered(speed / p[2], p[3]), 1.0 / p[3]))
+
+
+@kernel
 def steady(v: float, ambient: Floats, p: Floats) -> float:
-    """F_c·sgn v + F_v·v/(1 + |v|/v_h), with p = (F_c, F_v, v_h)."""
-    return float(p[0] * sign(v) + p[1] * v / (1.0 + abs(v) / p[2]))
+    """F_c·sgn v + F_v·v/(1 + (|v|/v_h)^n)^(1/n), with p = (F_c, F_v, v_h, n)."""
+    return float(p[0] * sign(v) + p[1] * v / thinned(abs(v), p))
 
 
 @kernel
 def advance(v: float, ambient: Floats, z: Floats, h: float, p: Floats, z_next: Floats) -> tuple[float, float]:
-    """No state: the steady torque, made linear within the rest band, and its slope F_v/(1 + |v|/v_h)²."""
+    """No state: the steady torque, made linear within the rest band, and its slope F_v/(1 + (|v|/v_h)^n)^(1 + 1/n)."""
     towards, steepness = holding(v)
-    thinned = 1.0 + abs(v) / p[2]
-    return p[0] * towards + p[1] * v / thinned, p[0] * steepness + p[1] / (thinned * thinned)
+    factor = thinned(abs(v), p)
+    return p[0] * towards + p[1] * v / factor, p[0] * steepness + p[1] / powered(factor, 1.0 + p[3])
 
 
 SATURATING_VISCOUS = Law(
@@ -27,12 +33,27 @@ SATURATING_VISCOUS = Law(
     summary="Coulomb plus damping that levels off: shear-thinning grease",
     captures="damping linear near rest that approaches a ceiling F_v·v_h at speed",
     misses="damping that grows with speed",
-    formula="F_c·sgn v + F_v·v/(1 + |v|/v_h)",
-    source="Cross, J. Colloid Science 20(5), 1965, with exponent one",
+    formula="F_c·sgn v + F_v·v/(1 + (|v|/v_h)^n)^(1/n)",
+    source="Cross, J. Colloid Science 20(5), 1965, with exponent one; Yasuda et al., Rheologica Acta 20, 1981, for others",
     parameters=(
         COULOMB,
         VISCOUS,
-        Parameter("half_velocity", "{length}/s", "speed at which damping has halved", lower=1e-9, typical=(0.1, 3.0)),
+        Parameter(
+            "half_velocity",
+            "{length}/s",
+            "speed at which damping has halved, for n = 1, and at which it would reach its ceiling if it stayed, for any",
+            lower=1e-9,
+            typical=(0.1, 3.0),
+        ),
+        Parameter(
+            "saturation_exponent",
+            "1",
+            "exponent n: how abruptly damping levels off; 1 gently, 3 as tanh does",
+            lower=0.1,
+            upper=20.0,
+            typical=(0.5, 4.0),
+            default=1.0,
+        ),
     ),
     steady=steady,
     advance=advance,

@@ -75,3 +75,25 @@ def test_a_form_that_does_not_compete_is_dropped_and_not_refused_for_ever(
     model, left = compete(gap, usual_nuisance(gap), field)
     assert left == field
     assert [choice.cause.name for choice in model.chosen] == ["body.spring"]
+
+
+def test_a_search_that_goes_round_ends(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: two_springs()[ELBOW]}), seed=4, seconds=15.0)
+    gap = measure_gap(read_log(log), read_robot(robot), highest=60.0)
+    field, made = make_field(gap, (Spring(),)), 0
+    tones = [Tone(joint, 7.0 + joint) for joint in range(6)]
+
+    def one_more(_: Model) -> list[Tone]:
+        nonlocal made
+        made += 1
+        return tones[made - 1 : made]
+
+    monkeypatch.setattr(compete_module, "new_oscillations", one_more)
+    compete(gap, usual_nuisance(gap), field)
+    assert made == len(tones) + 1, "a search within the limit listens until nothing is heard"
+    # Each of these searches takes two steps: the spring is found, and nothing after it.
+    made = 0
+    monkeypatch.setattr(compete_module, "MOST_STEPS", 6)
+    model, _ = compete(gap, usual_nuisance(gap), field)
+    assert 0 < made < len(tones)
+    assert [choice.cause.name for choice in model.chosen] == ["body.spring"]

@@ -17,10 +17,12 @@ from mjfriction.robot.robot import Robot
 # as a quadratic term does.
 HALF_VELOCITIES = (0.2, 1.5)
 OFF_EDGE = 1.1
+EXPONENTS = (0.4, 1.0, 3.0)  # a gentle bend, as of a root of speed; the usual one; and that of a hyperbolic tangent
+EXPONENT_RANGE = (0.3, 8.0)
+SLOWEST = 0.02  # the same as the first of HALF_VELOCITIES where levels are held: then what levels off early is no level
 DOUBTED = 4.0  # least half velocity, in multiples of the speed below which the direction of friction is in doubt
 
 
-@final
 class SaturatingViscous(JointCause):
     """F_v·v/(1 + |v|/v_h) with F_v ≥ 0."""
 
@@ -71,4 +73,53 @@ class SaturatingViscous(JointCause):
             f"friction grows more slowly than speed: part of the damping has halved at {site.shape[0]:.3g} "
             f"{'m/s' if sliding else 'rad/s'}, and levels off at {strengths[0] * site.shape[0]:.3g} "
             f"{'N' if sliding else 'N·m'}"
+        )
+
+
+@final
+class AbruptlySaturating(SaturatingViscous):
+    """F_v·v/(1 + (|v|/v_h)^n)^(1/n) with F_v ≥ 0.
+
+    Beside refitted levels the exponent n cannot be identified, because a level makes up for how abruptly damping levels
+    off. With the levels as stated, it may explain by how much these seem to be off.
+    """
+
+    shape_parameters = tuple(SATURATING_VISCOUS.parameter(name) for name in ("half_velocity", "saturation_exponent"))
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """Every examined joint, with half velocities spaced logarithmically, at three exponents."""
+        out = []
+        for site in JointCause.sites(self, gap):
+            slow, fast = self.shape_bounds(gap, site)[0]
+            if fast > 1.5 * slow:
+                out += [site.shaped((float(v), n)) for n in EXPONENTS for v in np.geomspace(slow, fast, 8)]
+        return out
+
+    def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
+        """From where the direction of friction is known to where the curve is hardly bent; the exponents."""
+        slow, fast = (share * float(gap.motion.top_speed[site.joint]) for share in (SLOWEST, HALF_VELOCITIES[1]))
+        return [(max(slow, float(gap.doubt_speed[site.joint])), fast), EXPONENT_RANGE]
+
+    def own_shape(self, gap: Gap, site: Site) -> bool:
+        """Every shape belongs: beside levels as stated there is nothing else that it could be."""
+        return True
+
+    def samples(self, gap: Gap, site: Site) -> Floats:
+        """The velocity over (1 + (|v|/v_h)^n)^(1/n), (n, 1)."""
+        velocity, (half, exponent) = gap.motion.velocity[:, site.joint], site.shape
+        return column(velocity * (1.0 + (np.abs(velocity) / half) ** exponent) ** (-1.0 / exponent))
+
+    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
+        """Add a law that holds only the damping that levels off."""
+        half, exponent = site.shape
+        parameters = {"viscous": float(strengths[0]), "half_velocity": half, "saturation_exponent": exponent}
+        return with_term(robot, robot.joints[site.joint], SATURATING_VISCOUS.name, {"coulomb": 0.0, **parameters})
+
+    def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
+        """Say at which speed the line near rest would meet the ceiling, and where the ceiling is."""
+        sliding = gap.body.sliding[site.joint]
+        force, length = ("N", "m/s") if sliding else ("N·m", "rad/s")
+        return (
+            f"friction grows more slowly than speed: damping that would reach {strengths[0] * site.shape[0]:.3g} {force} "
+            f"at {site.shape[0]:.3g} {length} levels off there"
         )

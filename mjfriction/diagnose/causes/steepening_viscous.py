@@ -1,8 +1,8 @@
-"""friction.viscous_nonlinear: friction that grows with a higher power of speed than the square."""
+"""friction.viscous_nonlinear: friction that grows with a power of speed, higher than the square or below one."""
 
 from __future__ import annotations
 
-from typing import final
+from typing import ClassVar, final
 
 import numpy as np
 
@@ -15,22 +15,25 @@ from mjfriction.robot.robot import Robot
 
 POWERS = (2.2, 4.0)  # range of the power; below it a quadratic term does as well
 GRID = (2.5, 3.0, 3.5)
+# The same for powers below one; a lower one is like a level, a higher one like damping.
+ROOTS, ROOT_GRID = (0.2, 0.9), (0.35, 0.5, 0.65)
 
 
-@final
 class SteepeningViscous(JointCause):
     """F_p·|v|^n·sgn v with F_p > 0 and a power n above two."""
 
     name = "friction.viscous_nonlinear"
     shape_parameters = (POWER_VISCOUS.parameter("power"),)
+    powers: ClassVar[tuple[float, float]] = POWERS
+    grid: ClassVar[tuple[float, ...]] = GRID
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every examined joint, with some powers."""
-        return [site.shaped((power,)) for site in super().sites(gap) for power in GRID]
+        return [site.shaped((power,)) for site in super().sites(gap) for power in self.grid]
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
         """The range of the power."""
-        return [POWERS]
+        return [self.powers]
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The power of speed times the direction of motion, (n, 1)."""
@@ -58,3 +61,13 @@ class SteepeningViscous(JointCause):
             f"{'m/s' if sliding else 'rad/s'} that makes {strengths[0] * speed ** site.shape[0]:+.3g} "
             f"{'N' if sliding else 'N·m'}"
         )
+
+
+@final
+class RootViscous(SteepeningViscous):
+    """F_p·|v|^n·sgn v with F_p > 0 and a power n below one, as greases and harmonic drives have it.
+
+    Beside refitted levels it cannot be identified, because level and damping make up for most of it.
+    """
+
+    powers, grid = ROOTS, ROOT_GRID

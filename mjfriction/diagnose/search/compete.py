@@ -27,6 +27,7 @@ from mjfriction.identify.gap import Gap
 from mjfriction.progress import Tell, silently
 
 MOST_CAUSES = 12
+MOST_STEPS = 40  # candidates chosen or found wanting in all of a search; searches that end well take a dozen
 # A chosen cause stays up to this many times the chance level at which it may be chosen: what is as good stays.
 KEPT = 10
 # Merit difference that does not count: the data are then only 1.6 times as likely under one cause as the other.
@@ -60,23 +61,28 @@ def compete(
     causes that only begin to describe them, and causes that these make needless are dropped.
 
     A search is broken off when it has come to more causes than can be true, and its result is hardly credible. It is
-    repeated at most once, beside the oscillations that were detected, and causes that are refused are dropped.
+    repeated at most once, beside the oscillations that were detected, and causes that are refused are dropped. The same
+    holds for one that goes round and round, which is not repeated at all.
 
     ``begin`` holds causes that were found already and start the search. As soon as a model is ``enough``, it is
     returned as it is.
     """
     if not field:
         return build_model(gap, nuisance, ()), field
-    asked, chances, heard = field, chances_in(field), False
+    asked, chances, heard, steps = field, chances_in(field), False, 0
     while True:
-        model = _forward(_with_found(gap, nuisance, begin), asked, chances, tell, enough)
+        model, made = _forward(_with_found(gap, nuisance, begin), asked, chances, tell, enough)
+        steps += made
         if enough(model):
             return model, asked
         hopeless = len(model.noteworthy) >= MOST_CAUSES
         model = as_known(plainer(_pruned(model, chances), asked))
         if not hopeless:
-            model = _exchanged(model, asked, chances, tell, enough)
-        sources = [] if hopeless and heard else new_oscillations(model)
+            model, made = _exchanged(model, asked, chances, tell, enough, MOST_STEPS - steps)
+            steps += made
+        endless = steps >= MOST_STEPS
+        hopeless = hopeless or endless
+        sources = [] if endless or (hopeless and heard) else new_oscillations(model)
         if sources:
             nuisance, heard = nuisance.along(gap, (*nuisance.sources, *sources)), True
             continue
@@ -117,13 +123,17 @@ def _narrowed(field: Field, no_causes: list[Chosen]) -> Field:
     return tuple(out)
 
 
-def _forward(model: Model, field: Field, chances: Chances, tell: Tell, enough: Callable[[Model], bool]) -> Model:
-    # Candidates that show only while joints rest are set aside, and tried again when no other is left: every contact
-    # yields a little at a reversal, at every joint.
-    asked, anew = field, True
+def _forward(
+    model: Model, field: Field, chances: Chances, tell: Tell, enough: Callable[[Model], bool]
+) -> tuple[Model, int]:
+    # The model with all candidates that are proved, and the number of steps that this took. Candidates that show only
+    # while joints rest are set aside, and tried again when no other is left: every contact yields a little at a
+    # reversal, at every joint.
+    asked, anew, steps = field, True, 0
     while (named := len(model.noteworthy)) < MOST_CAUSES and not enough(model):
         tell(f"searching for causes, {named} so far", SEARCHED * (1.0 - FURTHER ** (1 + named)))
         more, left = _one_more(model, asked, chances)
+        steps += 1
         if more is not None:
             felt = cause_block(more.gap, more.chosen[-1])[0].keys()
             more = fulfilled(more)
@@ -134,7 +144,7 @@ def _forward(model: Model, field: Field, chances: Chances, tell: Tell, enough: C
             break
         else:
             asked, anew = field, True
-    return model
+    return model, steps
 
 
 def _one_more(model: Model, field: Field, chances: Chances) -> tuple[Model | None, Field]:
@@ -152,17 +162,21 @@ def _one_more(model: Model, field: Field, chances: Chances) -> tuple[Model | Non
     return None, field
 
 
-def _exchanged(model: Model, field: Field, chances: Chances, tell: Tell, enough: Callable[[Model], bool]) -> Model:
-    # After each exchange of one cause for another, the remaining error is searched again. This may lead back to an
-    # earlier model, so no pair of kinds is exchanged twice.
-    made: set[Kinds] = set()
-    while True:
+def _exchanged(
+    model: Model, field: Field, chances: Chances, tell: Tell, enough: Callable[[Model], bool], most: int
+) -> tuple[Model, int]:
+    # After each exchange of one cause for another, the remaining error is searched again, until that has taken ``most``
+    # steps or more. This may lead back to an earlier model, so no pair of kinds is exchanged twice.
+    made, steps = set[Kinds](), 0
+    while steps < most:
         exchange = exchanged(model, field, chances, NO_DIFFERENCE, made)
         if exchange is None:
-            return model
+            break
         made.add(exchange.kinds)
-        model = _forward(as_known(straightened(reshaped(exchange.model))), field, chances, tell, enough)
+        model, more = _forward(as_known(straightened(reshaped(exchange.model))), field, chances, tell, enough)
         model = as_known(plainer(_pruned(model, chances), field))
+        steps += more
+    return model, steps
 
 
 def _richer(model: Model, trial: Trial) -> Model | None:

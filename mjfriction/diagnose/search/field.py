@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from mjfriction.diagnose.causes.cause import Cause, Site
+from mjfriction.diagnose.causes.saturating_viscous import AbruptlySaturating
+from mjfriction.diagnose.causes.steepening_viscous import RootViscous
 from mjfriction.diagnose.causes.stribeck import UnfinishedStribeck
 from mjfriction.diagnose.fit.model import Model
 from mjfriction.identify.gap import Gap
@@ -47,7 +49,8 @@ def make_field(gap: Gap, causes: tuple[Cause, ...]) -> Field:
 
 def in_place_of_levels(gap: Gap, joint: int) -> Field:
     """Return the candidates that may only take the place of a joint's refitted levels."""
-    return tuple(entrant for entrant in make_field(gap, (UnfinishedStribeck(),)) if entrant.joint == joint)
+    curves = UnfinishedStribeck(), AbruptlySaturating(), RootViscous()
+    return tuple(entrant for entrant in make_field(gap, curves) if entrant.joint == joint)
 
 
 def size(field: Field) -> int:
