@@ -34,14 +34,14 @@ SATURATING_VISCOUS = Law(
     captures="damping linear near rest that approaches a ceiling F_v·v_h at speed",
     misses="damping that grows with speed",
     formula="F_c·sgn v + F_v·v/(1 + (|v|/v_h)^n)^(1/n)",
-    source="Cross, J. Colloid Science 20(5), 1965, with exponent one; Yasuda et al., Rheologica Acta 20, 1981, for others",
+    source="Cross, J. Colloid Science 20(5), 1965, exponent one; for others Yasuda et al., Rheologica Acta 20, 1981",
     parameters=(
         COULOMB,
         VISCOUS,
         Parameter(
             "half_velocity",
             "{length}/s",
-            "speed at which damping has halved, for n = 1, and at which it would reach its ceiling if it stayed, for any",
+            "speed at which unchanged damping would reach the ceiling; for n = 1 it has halved there",
             lower=1e-9,
             typical=(0.1, 3.0),
         ),

@@ -116,10 +116,10 @@ class AbruptlySaturating(SaturatingViscous):
         return with_term(robot, robot.joints[site.joint], SATURATING_VISCOUS.name, {"coulomb": 0.0, **parameters})
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
-        """Say at which speed the line near rest would meet the ceiling, and where the ceiling is."""
+        """Say where the ceiling is, and at which speed the line near rest would meet it."""
         sliding = gap.body.sliding[site.joint]
         force, length = ("N", "m/s") if sliding else ("N·m", "rad/s")
         return (
-            f"friction grows more slowly than speed: damping that would reach {strengths[0] * site.shape[0]:.3g} {force} "
-            f"at {site.shape[0]:.3g} {length} levels off there"
+            f"friction grows more slowly than speed: part of it levels off at {strengths[0] * site.shape[0]:.3g} {force}, "
+            f"which it would pass at {site.shape[0]:.3g} {length}"
         )
