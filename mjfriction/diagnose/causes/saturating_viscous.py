@@ -119,7 +119,8 @@ class AbruptlySaturating(SaturatingViscous):
         """Say where the ceiling is, and at which speed the line near rest would meet it."""
         sliding = gap.body.sliding[site.joint]
         force, length = ("N", "m/s") if sliding else ("N·m", "rad/s")
+        speed, ceiling = site.shape[0], float(strengths[0]) * site.shape[0]
         return (
-            f"friction grows more slowly than speed: part of it levels off at {strengths[0] * site.shape[0]:.3g} {force}, "
-            f"which it would pass at {site.shape[0]:.3g} {length}"
+            f"friction grows more slowly than speed: part of it levels off at {ceiling:.3g} {force}, which it would "
+            f"pass at {speed:.3g} {length}"
         )
