@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import ClassVar, final
 
 import numpy as np
 
 from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
 from mjfriction.identify.gap import Gap
 from mjfriction.laws.saturating_viscous import SATURATING_VISCOUS
+from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import with_term
 from mjfriction.robot.robot import Robot
@@ -27,7 +28,7 @@ class SaturatingViscous(JointCause):
     """F_v·v/(1 + |v|/v_h) with F_v ≥ 0."""
 
     name = "friction.viscous_nonlinear"
-    shape_parameters = (SATURATING_VISCOUS.parameter("half_velocity"),)
+    shape_parameters: ClassVar[tuple[Parameter, ...]] = (SATURATING_VISCOUS.parameter("half_velocity"),)
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every examined joint, with half velocities spaced logarithmically over what its motion can show."""
