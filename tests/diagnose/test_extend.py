@@ -15,10 +15,10 @@ from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
-from mjfriction.robot.effort import predict_effort
-from mjfriction.robot.files import read_robot, write_robot
+from mjfriction.robot.files import read_robot
 from mjfriction.robot.simulation import robot_laws
 from tests.deep import deep
+from tests.diagnose.in_the_file import left_by_the_file
 from tests.hidden.machine import Instant, Machine, write_case
 
 JOINT = "elbow_joint"
@@ -34,10 +34,8 @@ def test_the_robot_file_predicts_what_the_fit_left(off: float, tmp_path: Path) -
     log_path, robot_path = write_case(tmp_path, Machine(hidden={2: everything}), seed=3, off=off)
     diagnosis = diagnose_log(read_log(log_path), read_robot(robot_path))
     assert len(diagnosis.findings) >= 2
-    robot = read_robot(write_robot(diagnosis.robot, tmp_path))
-    gap = diagnosis.gap
-    again = gap.measured - gap.chain.rows(predict_effort(robot, robot.body(), gap.motion).reported)
-    np.testing.assert_allclose(again, diagnosis.residual_after, atol=1e-4 * np.abs(gap.measured).max())
+    again = left_by_the_file(diagnosis, tmp_path / "extended")
+    np.testing.assert_allclose(again, diagnosis.residual_after, atol=1e-4 * np.abs(diagnosis.gap.measured).max())
 
 
 @pytest.mark.deep
@@ -70,9 +68,9 @@ def test_any_two_causes_on_one_joint_make_a_robot_that_can_be_simulated(tmp_path
         tried = [np.full(size, one) for one in (0.3, 5.0, 1e-3, at.around)] + [np.append(0.3, np.full(size - 1, 0.01))]
         strengths = next(own for own in tried if cause.admissible(gap, at, own))
         extensions.append(functools.partial(cause.extend, site=at, strengths=strengths))
-    # No temperature and no pressures are logged, this robot states no rotors that could load their gears, no link lands
-    # with a blow, and there is but one log.
-    assert len(extensions) == len(STRUCTURAL) - 6
+    # No temperature and no pressures are logged, this robot states no rotors that could load their gears and no offset,
+    # no link lands with a blow, and there is but one log.
+    assert len(extensions) == len(STRUCTURAL) - 7
     for first, then in itertools.permutations(extensions, 2):
         robot_laws(then(first(gap.robot)))
 
@@ -99,6 +97,5 @@ def test_what_all_joints_feel_is_not_divided_by_one_sensors_scale(tmp_path: Path
     assert told["body.payload"]["mass"] == payload.mass == pytest.approx(LOAD, rel=0.01)
     np.testing.assert_allclose(payload.com, HELD_AT, atol=2e-3)
     assert told["friction.asymmetry"]["viscous_asymmetry"] == pytest.approx(4.0, rel=0.05)
-    robot, gap = diagnosis.robot, diagnosis.gap
-    again = gap.measured - gap.chain.rows(predict_effort(robot, robot.body(), gap.motion).reported)
-    np.testing.assert_allclose(again, diagnosis.residual_after, atol=2e-3 * np.abs(gap.measured).max())
+    again = left_by_the_file(diagnosis, tmp_path / "extended")
+    np.testing.assert_allclose(again, diagnosis.residual_after, atol=2e-3 * np.abs(diagnosis.gap.measured).max())

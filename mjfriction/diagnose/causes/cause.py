@@ -51,11 +51,15 @@ class Site:
 
 @dataclass(frozen=True)
 class Quantity:
-    """A fitted quantity as it is reported: its declaration, and value = ``shift`` + ``factor`` · strength."""
+    """A fitted quantity as it is reported: its declaration, and value = ``shift`` + ``factor`` · strength.
+
+    ``before_sensor`` says whether its effect passes the effort sensor's scale, as all torques do.
+    """
 
     parameter: Parameter
     factor: float = 1.0
     shift: float = 0.0
+    before_sensor: bool = True
 
 
 class Cause(ABC):
@@ -79,7 +83,6 @@ class Cause(ABC):
     of_unevenness: ClassVar[bool] = False  # whether machines that are merely uneven along their strokes show it too
     times: ClassVar[int] = 1  # how many of its kind a joint may have
     first_order: ClassVar[int] = 0  # first value of their order: causes of one name with different ones count apart
-    before_sensor: ClassVar[bool] = True  # whether the change passes the effort sensor's scale, as all torques do
     # Names of causes that equal this one with some strengths at zero.  This one is then no rival of theirs, unless the
     # motion leaves its further strengths uncertain.
     contains: ClassVar[tuple[str, ...]] = ()

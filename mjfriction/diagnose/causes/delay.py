@@ -47,7 +47,6 @@ class _Delay(JointCause):
     name = "sensor.delay"
     covariate = "time"
     picture = "loop"
-    before_sensor = False
     curved = True
     of_sensor = True
 
@@ -57,7 +56,8 @@ class _Delay(JointCause):
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The delay, stated plus change."""
-        return (Quantity(DELAY, shift=gap.robot.table.joint[site.joint].effort_sensor.delay),)
+        stated = gap.robot.table.joint[site.joint].effort_sensor.delay
+        return (Quantity(DELAY, shift=stated, before_sensor=False),)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """At most a quarter of a second either way, and near the delay that the columns were computed for."""

@@ -21,7 +21,6 @@ class Offset(Cause):
     """A constant.  Coulomb levels that differ between the directions have the same effect."""
 
     name = "drive.offset"
-    before_sensor = False
     covariate = "time"
 
     def columns(self, gap: Gap, site: Site) -> Columns:
@@ -30,7 +29,8 @@ class Offset(Cause):
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The offset, stated plus change."""
-        return (Quantity(OFFSET, shift=gap.robot.table.joint[site.joint].effort_sensor.offset),)
+        stated = gap.robot.table.joint[site.joint].effort_sensor.offset
+        return (Quantity(OFFSET, shift=stated, before_sensor=False),)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Change the effort sensor's offset."""

@@ -49,10 +49,15 @@ class SaturatingViscous(JointCause):
         """A half velocity above the lower bound: what levels off there is a level that rises from rest, not damping."""
         return bool(site.shape[0] > OFF_EDGE * self.shape_bounds(gap, site)[0][0])
 
+    def curve(self, site: Site) -> tuple[float, float]:
+        """Return the half velocity v_h and the exponent n."""
+        return site.shape[0], 1.0
+
     def samples(self, gap: Gap, site: Site) -> Floats:
-        """The velocity over 1 + |v|/v_h, (n, 1)."""
-        velocity = gap.motion.velocity[:, site.joint]
-        return column(velocity / (1.0 + np.abs(velocity) / site.shape[0]))
+        """The direction of motion times |v|/(1 + (|v|/v_h)^n)^(1/n), (n, 1)."""
+        speed, (half, exponent) = np.abs(gap.motion.velocity[:, site.joint]), self.curve(site)
+        levelling = (1.0 + (speed / half) ** exponent) ** (-1.0 / exponent)
+        return column(gap.forward(site.joint) * speed * levelling)
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The damping near rest."""
@@ -64,8 +69,9 @@ class SaturatingViscous(JointCause):
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Add a law that holds only the damping that levels off."""
-        parameters = {"coulomb": 0.0, "viscous": float(strengths[0]), "half_velocity": site.shape[0]}
-        return with_term(robot, robot.joints[site.joint], SATURATING_VISCOUS.name, parameters)
+        half, exponent = self.curve(site)
+        parameters = {"viscous": float(strengths[0]), "half_velocity": half, "saturation_exponent": exponent}
+        return with_term(robot, robot.joints[site.joint], SATURATING_VISCOUS.name, {"coulomb": 0.0, **parameters})
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Say at which speed the damping has halved and where it levels off."""
@@ -105,16 +111,10 @@ class AbruptlySaturating(SaturatingViscous):
         """Every shape belongs: beside levels as stated there is nothing else that it could be."""
         return True
 
-    def samples(self, gap: Gap, site: Site) -> Floats:
-        """The velocity over (1 + (|v|/v_h)^n)^(1/n), (n, 1)."""
-        velocity, (half, exponent) = gap.motion.velocity[:, site.joint], site.shape
-        return column(velocity * (1.0 + (np.abs(velocity) / half) ** exponent) ** (-1.0 / exponent))
-
-    def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Add a law that holds only the damping that levels off."""
+    def curve(self, site: Site) -> tuple[float, float]:
+        """The shape."""
         half, exponent = site.shape
-        parameters = {"viscous": float(strengths[0]), "half_velocity": half, "saturation_exponent": exponent}
-        return with_term(robot, robot.joints[site.joint], SATURATING_VISCOUS.name, {"coulomb": 0.0, **parameters})
+        return half, exponent
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Say where the ceiling is, and at which speed the line near rest would meet it."""

@@ -37,8 +37,8 @@ class SteepeningViscous(JointCause):
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The power of speed times the direction of motion, (n, 1)."""
-        velocity = gap.motion.velocity[:, site.joint]
-        return column(np.sign(velocity) * np.abs(velocity) ** site.shape[0])
+        speed = np.abs(gap.motion.velocity[:, site.joint])
+        return column(gap.forward(site.joint) * speed ** site.shape[0])
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The coefficient."""

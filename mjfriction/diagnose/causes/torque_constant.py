@@ -21,7 +21,6 @@ class TorqueConstant(JointCause):
     """ε·(the whole effort that is predicted): the reading is 1 + ε times the effort."""
 
     name = "drive.torque_constant"
-    before_sensor = False
     covariate = "effort"
 
     def samples(self, gap: Gap, site: Site) -> Floats:
@@ -30,7 +29,7 @@ class TorqueConstant(JointCause):
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The factor, 1 where the reading is right."""
-        return (Quantity(FACTOR, shift=1.0),)
+        return (Quantity(FACTOR, shift=1.0, before_sensor=False),)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """A factor of three or more, or a reversed sign, is a fault of units or wiring, not of a constant."""

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
-from mjfriction.diagnose.fit.model import Model
+from mjfriction.diagnose.fit.model import Chosen, Model
+from mjfriction.diagnose.fit.refitted import Drive
+from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats
 
 
@@ -31,8 +33,14 @@ def sensor_factors(model: Model, strengths: Floats) -> Floats:
     for level in nuisance.levels:
         out[nuisance.of_level(level.site.joint)] = scale[level.site.joint]
     for k, (drive, _) in enumerate(drives, start=nuisance.of_drives.start):
-        out[k] = scale[drive.site.joint] if drive.cause.before_sensor else 1.0
+        out[k] = _scaled(model.gap, drive, scale)[0]
     for choice, place in zip(model.chosen, model.places, strict=True):
-        if choice.cause.before_sensor and not choice.cause.of_body:
-            out[place] = scale[choice.site.joint]
+        if not choice.cause.of_body:
+            out[place] = _scaled(model.gap, choice, scale)
     return out
+
+
+def _scaled(gap: Gap, one: Drive | Chosen, scale: Floats) -> list[float]:
+    # The factor of each strength of a drive or a cause.
+    quantities = one.cause.quantities(gap, one.site)
+    return [float(scale[one.site.joint]) if quantity.before_sensor else 1.0 for quantity in quantities]

@@ -27,7 +27,7 @@ from mjfriction.identify.gap import Gap
 from mjfriction.progress import Tell, silently
 
 MOST_CAUSES = 12
-MOST_STEPS = 40  # candidates chosen or found wanting in all of a search; searches that end well take a dozen
+MOST_STEPS = 40  # candidates chosen or found wanting in all of a search; one that ends well takes fewer
 # A chosen cause stays up to this many times the chance level at which it may be chosen: what is as good stays.
 KEPT = 10
 # Merit difference that does not count: the data are then only 1.6 times as likely under one cause as the other.
