@@ -40,6 +40,6 @@ def test_the_curve_is_the_only_finding(curve: str, tmp_path: Path, monkeypatch: 
     np.testing.assert_allclose(again, found.residual_after, atol=1e-4 * np.abs(found.gap.measured).max())
     # Only the usual curve levels off like this beside a level that is off.
     usual = "mjfriction.diagnose.settle.stated.in_place_of_levels"
-    monkeypatch.setattr(usual, lambda gap, joint: make_field(gap, (UnfinishedStribeck(),)))
+    monkeypatch.setattr(usual, lambda gap, joint, *, bent=False: make_field(gap, (UnfinishedStribeck(),)))
     poor = diagnose_log(log, stated).findings
     assert len(poor) > 1 or poor[0].gain.reduction < 0.9 * finding.gain.reduction

@@ -11,6 +11,7 @@ from mjfriction.diagnose.causes.steepening_viscous import RootViscous
 from mjfriction.diagnose.causes.stribeck import UnfinishedStribeck
 from mjfriction.diagnose.fit.model import Model
 from mjfriction.identify.gap import Gap
+from mjfriction.robot.friction import stated_levels
 
 
 @dataclass(frozen=True)
@@ -47,9 +48,16 @@ def make_field(gap: Gap, causes: tuple[Cause, ...]) -> Field:
     return tuple(entrants)
 
 
-def in_place_of_levels(gap: Gap, joint: int) -> Field:
-    """Return the candidates that may only take the place of a joint's refitted levels."""
-    curves = UnfinishedStribeck(), AbruptlySaturating(), RootViscous()
+def in_place_of_levels(gap: Gap, joint: int, *, bent: bool = False) -> Field:
+    """Return the candidates that may only take the place of a joint's refitted levels or, if ``bent``, of these and a
+    curve that bends beside them.
+
+    Alone, a level is as good as damping that levels off at once. So is one at a joint without stated friction, where
+    nothing says which of it is level.
+    """
+    curves: tuple[Cause, ...] = (UnfinishedStribeck(),)
+    if bent and stated_levels(gap.robot.table.joint[joint])[0] > 0.0:
+        curves += (AbruptlySaturating(), RootViscous())
     return tuple(entrant for entrant in make_field(gap, curves) if entrant.joint == joint)
 
 

@@ -149,7 +149,7 @@ def _unbent(model: Model, joint: int, asked: Field) -> Model | None:
     bends = [choice for choice in model.chosen if choice.site.joint == joint and choice.cause.name in CURVES]
     rest = tuple(choice for choice in model.chosen if choice not in bends)
     held = build_model(model.gap, model.nuisance.without_level(joint), rest)
-    trials = contenders(held, in_place_of_levels(model.gap, joint)) if bends else []
+    trials = contenders(held, in_place_of_levels(model.gap, joint, bent=True)) if bends else []
     for trial in passing(trials, chances_in(asked)):
         if leaves_as_little(held.with_also(trial.chosen), model, [joint]):
             return build_model(held.gap, held.nuisance, (*rest, trial.chosen))
