@@ -171,7 +171,7 @@ def test_what_shows_only_beside_another_cause_is_asked_again_once_that_is_found(
         asked.clear()
         monkeypatch.setattr(compete, "proved", judged)
         bare, chances = build_model(gap, known, ()), chances_in(field)
-        grown = compete._forward(bare, field, chances, silently, compete.never)
+        grown, _ = compete._forward(bare, field, chances, silently, compete.never)
         return [one.key[:2] for one in grown.chosen]
 
     assert found(lambda chosen, name: True)[:2] == [larger, lesser]
