@@ -8,7 +8,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from mjfriction.diagnose.causes.along_stroke import AlongStroke, FrictionAlongStroke, TorqueAlongStroke, travelled
+from mjfriction.diagnose.causes.along_stroke import (
+    AlongStroke,
+    FrictionAlongStroke,
+    RisingAlongStroke,
+    TorqueAlongStroke,
+    travelled,
+)
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.spring import BentSpring, Spring
@@ -41,11 +47,13 @@ def hose(i: Instant) -> np.ndarray:
     return 2.0 + 8.0 * np.maximum(i.q - np.mean(i.q), 0.0)
 
 
-@pytest.mark.parametrize("course", [FrictionAlongStroke(), TorqueAlongStroke()])
-def test_the_robot_file_holds_it_where_the_joint_is(tmp_path: Path, course: AlongStroke) -> None:
+@pytest.mark.parametrize(
+    "course", [FrictionAlongStroke(), TorqueAlongStroke(), RisingAlongStroke(), Spring(), BentSpring()]
+)
+def test_the_robot_file_holds_it_where_the_joint_is(tmp_path: Path, course: AlongStroke | Spring | BentSpring) -> None:
     # The first joint of an arm stands upright: its zero is no matter but for what is stated along the stroke.
     gap = gap_of(tmp_path, hose, offset=0.4)
-    choice = Chosen(course, course.along(gap, PAN))
+    choice = Chosen(course, course.along(gap, PAN) if isinstance(course, AlongStroke) else Site(PAN))
     model = build_model(gap, make_nuisance(gap), (choice,))
     strengths = model.strengths[model.places[0]]
     extended = course.extend(gap.robot, choice.site, strengths)
@@ -81,6 +89,22 @@ def test_a_hose_that_pulls_from_one_place_on_is_no_spring_with_a_wave(
     both = (Chosen(Spring(), Site(PAN)), Chosen(Cogging(), Site(PAN, (40.0,))))
     kept = build_model(geared, make_nuisance(geared), both)
     assert as_courses(kept) is kept
+
+
+def test_a_hose_that_pulls_more_and_more_is_a_course_that_rises_to_an_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gap = gap_of(tmp_path, lambda i: 40.0 * np.maximum(i.q - np.quantile(i.q, 0.4), 0.0) ** 2)
+    joint = gap.robot.joints[PAN]
+    chosen = (Chosen(BentSpring(), Site(PAN)), Chosen(Cogging(), Site(PAN, (5.0,))))
+    model = build_model(gap, make_nuisance(gap), chosen)
+    curve = StrokeCurve(frozenset(one.key for one in chosen), Structure(joint, "a curve", 0.9))
+    monkeypatch.setattr(courses, "stroke_curves", lambda *_: [curve])
+    (only,) = as_courses(model).chosen
+    assert isinstance(only.cause, RisingAlongStroke)
+    # Half waves are level at its end, and leave what waves and a cubic do not.
+    monkeypatch.setattr(courses, "RisingAlongStroke", TorqueAlongStroke)
+    assert as_courses(model) is model
 
 
 def test_one_wave_stays_a_wave(tmp_path: Path) -> None:

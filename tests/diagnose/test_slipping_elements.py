@@ -18,6 +18,7 @@ from mjfriction.diagnose.settle.stated import settle
 from mjfriction.diagnose.tell.outcome import Diagnosis
 from mjfriction.identify.doubt import YIELDING
 from mjfriction.identify.measure import measure_gap
+from mjfriction.laws.ambient import ambient
 from mjfriction.laws.maxwell_slip import MAXWELL_SLIP
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
@@ -84,6 +85,20 @@ def test_elements_that_all_slip_within_what_any_contact_yields_are_refitted_alon
     gap = measure_gap(read_log(log), read_robot(robot))
     yields = YIELDING * float(np.ptp(gap.motion.position[:, ELBOW]))
     assert SlippingElements().noteworthy(gap, Site(ELBOW, (travel * yields,)), np.array(levels)) is told
+
+
+@pytest.mark.parametrize("levels", [(1.0, 0.0, 0.0), (0.0, 0.0, 2.0), (1.0, 2.0, 0.5), (3.0, -0.1, 1.0)])
+def test_their_travel_is_that_over_which_so_much_of_the_change_builds_up(levels: tuple[float, ...]) -> None:
+    cause, site, strengths = SlippingElements(), Site(ELBOW, (0.2,)), np.array(levels)
+    law, values = cause.law(float(np.sum(np.maximum(strengths, 0.0))), 0.2, strengths)
+    back, steps = 1.0, 20000
+    velocity = np.repeat([1.0, -back], steps)
+    friction = law.follow(velocity, ambient(velocity.size), 1.0 / steps, law.pack(values))[0]
+    built = 1.0 - (friction[steps:] / friction[steps - 1] + 1.0) / 2.0
+    travel = np.interp(1.0 - 1.0 / np.e, built, np.arange(1, steps + 1) * back / steps)
+    assert cause.travel(site, strengths) == pytest.approx(travel, rel=1e-3)
+    bristle = Presliding().travel(site, np.ones(1))
+    assert bristle == site.shape[0]
 
 
 def test_an_element_that_holds_nothing_is_not_built_in() -> None:

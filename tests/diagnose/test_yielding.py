@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
+from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.offset import Offset
+from mjfriction.diagnose.causes.presliding import SLIPS, SlippingElements
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.fit.exact import usual_nuisance
+from mjfriction.diagnose.fit.model import Chosen, build_model
 from mjfriction.diagnose.search.field import make_field
 from mjfriction.diagnose.search.yielding import yielding
 from mjfriction.diagnose.tell import contacts
@@ -110,6 +114,39 @@ def test_at_one_joint_alone_it_is_one_where_others_are_seen_to_be_rigid(
     # Where nobody knows what others would show, any contact may yield so.
     monkeypatch.setattr(contacts, "RIGID", -np.inf)
     assert diagnosed(tmp_path, machine).findings == ()
+
+
+STROKE_TO_SLIP = 8e-4  # rad, half of which an ordinary contact is drawn either way until it slides
+
+
+def clamped(joint: int) -> Callable[[Instant], np.ndarray]:
+    """What friction that builds up evenly lacks after every reversal."""
+
+    def lacks(at: Instant) -> np.ndarray:
+        drawn = np.zeros(at.q.size)
+        for k, step in enumerate(np.diff(at.q)):
+            drawn[k + 1] = np.clip(drawn[k] + 2.0 * step / STROKE_TO_SLIP, -1.0, 1.0)
+        return np.asarray(UR5_COULOMB[joint] * (drawn - np.sign(at.v)))
+
+    return lacks
+
+
+def told_beside(folder: Path, alike: tuple[int, ...]) -> int:
+    """Return how many causes are told of one joint's elements, where other joints yield as it does."""
+    hidden = {joint: clamped(joint) for joint in (LIFT, *alike)}
+    own = gap(folder, Machine(noise=0.25, velocity="clean", hidden=hidden))
+    elements = Chosen(SlippingElements(), Site(LIFT, (0.5 * STROKE_TO_SLIP / SLIPS[0],)))
+    model = build_model(own, usual_nuisance(own), (elements,))
+    before = {elements.key: model.without(elements).heldout_residual()}
+    assert model.strengths_of(elements)[0] == pytest.approx(UR5_COULOMB[LIFT], rel=0.1)
+    return len(contacts.more_than_contacts(model, before, model.heldout_residual()))
+
+
+def test_elements_that_slip_soon_are_compared_by_the_travel_over_which_they_build_up(tmp_path: Path) -> None:
+    """Not by that of the longest, which holds nothing: over that every other joint would look rigid."""
+    others = tuple(joint for joint in range(6) if joint != LIFT)
+    assert told_beside(tmp_path, ()) == 1
+    assert told_beside(tmp_path, others) == 0
 
 
 @pytest.mark.deep

@@ -11,6 +11,7 @@ from abc import abstractmethod
 from typing import ClassVar, final
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
 from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site
 from mjfriction.diagnose.causes.spring import Spring
@@ -21,11 +22,15 @@ from mjfriction.record.log import Floats
 from mjfriction.robot.friction import with_friction_wave
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Joint
+from mjfriction.robot.spring import plus
 from mjfriction.robot.table import Wave
 
 FINEST = 8  # number of half waves over the stroke in the series of a course
 PLACES = 5  # number of positions along the stroke at which the evidence gives the course
 MEAN = Parameter("mean", "{force}", "mean of the torque over the stroke")
+MIDDLE = Parameter("middle", "{force}", "parabola under the half waves: its torque in the middle of the stroke")
+RISE = Parameter("rise", "{force}", "parabola: by how much it rises from the beginning of the stroke to its end")
+BOW = Parameter("bow", "{force}", "parabola: four times by how much its ends are above its middle, apart from the rise")
 HALF_WAVES = tuple(
     Parameter(f"half_waves_{m}", "{force}", "amplitude of the cosine of which so many half waves are on the stroke")
     for m in range(1, FINEST + 1)
@@ -115,32 +120,52 @@ class FrictionAlongStroke(AlongStroke):
         return robot
 
 
-@final
-class TorqueAlongStroke(AlongStroke):
+class _Torque(AlongStroke):
     """A torque that depends on q: a hose that pulls beyond one position, a cable, a soft stop.
 
-    The first strength is a constant, the others belong to the half waves.
+    To the half waves, which are level at both ends of the stroke, it adds powers of u, which goes from −½ at the
+    stroke's beginning to ½ at its end.
     """
 
     name = Spring.name
     contains = Spring.contains
     what = "a torque follows position alone, whichever way the joint moves,"
+    powers: ClassVar[tuple[Parameter, ...]]  # coefficients of the powers, the constant first
 
     def samples(self, gap: Gap, site: Site) -> Floats:
-        """The constant and the half waves, (n, 9)."""
+        """The powers of u and the half waves, (n, strengths)."""
         return self.course(site, gap.motion.position[:, site.joint])
 
     def course(self, site: Site, position: Floats) -> Floats:
-        """A constant 1 and the half waves."""
-        return np.column_stack([np.ones_like(position), half_waves(site, position)])
+        """The powers of u and the half waves."""
+        low, stroke = site.shape
+        powers = np.vander((position - low) / stroke - 0.5, len(self.powers), increasing=True)
+        return np.column_stack([powers, half_waves(site, position)])
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """The mean, and the amplitudes of the half waves."""
-        return (Quantity(MEAN), *(Quantity(own) for own in HALF_WAVES))
+        """The coefficients of the powers, and the amplitudes of the half waves."""
+        return tuple(Quantity(own) for own in (*self.powers, *HALF_WAVES))
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Add the constant to the joint's spring, and the half waves to its cogging, which ignores the direction."""
+        """Add the powers to the joint's spring, and the half waves to its cogging, which ignores the direction."""
         table = robot.table.joint[site.joint]
-        spring = table.spring.model_copy(update={"preload": table.spring.preload + float(strengths[0])})
-        cogging = (*table.cogging, *_as_waves(table, site, strengths[1:]))
+        low, stroke = site.shape
+        u = Polynomial([(table.position_sensor.offset - low) / stroke - 0.5, 1.0 / stroke])
+        count = len(self.powers)
+        spring = plus(table.spring, np.asarray(Polynomial(strengths[:count])(u).coef, dtype=float))
+        cogging = (*table.cogging, *_as_waves(table, site, strengths[count:]))
         return robot.with_joint(table.model_copy(update={"spring": spring, "cogging": cogging}))
+
+
+@final
+class TorqueAlongStroke(_Torque):
+    """A constant and the half waves."""
+
+    powers = (MEAN,)
+
+
+@final
+class RisingAlongStroke(_Torque):
+    """A parabola and the half waves: a torque that rises towards an end of the stroke is hardly one of half waves."""
+
+    powers = (MIDDLE, RISE, BOW)

@@ -56,7 +56,7 @@ def _elements(levels: Floats, travel: float) -> dict[str, float | list[float]]:
     return {"viscous": 0.0, "stiffness": stiffness[held].tolist(), "level": levels[held].tolist()}
 
 
-class _Bristle(JointCause):
+class Bristle(JointCause):
     """A part E of the Coulomb level follows a bristle instead of the direction of motion: E·(z − sgn v), where
     dz/dx = (1 − z·sgn v)/x₀.
     """
@@ -119,6 +119,10 @@ class _Bristle(JointCause):
         law, values = self.law(level, site.shape[0], strengths)
         return with_term(raised_levels(robot, joint, -level, 0.0), joint, law.name, values)
 
+    def travel(self, site: Site, strengths: Floats) -> float:
+        """The travel after a reversal over which 1 − 1/e of the change builds up."""
+        return site.shape[0]
+
     @abstractmethod
     def law(self, level: float, travel: float, strengths: Floats) -> tuple[Law, Values]:
         """Return the law whose ``level`` builds up over a ``travel``, and its values."""
@@ -133,7 +137,7 @@ class _Bristle(JointCause):
 
 
 @final
-class SlippingElements(_Bristle):
+class SlippingElements(Bristle):
     """Springs that slip one after the other (Maxwell-slip): ΣEᵢ·(zᵢ − sgn v), where zᵢ follows x up to ±1 over a
     distance of dᵢ = :data:`SLIPS`·x₀.
 
@@ -169,6 +173,13 @@ class SlippingElements(_Bristle):
         held = np.array(SLIPS)[np.asarray(strengths) > LEAST_PART * np.sum(strengths)]
         return super().noteworthy(gap, site.shaped((float(np.max(held)) * site.shape[0],)), strengths)
 
+    def travel(self, site: Site, strengths: Floats) -> float:
+        """That of a bristle as soft: an element that slips after d builds up its whole change over 2·d, evenly."""
+        held = np.maximum(strengths, 0.0)
+        ends = 2.0 * np.array(SLIPS)
+        built = np.minimum(ends[:, None] / ends, 1.0) @ (held / np.sum(held))
+        return site.shape[0] * float(np.interp(1.0 - 1.0 / np.e, np.append(0.0, built), np.append(0.0, ends)))
+
     def law(self, level: float, travel: float, strengths: Floats) -> tuple[Law, Values]:
         """The Maxwell-slip law with the elements of positive level."""
         levels = np.maximum(strengths, 0.0)
@@ -176,7 +187,7 @@ class SlippingElements(_Bristle):
 
 
 @final
-class Presliding(_Bristle):
+class Presliding(Bristle):
     """A bristle without damping, as in Dahl's law."""
 
     richer = SlippingElements
@@ -195,7 +206,7 @@ class Presliding(_Bristle):
 
 
 @final
-class DampedPresliding(_Bristle):
+class DampedPresliding(Bristle):
     """A bristle whose deflection is damped, as in the LuGre law: in addition σ₁·(1 − z·sgn v)·v.
 
     This damping acts after a reversal and fades as the bristle slides.  Without it the fitted travel is too short.

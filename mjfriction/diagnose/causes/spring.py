@@ -13,13 +13,18 @@ from mjfriction.identify.gap import Gap
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.spring import coefficients
+from mjfriction.robot.spring import coefficients, plus
 
 PRELOAD = Parameter("preload", "{force}", "torque at position zero")
 STIFFNESS = Parameter("stiffness", "{force}/{length}", "torque per position")
 QUADRATIC = Parameter("quadratic", "{force}/{length}²", "torque per position squared")
 CUBIC = Parameter("cubic", "{force}/{length}³", "torque per position cubed")
 LINEAR = ((1, STIFFNESS), (0, PRELOAD))
+
+
+def _position(gap: Gap, joint: int) -> Floats:
+    # Where the joint is by its stated zero: that is what a robot file states a spring over.
+    return np.asarray(gap.motion.position[:, joint] - gap.robot.table.joint[joint].position_sensor.offset)
 
 
 class _Spring(JointCause):
@@ -33,7 +38,7 @@ class _Spring(JointCause):
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The powers of position, (n, strengths)."""
-        position = gap.motion.position[:, site.joint]
+        position = _position(gap, site.joint)
         return np.column_stack([position**power for power, _ in self.parameters])
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
@@ -44,20 +49,19 @@ class _Spring(JointCause):
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Add to the joint's spring."""
         joint = robot.table.joint[site.joint]
-        added = {
-            parameter.name: getattr(joint.spring, parameter.name) + float(strength)
-            for (_, parameter), strength in zip(self.parameters, strengths, strict=True)
-        }
-        return robot.with_joint(joint.model_copy(update={"spring": joint.spring.model_copy(update=added)}))
+        return robot.with_joint(joint.model_copy(update={"spring": plus(joint.spring, self._powers(strengths))}))
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give the torque over the travelled part of the stroke."""
-        position = gap.motion.position[:, site.joint]
-        low, high = np.quantile(position, [0.02, 0.98])
-        powers = np.zeros(1 + max(power for power, _ in self.parameters))
-        powers[[power for power, _ in self.parameters]] = strengths
+        low, high = np.quantile(_position(gap, site.joint), [0.02, 0.98])
+        powers = self._powers(strengths)
         force, length = ("N", "m") if gap.body.sliding[site.joint] else ("N·m", "rad")
         return self.told(powers, float(low), float(high), force, length)
+
+    def _powers(self, strengths: Floats) -> Floats:
+        powers = np.zeros(1 + max(power for power, _ in self.parameters))
+        powers[[power for power, _ in self.parameters]] = strengths
+        return powers
 
     @abstractmethod
     def told(self, powers: Floats, low: float, high: float, force: str, length: str) -> str:

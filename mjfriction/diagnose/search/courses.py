@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
-from mjfriction.diagnose.causes.along_stroke import AlongStroke, FrictionAlongStroke, TorqueAlongStroke, travelled
+import numpy as np
+
+from mjfriction.diagnose.causes.along_stroke import (
+    AlongStroke,
+    FrictionAlongStroke,
+    RisingAlongStroke,
+    TorqueAlongStroke,
+    travelled,
+)
 from mjfriction.diagnose.causes.spring import Spring
 from mjfriction.diagnose.causes.waves import Cogging
 from mjfriction.diagnose.fit.as_little import leaves_as_little
@@ -41,15 +49,22 @@ def as_courses(model: Model) -> Model:
         own = [choice for choice in model.chosen if choice.site.joint == joint and choice.cause.name in ALONG]
         if {choice.cause.name for choice in own} != ALONG:
             continue
-        there = _with_course(model, joint, frozenset(choice.key for choice in own), TorqueAlongStroke())
+        there = _with_torque(model, joint, frozenset(choice.key for choice in own))
         if there is not None and paid_gain(model, there.chosen) > PAYS:
             model = there
     for curve in stroke_curves(model, model.heldout_residual()):
         joint = model.gap.robot.joints.index(curve.structure.joint)
-        there = _with_course(model, joint, curve.keys, TorqueAlongStroke())
+        there = _with_torque(model, joint, curve.keys)
         if there is not None and leaves_as_little(there, model, [joint]):
             model = there
     return model
+
+
+def _with_torque(model: Model, joint: int, keys: frozenset[Key]) -> Model | None:
+    # With the course that leaves less of what was held out: one that rises may do so wildly where motion hardly went.
+    tried = [_with_course(model, joint, keys, course) for course in (TorqueAlongStroke(), RisingAlongStroke())]
+    found = [there for there in tried if there is not None]
+    return min(found, key=lambda there: float(np.sum(there.heldout_errors)), default=None)
 
 
 def _with_course(model: Model, joint: int, keys: frozenset[Key], course: AlongStroke) -> Model | None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mjfriction.diagnose.causes.presliding import Presliding
+from mjfriction.diagnose.causes.presliding import Bristle, Presliding
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.fit.model import Chosen, Key, Model
 from mjfriction.diagnose.fit.refitted import FEWEST_JOINTS
@@ -34,9 +34,9 @@ def more_than_contacts(model: Model, before: Mapping[Key, Floats], after: Floats
     """
     gap = model.gap
     short = [
-        choice
+        (choice, choice.cause)
         for choice, fitted in model.fitted_causes
-        if choice.cause.name == Presliding.name and not choice.cause.noteworthy(gap, choice.site, fitted)
+        if isinstance(choice.cause, Bristle) and not choice.cause.noteworthy(gap, choice.site, fitted)
     ]
     if len(short) >= FEWEST_JOINTS:
         return set()
@@ -49,22 +49,25 @@ def more_than_contacts(model: Model, before: Mapping[Key, Floats], after: Floats
     sticking = {choice.site.joint for choice in model.chosen if choice.cause.name == Stribeck.name}
     return {
         choice.key
-        for choice in short
-        if gained(choice) > NO_CONTACT or (choice.site.joint not in sticking and _others_are_rigid(model, choice))
+        for choice, bristle in short
+        if gained(choice) > NO_CONTACT
+        or (choice.site.joint not in sticking and _others_are_rigid(model, choice, bristle))
     }
 
 
-def _others_are_rigid(model: Model, choice: Chosen) -> bool:
+def _others_are_rigid(model: Model, choice: Chosen, bristle: Bristle) -> bool:
     # Whether enough other joints would show a like share of their level that builds up over a like part of their
     # stroke, and do not.
     gap, joint = model.gap, choice.site.joint
     stroke = np.ptp(gap.motion.position, axis=0)
-    part = choice.cause.taken_level(model.strengths_of(choice)) / max(_level(model, joint), 1e-300)
-    yielding = {own.site.joint for own in model.chosen if own.cause.name == Presliding.name}
+    strengths = model.strengths_of(choice)
+    own_travel = bristle.travel(choice.site, strengths)
+    part = bristle.taken_level(strengths) / max(_level(model, joint), 1e-300)
+    yielding = {own.site.joint for own in model.chosen if isinstance(own.cause, Bristle)}
     others = [other for other in gap.examined if other != joint and _level(model, other) > 0.0]
     rigid = 0
     for other in others:
-        travel = choice.site.shape[0] * float(stroke[other] / stroke[joint])
+        travel = own_travel * float(stroke[other] / stroke[joint])
         alike = Chosen(Presliding(), replace(choice.site, joint=other, shape=(travel,)))
         ((least, most),) = alike.cause.shape_bounds(gap, alike.site)
         if other not in yielding and least < travel < most:
