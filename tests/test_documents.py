@@ -14,7 +14,7 @@ from mjfriction.diagnose.causes.carried_drive import RATIOS as CARRIED
 from mjfriction.diagnose.causes.carried_drive import TRIED, WHOLE
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.coupling import RATIOS
-from mjfriction.diagnose.causes.elasticity import RESONANCE_BAND
+from mjfriction.diagnose.causes.elasticity import RESONANCE_BAND, STIFFER
 from mjfriction.diagnose.causes.friction_spot import NARROWEST, PASSES, WIDEST
 from mjfriction.diagnose.causes.landed_play import FLOWN
 from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOMENTS, LEAST_MOVED, LEAST_MOVED_ALONE, LEAST_NOTED
@@ -159,6 +159,8 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert (ON_THE_WAY, FADED, LEFT) == (0.5, 0.1, 0.1), "the page says half, a tenth, and a tenth of the rows"
     assert (FEWEST_HARMONIC, HARMONIC, HIGHEST) == (3, 0.01, 8), "the page says three waves, 1 %, and eight times"
     assert (DROWNED, ROOM, COLOURED) == (3.0, 0.5, 0.5), "the page says three times, half of the effect, half of it"
+    assert STIFFER == (1.4, 1.9, 2.8)
+    assert "under the largest load is 1.4, 1.9 and 2.8 times" in told
     assert (RESONANCE_BAND, SLIPS) == (0.5, (0.25, 0.75, 2.0)), "the page says half; a quarter, three quarters and two"
     assert (NEARLY_ALL, QUIETER) == (0.99, 0.5), "the page says all but a percent, and less than half"
     assert (INSTEAD, RESONANT) == (0.75, 0.75), "the page says a quarter less"

@@ -174,6 +174,7 @@ def _spec(robot: Robot, step: float, link_inertia: Floats) -> tuple[Spec, dict[s
                 backlash=own.backlash,
                 inertia=float(link_inertia[i]),
                 damping_ratio=own.damping_ratio,
+                hardening=own.hardening,
             )
             if zone is not None:
                 dead_zones[joint.name] = zone

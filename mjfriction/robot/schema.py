@@ -145,7 +145,8 @@ class Transmission(Table):
     """The elasticity and play between the position sensor, on the motor's side, and the link.
 
     The link lags the sensor by ``compliance`` · load + ½ · ``backlash`` · sgn(load): rad/(N·m) and rad (m/N and m).
-    With ``damping_ratio`` (relative to critical damping) the link oscillates on its compliance; without it, the
+    With ``hardening`` (N·m/rad³ or N/m³) its spring stiffens: load = s/``compliance`` + ``hardening`` · s³ over the lag
+    s.  With ``damping_ratio`` (relative to critical damping) the link oscillates on its compliance; without it, the
     deflection follows the load without delay.  With ``coasting`` the link crosses its play by its own inertia when the
     load changes sign.  Without, the load sets its place in the play: tanh(load / ``crossing_load``) replaces sgn(load),
     and the link crosses instantly where ``crossing_load`` is 0.  With ``carries_friction`` the joint's friction acts on
@@ -154,6 +155,7 @@ class Transmission(Table):
     """
 
     compliance: NonNegative = 0.0
+    hardening: NonNegative = 0.0
     damping_ratio: Positive | None = None
     backlash: NonNegative = 0.0
     coasting: bool = True

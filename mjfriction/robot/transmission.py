@@ -9,7 +9,7 @@ import numpy as np
 from mjfriction.laws.law import Floats
 from mjfriction.record.motion import Motion, smooth_derivatives
 from mjfriction.robot.schema import Transmission
-from mjfriction.sim.ringing import ringing
+from mjfriction.sim.ringing import deflection, ringing
 from mjfriction.sim.stops import between_stops
 
 # Hz, least integration rate for the link's motion in its play or on its compliance: the link crosses its play between
@@ -43,9 +43,10 @@ class Link:
 def lag(own: Transmission, motion: Motion, link: Link) -> Floats:
     """Return how far the motor's sensor is ahead of a link along a motion, (n,), by compliance and play."""
     if own.compliance > 0.0 and own.damping_ratio is not None:
-        out = swinging(motion, link.following, link.inertia, own.compliance, own.damping_ratio)
+        out = swinging(motion, link.following, link.inertia, own.compliance, own.damping_ratio, own.hardening)
     else:
-        out = own.compliance * smooth_derivatives(motion, link.carried, LOAD_BAND)[0]
+        straight = own.compliance * smooth_derivatives(motion, link.carried, LOAD_BAND)[0]
+        out = deflection(straight, own.compliance * own.hardening) if own.hardening > 0.0 else straight
     if own.backlash > 0.0:
         at_motor = link.following + link.stiffness * link.behind
         place = (
@@ -79,20 +80,26 @@ def natural_frequency(inertia: Floats, compliance: float | Floats) -> Floats:
 
 
 def swinging(
-    motion: Motion, following: Floats, inertia: Floats, compliance: float | Floats, damping_ratio: float
+    motion: Motion,
+    following: Floats,
+    inertia: Floats,
+    compliance: float | Floats,
+    damping_ratio: float,
+    hardening: float | Floats = 0.0,
 ) -> Floats:
     """Return how far a link that oscillates on its transmission is behind the motor, (n,).
 
-    Solves compliance·(inertia·s̈ + damping·ṡ) + s = compliance·following for each piece of the motion separately;
-    ``damping_ratio`` is relative to critical damping.  For several compliances (k,) at once, the other arrays have
-    shape (n, k) or one that broadcasts to it.
+    Solves inertia·s̈ + damping·ṡ + s/compliance + hardening·s³ = following for each piece of the motion separately;
+    ``damping_ratio`` is relative to critical damping near s = 0.  For several compliances and hardenings (k,) at once,
+    the other arrays have shape (n, k) or one that broadcasts to it.
     """
     following, frequency = np.broadcast_arrays(following, natural_frequency(inertia, compliance))
     out = np.empty_like(following)
     finer = int(np.ceil(FLIGHT_RATE / motion.rate))
     for own in motion.pieces:
         step = 1.0 / (finer * motion.rate)
-        out[own] = ringing(compliance * following[own], frequency[own], damping_ratio, step, finer)
+        aim = compliance * following[own]
+        out[own] = ringing(aim, frequency[own], damping_ratio, step, finer, compliance * hardening)
     return out
 
 

@@ -12,30 +12,47 @@ from numba import types
 
 from mjfriction.laws.law import Floats
 
+LEAST_HARDENING = 1e-12  # per rad² or m²: below it a spring is straight
+NEWTON = 2  # steps by which a hardening spring's force is found at the end of each step, from that at its beginning
 
-def ringing(aim: Floats, frequency: Floats, damping: float, step: float, finer: int = 1) -> Floats:
+
+def ringing(
+    aim: Floats, frequency: Floats, damping: float, step: float, finer: int = 1, hardening: float | Floats = 0.0
+) -> Floats:
     """Return positions of masses that oscillate about ``aim`` at a ``frequency`` in rad/s, all (n,) or (n, k).
 
-    s̈ = ω²·(aim − s) − 2·``damping``·ω·ṡ, by steps of ``step`` s at constant average acceleration (Newmark, J. Eng.
-    Mech. 85, 1959: β = 1/4, γ = 1/2).  ``aim`` and ``frequency`` are given every ``finer`` steps and are linear in
-    between.  The masses begin at rest at their aims.
+    s̈ = ω²·(aim − s − κ·s³) − 2·``damping``·ω·ṡ, by steps of ``step`` s at constant average acceleration (Newmark, J.
+    Eng. Mech. 85, 1959: β = 1/4, γ = 1/2).  ``aim`` and ``frequency`` are given every ``finer`` steps and are linear in
+    between.  κ is the ``hardening`` of the masses' springs, () or (k,).  The masses begin at rest where their aims hold
+    them.
     """
     aims, frequencies = (np.ascontiguousarray(own.reshape(own.shape[0], -1)) for own in (aim, frequency))
-    return _compiled()(aims, frequencies, damping, step, finer).reshape(aim.shape)
+    hard = np.array(np.broadcast_to(hardening, aims.shape[1:]), dtype=float)
+    begin = deflection(aims[0], hard)
+    return _compiled()(aims, frequencies, begin, hard, damping, step, finer).reshape(aim.shape)
+
+
+def deflection(aim: Floats, hardening: float | Floats) -> Floats:
+    """Return s where s + κ·s³ = ``aim``, with κ ≥ 0 the ``hardening``; the shapes broadcast."""
+    root = np.sqrt(3.0 * np.maximum(hardening, LEAST_HARDENING))
+    # The cubic's only real root: with s = (2/√(3κ))·sinh(x), the equation is sinh(3x) = 1.5·√(3κ)·aim.
+    return np.asarray(2.0 / root * np.sinh(np.arcsinh(1.5 * root * aim) / 3.0))
 
 
 @functools.cache
-def _compiled() -> Callable[[Floats, Floats, float, float, int], Floats]:
+def _compiled() -> Callable[[Floats, Floats, Floats, Floats, float, float, int], Floats]:
     # The error model of numpy divides without a check for zero, so that the loop over masses can be vectorised.
-    array, number = types.float64[:, ::1], types.float64
-    signature = array(array, array, number, number, types.int64)
+    array, row, number = types.float64[:, ::1], types.float64[::1], types.float64
+    signature = array(array, array, row, row, number, number, types.int64)
     compiled = numba.njit(signature, cache=True, error_model="numpy")(_along)
-    return cast(Callable[[Floats, Floats, float, float, int], Floats], compiled)
+    return cast(Callable[[Floats, Floats, Floats, Floats, float, float, int], Floats], compiled)
 
 
-def _along(aim: Floats, frequency: Floats, damping: float, step: float, finer: int) -> Floats:
+def _along(
+    aim: Floats, frequency: Floats, begin: Floats, hard: Floats, damping: float, step: float, finer: int
+) -> Floats:
     out = np.empty_like(aim)
-    place = aim[0].copy()
+    place = begin.copy()
     speed, pull = np.zeros_like(place), np.zeros_like(place)
     out[0] = place
     for k in range(1, aim.shape[0]):
@@ -47,7 +64,16 @@ def _along(aim: Floats, frequency: Floats, damping: float, step: float, finer: i
                 coasted = place[i] + step * speed[i] + 0.25 * step * step * pull[i]
                 drifted = speed[i] + 0.5 * step * pull[i]
                 after = omega * omega * (goal - coasted) - 2.0 * damping * omega * drifted
-                after /= 1.0 + damping * omega * step + 0.25 * (omega * step) ** 2
+                held = 1.0 + damping * omega * step + 0.25 * (omega * step) ** 2
+                straight = after
+                after /= held
+                if hard[i] > 0.0:
+                    after = pull[i]
+                    for _ in range(NEWTON):
+                        there = coasted + 0.25 * step * step * after
+                        stiffer = omega * omega * hard[i] * there * there
+                        over = held * after + stiffer * there - straight
+                        after -= over / (held + 0.75 * step * step * stiffer)
                 place[i] = coasted + 0.25 * step * step * after
                 speed[i] = drifted + 0.5 * step * after
                 pull[i] = after

@@ -19,19 +19,21 @@ GIVE_DAMPING = 0.1  # damping ratio of the link on its compliant transmission, w
 class DeadZone(NamedTuple):
     """A dead zone in a transmission: free within ``half`` the play on either side, with a damped spring beyond it.
 
-    ``half`` is in rad or m, ``stiffness`` in N·m/rad or N/m, ``damping`` in N·m·s/rad or N·s/m.
+    ``half`` is in rad or m, ``stiffness`` in N·m/rad or N/m, ``damping`` in N·m·s/rad or N·s/m, ``hardening`` in
+    N·m/rad³ or N/m³.
     """
 
     half: float
     stiffness: float
     damping: float
+    hardening: float = 0.0
 
     def force(self, give: float, speed: float) -> float:
         """Return the force on the link, N·m or N; it only pushes back towards the dead zone and never pulls."""
         beyond = give - min(max(give, -self.half), self.half)
         if beyond == 0.0:
             return 0.0
-        force = -self.stiffness * beyond - self.damping * speed
+        force = -(self.stiffness + self.hardening * beyond**2) * beyond - self.damping * speed
         return force if force * beyond < 0.0 else 0.0
 
 
@@ -62,14 +64,16 @@ def split_transmission(
     backlash: float,
     inertia: float,
     damping_ratio: float | None = None,
+    hardening: float = 0.0,
 ) -> DeadZone | None:
     """Split a joint of a spec into the motor's joint and the give of its transmission, in place.
 
     The joint keeps its name and its rotor and becomes the motor's.  A second joint about the same axis,
-    ``<joint>_give``, moves the link relative to the motor: on a spring of stiffness 1/``compliance``, or between stops
-    ``backlash`` apart.  With both, the spring acts beyond the play; it is returned as a dead zone for
-    :func:`behind_stops` to apply.  ``inertia`` is that of the link, kg·m² or kg; ``damping_ratio`` is that of the link
-    on the spring, relative to critical damping (:data:`GIVE_DAMPING` where it is not known).
+    ``<joint>_give``, moves the link relative to the motor: on a spring of torque give/``compliance`` +
+    ``hardening``·give³, or between stops ``backlash`` apart.  With both, the spring acts beyond the play; it is
+    returned as a dead zone for :func:`behind_stops` to apply.  ``inertia`` is that of the link, kg·m² or kg;
+    ``damping_ratio`` is that of the link on the spring, relative to critical damping (:data:`GIVE_DAMPING` where it is
+    not known).
     """
     own = spec.joint(joint)
     degree = 180.0 / np.pi if spec.compiler.degree and own.type == mujoco.mjtJoint.mjJNT_HINGE else 1.0
@@ -77,9 +81,9 @@ def split_transmission(
     give = own.parent.add_joint(name=GIVE.format(joint), type=own.type, axis=axis, pos=own.pos)
     damping = 2.0 * (damping_ratio or GIVE_DAMPING) * np.sqrt(inertia / compliance) if compliance > 0.0 else 0.0
     if compliance > 0.0 and backlash > 0.0:
-        return DeadZone(0.5 * backlash, 1.0 / compliance, damping)
+        return DeadZone(0.5 * backlash, 1.0 / compliance, damping, hardening)
     if compliance > 0.0:
-        give.stiffness[0], give.damping[0] = 1.0 / compliance, damping
+        give.stiffness, give.damping[0] = [1.0 / compliance, 0.0, hardening], damping
     if backlash > 0.0:
         # Stops at half the play on either side, as stiff as the solver accepts.
         give.limited = mujoco.mjtLimited.mjLIMITED_TRUE

@@ -13,7 +13,7 @@ from mjfriction.diagnose.causes import elasticity, moved_link
 from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
-from mjfriction.diagnose.causes.elasticity import SwingingElasticity
+from mjfriction.diagnose.causes.elasticity import HardeningElasticity, Swinging, SwingingElasticity
 from mjfriction.diagnose.causes.moved_link import own_slopes
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.fit.exact import usual_nuisance
@@ -33,15 +33,21 @@ from mjfriction.robot.transmission import natural_frequency
 
 PAN, COMPLIANCE, DAMPING = "shoulder_pan_joint", 6e-4, 0.04
 WELL_DAMPED = 0.2
+SOFT, HARDENING = 2e-3, 1e6  # rad per N·m; N·m/rad³
 STIFF, SPARSE, QUIET = 2e-4, 100.0, 0.05  # rad per N·m; Hz; N·m
 
 
 @functools.cache
 def swinging(
-    damping: float = DAMPING, compliance: float = COMPLIANCE, rate: float = 250.0, noise: float = 0.3, joint: str = PAN
+    damping: float = DAMPING,
+    compliance: float = COMPLIANCE,
+    rate: float = 250.0,
+    noise: float = 0.3,
+    joint: str = PAN,
+    hardening: float = 0.0,
 ) -> Log:
     robot = read_robot("ur5")
-    soft = Transmission(compliance=compliance, damping_ratio=damping)
+    soft = Transmission(compliance=compliance, damping_ratio=damping, hardening=hardening)
     machine = robot.with_joint(robot.joint(joint).model_copy(update={"transmission": soft}))
     for table in machine.table.joint:
         sensor = table.effort_sensor.model_copy(update={"noise": noise})
@@ -117,8 +123,27 @@ def test_one_that_swings_well_damped_is_found_too() -> None:
 
 
 @pytest.mark.deep
+def test_one_that_stiffens_as_it_gives_is_found_with_the_spring_it_has(monkeypatch: pytest.MonkeyPatch) -> None:
+    log = swinging(0.06, SOFT, hardening=HARDENING)
+    found = diagnose_log(log, read_robot("ur5"))
+    assert [(finding.cause, finding.joint) for finding in found.findings] == [("drive.elasticity", PAN)]
+    assert found.verdict is Verdict.EXPLAINED
+    compliance, damping, hardening = found.findings[0].parameters
+    assert compliance.value == pytest.approx(SOFT, rel=0.1)
+    assert hardening.value == pytest.approx(HARDENING, rel=0.2)
+    assert 0.03 < damping.value < 0.12
+    own = found.robot.joint(PAN).transmission
+    assert (own.compliance, own.damping_ratio, own.hardening) == (compliance.value, damping.value, hardening.value)
+    again = diagnose_log(log, found.robot)
+    assert (again.verdict, again.findings) == (Verdict.CONSISTENT, ())
+    rest = tuple(cause for cause in STRUCTURAL if not isinstance(cause, HardeningElasticity))
+    monkeypatch.setattr(module, "STRUCTURAL", rest)
+    assert diagnose_log(log, read_robot("ur5")).verdict is not Verdict.EXPLAINED
+
+
+@pytest.mark.deep
 def test_following_its_load_at_once_it_is_not_explained(monkeypatch: pytest.MonkeyPatch) -> None:
-    rest = tuple(cause for cause in STRUCTURAL if not isinstance(cause, SwingingElasticity))
+    rest = tuple(cause for cause in STRUCTURAL if not isinstance(cause, Swinging))
     monkeypatch.setattr(module, "STRUCTURAL", rest)
     found = diagnose_log(swinging(), read_robot("ur5"))
     assert found.verdict is not Verdict.EXPLAINED or [f.cause for f in found.findings] != ["drive.elasticity"]

@@ -128,3 +128,25 @@ def test_the_link_is_where_the_machine_has_it(joint: str, play: float, home: np.
     assert np.min(place[inner]) < -0.9
     assert np.max(place[inner]) > 0.9
     assert np.sqrt(np.mean(np.square(predicted - place)[inner])) < 0.005
+
+
+def test_a_link_on_a_spring_that_hardens_is_where_the_machine_has_it() -> None:
+    robot, i = read_robot("ur5"), 0
+    springs = Transmission(compliance=3e-3, hardening=2e7, damping_ratio=0.1)
+    soft = robot.with_joint(robot.table.joint[i].model_copy(update={"transmission": springs}))
+    course = excitation(robot.joints, HOME, np.full(6, 0.5), np.full(6, 2.0), 8.0, seed=3)
+    recorder = Recorder(500.0)
+    run = run_machine(soft, course, recorder.rate, Control())
+    log = log_from_table(pa.table(log_columns(soft, course, recorder, run, 0)), "log")
+    motion = estimate_motion(log, soft.joints, 40.0)
+    lag = np.interp(motion.time, run.time, (run.played.position - run.played.link_position)[:, i])
+    inner = (motion.time > 1.0) & (motion.time < 7.0)
+
+    def missed(own: Transmission) -> float:
+        told = robot.with_joint(robot.table.joint[i].model_copy(update={"transmission": own}))
+        linked = link_motion(told, told.body(), without_offsets(told, motion))
+        return float(np.std(((motion.position - linked.position)[:, i] - lag)[inner]) / np.std(lag[inner]))
+
+    assert springs.hardening * springs.compliance * np.max(lag[inner]) ** 2 > 0.5
+    assert missed(springs) < 0.03
+    assert missed(springs.model_copy(update={"hardening": 0.0})) > 0.2

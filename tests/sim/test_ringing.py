@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 
-from mjfriction.sim.ringing import ringing
+from mjfriction.sim.ringing import deflection, ringing
 
 FREQUENCY, DAMPING = 2.0 * np.pi * 5.0, 0.05
 
@@ -46,3 +49,42 @@ def test_many_beside_each_other_are_moved_as_one_by_one() -> None:
     many = ringing(aims, frequencies, DAMPING, 1e-3, 4)
     for own, aim, frequency in zip(many.T, aims.T, frequencies.T, strict=True):
         np.testing.assert_allclose(own, ringing(aim, frequency, DAMPING, 1e-3, 4), rtol=1e-12, atol=1e-15)
+
+
+HARDENING = 40.0  # per rad²
+
+
+def test_a_spring_that_hardens_is_as_an_independent_engine_has_it_with_second_order() -> None:
+    def aim(time: float | np.ndarray) -> np.ndarray:
+        return np.asarray(0.3 * (1.0 - np.cos(7.0 * time)) + 0.1 * np.sin(23.0 * time))
+
+    def rate(time: float, state: np.ndarray) -> list[float]:
+        pull = float(aim(time)) - state[0] - HARDENING * state[0] ** 3
+        return [state[1], FREQUENCY**2 * pull - 2.0 * DAMPING * FREQUENCY * state[1]]
+
+    asked = np.arange(0.0, 1.5, 4e-3)
+    exact = solve_ivp(rate, (0.0, asked[-1]), [0.0, 0.0], "Radau", asked, rtol=1e-10, atol=1e-12).y[0]
+    errors = []
+    for step in (1e-3, 5e-4, 2.5e-4):
+        time = np.arange(0.0, asked[-1] + 0.5 * step, step)
+        place = ringing(aim(time), np.full(time.size, FREQUENCY), DAMPING, step, hardening=HARDENING)
+        errors.append(np.max(np.abs(place[:: round(4e-3 / step)] - exact)))
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
+    assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.1)
+    straight = ringing(aim(time), np.full(time.size, FREQUENCY), DAMPING, step)[:: round(4e-3 / step)]
+    assert np.max(np.abs(straight - exact)) > 1000.0 * errors[2]
+
+
+def test_masses_on_other_springs_are_moved_as_one_by_one() -> None:
+    time = np.arange(0.0, 1.0, 1e-3)
+    aims, hard = np.outer(np.sin(9.0 * time), [0.1, 0.4, 0.4]), np.array([20.0, 0.0, 20.0])
+    frequency = np.full(aims.shape, FREQUENCY)
+    many = ringing(aims, frequency, DAMPING, 1e-3, 4, hard)
+    for own, aim, single in zip(many.T, aims.T, hard, strict=True):
+        np.testing.assert_allclose(own, ringing(aim, frequency[:, 0], DAMPING, 1e-3, 4, single), rtol=1e-12, atol=1e-15)
+
+
+@given(st.floats(-10.0, 10.0), st.floats(0.0, 1e6))
+def test_where_it_is_held_the_springs_force_is_what_holds_it(aim: float, hardening: float) -> None:
+    held = float(deflection(np.array([aim]), hardening)[0])
+    assert held + hardening * held**3 == pytest.approx(aim, rel=1e-9, abs=1e-12)

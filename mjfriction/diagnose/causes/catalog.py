@@ -10,7 +10,13 @@ from mjfriction.diagnose.causes.coulomb_viscous import CoulombViscous
 from mjfriction.diagnose.causes.coupling import DifferenceDrive, SharedEffort, SharedFriction, SharedMotion, SumDrive
 from mjfriction.diagnose.causes.crossed_play import CrossedPlay
 from mjfriction.diagnose.causes.delay import JointDelay, LogDelay
-from mjfriction.diagnose.causes.elasticity import Elasticity, LinkSideElasticity, SensorElasticity, SwingingElasticity
+from mjfriction.diagnose.causes.elasticity import (
+    Elasticity,
+    HardeningElasticity,
+    LinkSideElasticity,
+    SensorElasticity,
+    SwingingElasticity,
+)
 from mjfriction.diagnose.causes.encoder_offset import EncoderOffset
 from mjfriction.diagnose.causes.friction_spot import FrictionSpot
 from mjfriction.diagnose.causes.gravity_direction import GravityDirection
@@ -67,6 +73,7 @@ STRUCTURAL: tuple[Cause, ...] = (
     LinkSideElasticity(),
     SensorElasticity(),
     SwingingElasticity(),
+    HardeningElasticity(),
     EncoderOffset(),
     Backlash(),
     CrossedPlay(),

@@ -74,6 +74,7 @@ class Cause(ABC):
     whole_arm: ClassVar[bool] = False
     curved: ClassVar[bool] = False  # whether the effort is nonlinear in the strengths: refitted on the full balance
     tangent_step: ClassVar[float] = 1e-3  # relative step of a strength, for the difference quotient of its tangent
+    around_rounds: ClassVar[int] = 1  # how often sites around the best so far are tried, where any of them is better
     ranked_alone: ClassVar[bool] = False  # whether it is screened on the effort of its own joint only
     of_sensor: ClassVar[bool] = False  # whether it acts on all torques, including those of other causes
     of_body: ClassVar[bool] = False  # whether it changes the links' loads, on which other causes' effects depend

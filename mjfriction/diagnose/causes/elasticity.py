@@ -26,6 +26,7 @@ from mjfriction.robot.friction import stated_levels
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import direction
 from mjfriction.robot.transmission import LEAST_INERTIA, LOAD_BAND, natural_frequency, swinging
+from mjfriction.sim.ringing import deflection
 
 COMPLIANCE = Parameter("compliance", "{length}/{force}", "how far the transmission gives per load", lower=0.0)
 DAMPING_RATIO = Parameter("damping_ratio", "1", "damping of the link on what gives, over the critical one", lower=0.0)
@@ -34,11 +35,21 @@ RESONANCE_BAND = 0.5  # fraction of the position filter's cutoff below which a r
 FINER_RESONANCE, NEIGHBOURS = 1.1, 5  # half a step of these, as a ratio of compliances, and how many are tried there
 GIVES = tuple(0.15 * 0.75**k for k in range(20))  # deflections at the largest load, rad or m: from 0.15 to 0.0006
 FINER_GIVE = 1.15  # half a step of these, as a ratio
+HARDENING = Parameter("hardening", "{force}/{length}³", "torque per deflection cubed, in addition", lower=0.0)
+STIFFER = (1.4, 1.9, 2.8)  # ratios to try of torque to deflection under the largest load to that near rest
+FINER_HARDENING, FINER_DAMPING = 1.5, 2.0  # largest ratios to try around a spring that hardens
+LEAST_HARDENING = 0.01  # fraction of the usual load that a spring that hardens carries by that, at least
 DAMPINGS = (0.025, 0.05, 0.1, 0.2, 0.4)  # damping ratios to try
 ROUNDS = 2  # of a fixed-point iteration between the link's lag and the load it needs there
 # Damping ratio at which resonances are screened: with less, a link oscillates so long that columns for a resonance not
 # quite its own fall out of phase with it.
 SCREENED_AT = 0.2
+
+
+def _near_compliances(site: Site) -> list[float]:
+    # Up to halfway to the neighbours on the grid.
+    near = np.geomspace(site.around / FINER_RESONANCE, site.around * FINER_RESONANCE, NEIGHBOURS)
+    return [float(compliance) for compliance in near]
 
 
 class _Elasticity(MovedLink):
@@ -69,8 +80,16 @@ class _Elasticity(MovedLink):
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """The total compliance is positive, and the added deflection stays below :data:`WIDEST`."""
         stated = gap.robot.table.joint[site.joint].transmission.compliance
-        most = float(np.max(np.abs(self.load(gap, site.joint))))
-        return bool(stated + strengths[0] > 0.0 and strengths[0] * most < WIDEST)
+        return bool(stated + strengths[0] > 0.0 and self.most(gap, site, float(strengths[0]))[0] < WIDEST)
+
+    def most(self, gap: Gap, site: Site, compliance: float) -> tuple[float, float]:
+        """Return how far the transmission gives under the largest load, and that load, N·m or N."""
+        load = float(np.max(np.abs(self.load(gap, site.joint))))
+        return float(deflection(np.array([compliance * load]), compliance * self.hardening(site))[0]), load
+
+    def hardening(self, site: Site) -> float:
+        """Return the coefficient of the deflection cubed, N·m/rad³ or N/m³: by default the spring is straight."""
+        return 0.0
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Change the compliance, and state on which side of it friction acts."""
@@ -83,9 +102,9 @@ class _Elasticity(MovedLink):
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give the deflection at the largest load."""
         sliding = gap.body.sliding[site.joint]
-        most = float(np.max(np.abs(self.load(gap, site.joint))))
+        given, most = self.most(gap, site, float(strengths[0]))
         return (
-            f"the link lags its sensor in step with the load, by {strengths[0] * most:.3g} "
+            f"the link lags its sensor in step with the load, by {given:.3g} "
             f"{'m' if sliding else 'rad'} at {most:.3g} {'N' if sliding else 'N·m'}"
         )
 
@@ -155,8 +174,7 @@ class SensorElasticity(_Elasticity):
         return bool(effect > gap.noise_floor[site.joint])
 
 
-@final
-class SwingingElasticity(_Elasticity):
+class Swinging(_Elasticity):
     """The link oscillates on the compliance, at a resonance within the motion's band.
 
     The columns are computed around a compliance that is searched until the fitted strength agrees with it.
@@ -165,7 +183,6 @@ class SwingingElasticity(_Elasticity):
     carries_friction = False
     curved = True
     ranked_alone = True
-    shape_parameters = (DAMPING_RATIO,)
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every examined joint, with the resonances in the visible band that deflect it by less than :data:`WIDEST`."""
@@ -184,13 +201,14 @@ class SwingingElasticity(_Elasticity):
 
     def _behind(self, gap: Gap, sites: Sequence[Site]) -> Floats:
         # How far the link lags per unit of compliance, at many sites of one joint with equal damping, (n, sites).
-        joint, (damped,) = sites[0].joint, sites[0].shape
+        joint, damped = sites[0].joint, sites[0].shape[0]
+        hardening = np.array([self.hardening(site) for site in sites])
         compliances = np.array([site.around for site in sites])
         load = self.load(gap, joint)[:, None]
         stiffness, damping, inertia = (slope[:, None] for slope in own_slopes(gap, joint))
         following = load
         for _ in range(ROUNDS):
-            behind = swinging(gap.motion, following, inertia, compliances, damped)
+            behind = swinging(gap.motion, following, inertia, compliances, damped, hardening)
             following = load - stiffness * behind - damping * gap.motion.differentiated(behind)
         return np.asarray(behind / compliances)
 
@@ -206,11 +224,6 @@ class SwingingElasticity(_Elasticity):
         """
         return site.shape[0] < DAMPINGS[-1]
 
-    def around_sites(self, gap: Gap, site: Site) -> list[Site]:
-        """Compliances up to halfway to the neighbours on the grid, each with every damping ratio."""
-        near = np.geomspace(site.around / FINER_RESONANCE, site.around * FINER_RESONANCE, NEIGHBOURS)
-        return [replace(site, around=float(c), shape=(damping,)) for c in near for damping in DAMPINGS]
-
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """The compliance is near the one that the columns were computed for, and admissible as any compliance."""
         return as_drawn(site, strengths) and super().admissible(gap, site, strengths)
@@ -219,15 +232,73 @@ class SwingingElasticity(_Elasticity):
         """Change the compliance, and let the link oscillate on it."""
         robot = super().extend(robot, site, strengths)
         own = robot.table.joint[site.joint].transmission
-        return changed(robot, site, transmission=own.model_copy(update={"damping_ratio": site.shape[0]}))
+        swings = {"damping_ratio": site.shape[0], "hardening": own.hardening + self.hardening(site)}
+        return changed(robot, site, transmission=own.model_copy(update=swings))
 
     def resonances(self, gap: Gap, site: Site, strengths: Floats) -> Floats:
-        """Return the link's resonance frequency (Hz) on the compliance along the motion, in each pose, (n,)."""
+        """Return the link's resonance frequency (Hz) about its usual deflection, in each pose of the motion, (n,)."""
         compliance = gap.robot.table.joint[site.joint].transmission.compliance + float(strengths[0])
+        given, hardening = self.usually(gap, site, compliance), self.hardening(site)
+        tangent = compliance / (1.0 + 3.0 * compliance * hardening * given**2)
         inertia = np.maximum(own_slopes(gap, site.joint)[2], LEAST_INERTIA)
-        return np.asarray(natural_frequency(inertia, compliance) / (2.0 * np.pi))
+        return np.asarray(natural_frequency(inertia, tangent) / (2.0 * np.pi))
+
+    def usually(self, gap: Gap, site: Site, compliance: float) -> float:
+        """Return how far the transmission gives under the RMS load."""
+        load = float(np.sqrt(np.mean(np.square(self.load(gap, site.joint)))))
+        return float(deflection(np.array([compliance * load]), compliance * self.hardening(site))[0])
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give the deflection, and the resonance too."""
         usual = float(np.median(self.resonances(gap, site, strengths)))
         return f"{super().evidence(gap, site, strengths)}, and swings on it at about {usual:.3g} Hz"
+
+
+@final
+class SwingingElasticity(Swinging):
+    """Its spring is straight."""
+
+    shape_parameters = (DAMPING_RATIO,)
+
+    def around_sites(self, gap: Gap, site: Site) -> list[Site]:
+        """Compliances up to halfway to the neighbours on the grid, each with every damping ratio."""
+        return [replace(site, around=c, shape=(damping,)) for c in _near_compliances(site) for damping in DAMPINGS]
+
+
+@final
+class HardeningElasticity(Swinging):
+    """Its spring stiffens as it deflects, as those of harmonic drives do: its torque is s/compliance + hardening·s³."""
+
+    shape_parameters = (DAMPING_RATIO, HARDENING)
+    around_rounds = 12
+
+    def hardening(self, site: Site) -> float:
+        """The shape's."""
+        return site.shape[1]
+
+    def sites(self, gap: Gap) -> list[Site]:
+        """Those of a straight spring, each with a few springs that are stiffer under the largest load."""
+        straight, out = super().sites(gap), []
+        most = {joint: float(np.max(np.abs(self.load(gap, joint)))) for joint in {site.joint for site in straight}}
+        for site in straight:
+            for stiffer in STIFFER:
+                deflected = site.around * most[site.joint] / stiffer
+                out.append(site.shaped((*site.shape, (stiffer - 1.0) / (site.around * deflected**2))))
+        return out
+
+    def around_sites(self, gap: Gap, site: Site) -> list[Site]:
+        """Springs that are a little or much softer, more straight or more damped, one of the three at a time.
+
+        A softer one hardens more, so that it gives alike under the usual load.
+        """
+        given, hardening = self.usually(gap, site, site.around), self.hardening(site)
+        load, out = given / site.around + hardening * given**3, []
+        for compliance in site.around * self._steps(FINER_RESONANCE):
+            alike = max(load - given / compliance, LEAST_HARDENING * load) / given**3
+            out.append(replace(site, around=float(compliance), shape=(site.shape[0], float(alike))))
+        out += [site.shaped((site.shape[0], float(other))) for other in hardening * self._steps(FINER_HARDENING)]
+        return out + [site.shaped((float(other), hardening)) for other in site.shape[0] * self._steps(FINER_DAMPING)]
+
+    @staticmethod
+    def _steps(largest: float) -> Floats:
+        return np.power(largest, [-1.0, -0.25, 0.25, 1.0])

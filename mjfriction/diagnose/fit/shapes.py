@@ -26,9 +26,16 @@ def best_shape(model: Model, choice: Chosen, bounds: Bounds | None = None) -> Ch
         strengths, gains = model.system.screen({joint: values[:, None, :] for joint, values in columns.items()})
         return -float(gains[0]) if choice.cause.admissible(model.gap, site, strengths[0]) else 0.0
 
-    around = choice.cause.around_sites(model.gap, choice.site)
+    around, best = choice.cause.around_sites(model.gap, choice.site), choice.site
     if around:
-        return Chosen(choice.cause, min([choice.site, *around], key=lost))
+        least = lost(best)
+        for _ in range(choice.cause.around_rounds):
+            losses = [lost(site) for site in around]
+            if min(losses) >= least:
+                break
+            least, best = min(losses), around[int(np.argmin(losses))]
+            around = choice.cause.around_sites(model.gap, best)
+        return Chosen(choice.cause, best)
     bounds = choice.cause.shape_bounds(model.gap, choice.site) if bounds is None else bounds
     if not bounds:
         return choice

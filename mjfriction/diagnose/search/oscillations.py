@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from mjfriction.diagnose.causes.cause import Site
-from mjfriction.diagnose.causes.elasticity import SwingingElasticity
+from mjfriction.diagnose.causes.elasticity import Swinging
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.causes.spring import Spring
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model
@@ -73,7 +73,7 @@ def _of_own_link(model: Model, frequency: float) -> bool:
     # A link that swings on its transmission has other frequencies in other poses, and does not swing quite as the cause
     # models it.  What is left of that, at any joint, has no other source.
     for choice, fitted in model.fitted_causes:
-        if isinstance(choice.cause, SwingingElasticity):
+        if isinstance(choice.cause, Swinging):
             own = choice.cause.resonances(model.gap, choice.site, fitted)
             if np.min(own) / NEAR < frequency < np.max(own) * NEAR:
                 return True
