@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
@@ -26,10 +27,12 @@ from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import pick_and_place
 from mjfriction.plant.sensors import Recorder
 from mjfriction.record.log import Log
+from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.schema import Transmission
 from mjfriction.robot.transmission import natural_frequency
+from tests.hidden.machine import Machine, write_case
 
 PAN, COMPLIANCE, DAMPING = "shoulder_pan_joint", 6e-4, 0.04
 WELL_DAMPED = 0.2
@@ -183,3 +186,12 @@ def test_a_link_that_others_may_feel_more_is_tried_beside_one_of_its_kind_that_r
     assert able() == {elbow, lift}
     monkeypatch.setattr(SwingingElasticity, "ranked_alone", False)
     assert able() == {elbow}
+
+
+def test_a_joint_that_carries_nothing_has_no_spring_to_try(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path, robot = write_case(tmp_path, Machine(), seed=1, seconds=10.0)
+    gap = measure_gap(read_log(path), read_robot(robot))
+    assert {site.joint for site in HardeningElasticity().sites(gap)} == set(gap.examined)
+    load = HardeningElasticity.load
+    monkeypatch.setattr(HardeningElasticity, "load", lambda *asked: (asked[2] != 0) * load(*asked))
+    assert {site.joint for site in HardeningElasticity().sites(gap)} == set(gap.examined) - {0}

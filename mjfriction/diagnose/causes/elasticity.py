@@ -191,7 +191,7 @@ class Swinging(_Elasticity):
             inertia = np.maximum(own_slopes(gap, joint)[2], LEAST_INERTIA)
             soft = [1.0 / (float(np.median(inertia)) * (2.0 * np.pi * frequency) ** 2) for frequency in RESONANCES]
             slow, most = gap.motion.cutoff * RESONANCE_BAND, float(np.max(np.abs(self.load(gap, joint))))
-            able = [c for f, c in zip(RESONANCES, soft, strict=True) if f < slow and c * most < WIDEST]
+            able = [c for f, c in zip(RESONANCES, soft, strict=True) if f < slow and 0.0 < c * most < WIDEST]
             out += [Site(joint, (SCREENED_AT,), around=c) for c in able]
         return out
 
