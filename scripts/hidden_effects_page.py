@@ -13,7 +13,7 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 
 from mjfriction.benchmark.row import Row
-from mjfriction.benchmark.score import Named, Outcome, reliability, score
+from mjfriction.benchmark.score import MAY_BE_TOLD_AS, Named, Outcome, reliability, score
 from mjfriction.benchmark.tool import FAINT
 
 FOUND, ALTERNATIVE, MISSED = "found", "alternative", "missed"
@@ -80,8 +80,10 @@ def picture(outcomes: list[Outcome], target: Path) -> None:
         for named in one.hidden:
             row = causes.index(named[0])
             counts[row, {FOUND: row, ALTERNATIVE: -2, MISSED: -1}[told_as(one, named)]] += 1
-        for cause, _ in one.outside:
-            counts[causes.index(cause), causes.index(cause) if one.left_open else -1] += 1
+        for cause, joint in one.outside:
+            alike = MAY_BE_TOLD_AS.get(cause, cause)
+            told = alike if (alike, joint) in {(f.cause, f.joint) for f in one.found} else cause
+            counts[causes.index(cause), causes.index(told) if one.left_open or told != cause else -1] += 1
         for f in one.false_alarms:
             counts[-1, causes.index(f.cause)] += 1
     figure, (left, right) = plt.subplots(1, 2, figsize=(16, 9), width_ratios=[2, 1], layout="constrained")
@@ -92,7 +94,7 @@ def picture(outcomes: list[Outcome], target: Path) -> None:
             left.text(k, i, f"{count:.0f}", ha="center", va="center", color="white" if dark else "black")
     left.set_xticks(range(len(causes) + 2), [*causes, "(as an alternative)", "(missed)"], rotation=90)
     left.set_yticks(range(len(causes) + 1), [*causes, "(nothing there)"])
-    left.set_xlabel("found; of what is outside all causes: left open")
+    left.set_xlabel("found; of what is outside all causes: left open, or what it may be told as")
     left.set_ylabel("hidden")
     points = reliability(outcomes)
     right.plot([0, 1], [0, 1], color="0.7")
