@@ -102,6 +102,7 @@ def test_a_hose_that_pulls_more_and_more_is_a_course_that_rises_to_an_end(
     monkeypatch.setattr(courses, "stroke_curves", lambda *_: [curve])
     (only,) = as_courses(model).chosen
     assert isinstance(only.cause, RisingAlongStroke)
+    assert "a parabola and 8 half waves over" in only.cause.evidence(gap, only.site, np.ones(11))
     # Half waves are level at its end, and leave what waves and a cubic do not.
     monkeypatch.setattr(courses, "RisingAlongStroke", TorqueAlongStroke)
     assert as_courses(model) is model

@@ -46,6 +46,7 @@ class AlongStroke(JointCause):
     covariate = "position"
     of_unevenness = True
     what: ClassVar[str]  # beginning of its evidence
+    under: ClassVar[str] = ""  # what its half waves stand on, for its evidence
 
     def along(self, gap: Gap, joint: int) -> Site:
         """Return the site on a joint, with the stroke that the joint travelled as its shape."""
@@ -67,7 +68,7 @@ class AlongStroke(JointCause):
         places = low + np.linspace(0.0, stroke, PLACES)
         course = self.course(site, places) @ strengths
         told = ", ".join(f"{value:+.3g} at {place:.3g}" for value, place in zip(course, places, strict=True))
-        series = f"{FINEST} half waves over {stroke:.4g} {length} from {low:.4g} {length}"
+        series = f"{self.under}{FINEST} half waves over {stroke:.4g} {length} from {low:.4g} {length}"
         return f"{self.what} along the stroke: {told} ({force}, {length}; {series})"
 
 
@@ -169,3 +170,4 @@ class RisingAlongStroke(_Torque):
     """A parabola and the half waves: a torque that rises towards an end of the stroke is hardly one of half waves."""
 
     powers = (MIDDLE, RISE, BOW)
+    under = "a parabola and "
