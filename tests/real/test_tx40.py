@@ -68,9 +68,6 @@ def test_friction_identified_beside_the_coupling_is_as_published(tx40: Diagnosis
 
 
 @pytest.mark.deep
-@pytest.mark.xfail(
-    strict=True, reason="beside moments of the second link, joint 4's rotor comes out 2 % below the published value"
-)
 def test_rotors_that_are_not_stated_are_found_as_published(data: Path, tmp_path: Path) -> None:
     found = diagnose_log(tx40_log(data), tx40_robot(data, tmp_path, (*ROTOR[:2], 0.0, 0.0, 0.0, 0.0)))
     assert {("drive.rotor_inertia", f"joint_{i}") for i in (3, 4)} <= {(f.cause, f.joint) for f in found.findings}
