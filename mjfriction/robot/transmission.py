@@ -46,7 +46,7 @@ def lag(own: Transmission, motion: Motion, link: Link) -> Floats:
         out = swinging(motion, link.following, link.inertia, own.compliance, own.damping_ratio, own.hardening)
     else:
         straight = own.compliance * smooth_derivatives(motion, link.carried, LOAD_BAND)[0]
-        out = deflection(straight, own.compliance * own.hardening) if own.hardening > 0.0 else straight
+        out = deflection(straight, own.compliance * own.hardening)
     if own.backlash > 0.0:
         at_motor = link.following + link.stiffness * link.behind
         place = (

@@ -12,7 +12,6 @@ from numba import types
 
 from mjfriction.laws.law import Floats
 
-LEAST_HARDENING = 1e-12  # per rad² or m²: below it a spring is straight
 NEWTON = 2  # steps by which a hardening spring's force is found at the end of each step, from that at its beginning
 
 
@@ -34,9 +33,10 @@ def ringing(
 
 def deflection(aim: Floats, hardening: float | Floats) -> Floats:
     """Return s where s + κ·s³ = ``aim``, with κ ≥ 0 the ``hardening``; the shapes broadcast."""
-    root = np.sqrt(3.0 * np.maximum(hardening, LEAST_HARDENING))
+    hard = np.asarray(hardening) > 0.0
     # The cubic's only real root: with s = (2/√(3κ))·sinh(x), the equation is sinh(3x) = 1.5·√(3κ)·aim.
-    return np.asarray(2.0 / root * np.sinh(np.arcsinh(1.5 * root * aim) / 3.0))
+    root = np.sqrt(3.0 * np.where(hard, hardening, 1.0))
+    return np.asarray(np.where(hard, 2.0 / root * np.sinh(np.arcsinh(1.5 * root * aim) / 3.0), aim))
 
 
 @functools.cache
@@ -53,7 +53,8 @@ def _along(
 ) -> Floats:
     out = np.empty_like(aim)
     place = begin.copy()
-    speed, pull = np.zeros_like(place), np.zeros_like(place)
+    speed, pull, before = np.zeros_like(place), np.zeros_like(place), np.zeros_like(place)
+    hardens = np.any(hard > 0.0)
     out[0] = place
     for k in range(1, aim.shape[0]):
         for part in range(1, finer + 1):
@@ -61,21 +62,25 @@ def _along(
             for i in range(place.size):
                 goal = aim[k - 1, i] + share * (aim[k, i] - aim[k - 1, i])
                 omega = frequency[k - 1, i] + share * (frequency[k, i] - frequency[k - 1, i])
-                coasted = place[i] + step * speed[i] + 0.25 * step * step * pull[i]
-                drifted = speed[i] + 0.5 * step * pull[i]
-                after = omega * omega * (goal - coasted) - 2.0 * damping * omega * drifted
-                held = 1.0 + damping * omega * step + 0.25 * (omega * step) ** 2
-                straight = after
-                after /= held
-                if hard[i] > 0.0:
-                    after = pull[i]
+                # Where and how fast it would be if it were not pulled in this step.
+                place[i] += step * speed[i] + 0.25 * step * step * pull[i]
+                speed[i] += 0.5 * step * pull[i]
+                before[i] = pull[i]
+                pull[i] = omega * omega * (goal - place[i]) - 2.0 * damping * omega * speed[i]
+                pull[i] /= 1.0 + damping * omega * step + 0.25 * (omega * step) ** 2
+            if hardens:  # apart, so that the loop over straight springs can be vectorised
+                for i in range(place.size):
+                    omega = frequency[k - 1, i] + share * (frequency[k, i] - frequency[k - 1, i])
+                    held = 1.0 + damping * omega * step + 0.25 * (omega * step) ** 2
+                    straight, after = held * pull[i], before[i]
                     for _ in range(NEWTON):
-                        there = coasted + 0.25 * step * step * after
+                        there = place[i] + 0.25 * step * step * after
                         stiffer = omega * omega * hard[i] * there * there
                         over = held * after + stiffer * there - straight
                         after -= over / (held + 0.75 * step * step * stiffer)
-                place[i] = coasted + 0.25 * step * step * after
-                speed[i] = drifted + 0.5 * step * after
-                pull[i] = after
+                    pull[i] = after
+            for i in range(place.size):
+                place[i] += 0.25 * step * step * pull[i]
+                speed[i] += 0.5 * step * pull[i]
         out[k] = place
     return out

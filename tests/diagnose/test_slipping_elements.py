@@ -91,14 +91,12 @@ def test_elements_that_all_slip_within_what_any_contact_yields_are_refitted_alon
 def test_their_travel_is_that_over_which_so_much_of_the_change_builds_up(levels: tuple[float, ...]) -> None:
     cause, site, strengths = SlippingElements(), Site(ELBOW, (0.2,)), np.array(levels)
     law, values = cause.law(float(np.sum(np.maximum(strengths, 0.0))), 0.2, strengths)
-    back, steps = 1.0, 20000
-    velocity = np.repeat([1.0, -back], steps)
+    steps = 20000
+    velocity = np.repeat([1.0, -1.0], steps)
     friction = law.follow(velocity, ambient(velocity.size), 1.0 / steps, law.pack(values))[0]
     built = 1.0 - (friction[steps:] / friction[steps - 1] + 1.0) / 2.0
-    travel = np.interp(1.0 - 1.0 / np.e, built, np.arange(1, steps + 1) * back / steps)
+    travel = np.interp(1.0 - 1.0 / np.e, built, np.arange(1, steps + 1) / steps)
     assert cause.travel(site, strengths) == pytest.approx(travel, rel=1e-3)
-    bristle = Presliding().travel(site, np.ones(1))
-    assert bristle == site.shape[0]
 
 
 def test_an_element_that_holds_nothing_is_not_built_in() -> None:

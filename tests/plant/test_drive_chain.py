@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 
 import numpy as np
 import pyarrow as pa
@@ -252,3 +253,10 @@ def test_the_spring_behind_a_play_only_pushes() -> None:
     assert zone.force(0.03, 0.1) == pytest.approx(-100.0 * 0.02 - 5.0 * 0.1)
     assert zone.force(-0.03, -0.1) == pytest.approx(100.0 * 0.02 + 5.0 * 0.1)
     assert zone.force(0.03, -1.0) == 0.0  # it leaves faster than the spring follows
+
+
+@pytest.mark.parametrize(("give", "speed"), [(0.03, 0.0), (-0.03, 0.0), (0.03, -0.1)])
+def test_beyond_its_play_a_spring_that_hardens_pushes_back_by_its_cubic(give: float, speed: float) -> None:
+    zone, beyond = DeadZone(0.01, 200.0, 5.0, hardening=4e5), math.copysign(abs(give) - 0.01, give)
+    assert zone.force(give, speed) == pytest.approx(-200.0 * beyond - 4e5 * beyond**3 - 5.0 * speed)
+    assert zone.force(0.5 * zone.half, speed) == 0.0

@@ -12,9 +12,11 @@ from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder
 from mjfriction.record.motion import estimate_motion
 from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot import transmission
 from mjfriction.robot.effort import link_motion, without_offsets
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.schema import Transmission
+from mjfriction.robot.transmission import Link
 from mjfriction.sim.stops import between_stops
 from tests.deep import deep
 
@@ -150,3 +152,12 @@ def test_a_link_on_a_spring_that_hardens_is_where_the_machine_has_it() -> None:
     assert springs.hardening * springs.compliance * np.max(lag[inner]) ** 2 > 0.5
     assert missed(springs) < 0.03
     assert missed(springs.model_copy(update={"hardening": 0.0})) > 0.2
+    # Without a damping ratio it follows its load at once, and its spring's torque is the load.
+    load = 4.0 * motion.acceleration[:, i]
+    held = Link(load, np.zeros_like(load), load, np.ones_like(load), np.zeros_like(load))
+    still = springs.model_copy(update={"damping_ratio": None})
+    given, straight = (
+        transmission.lag(own, motion, held) for own in (still, still.model_copy(update={"hardening": 0}))
+    )
+    assert np.max(straight / given) > 2.0
+    np.testing.assert_allclose(given / still.compliance + still.hardening * given**3, straight / still.compliance)
