@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mjfriction.record.counts import count_of, least_jump
-from mjfriction.record.runs import Floats, Integers, Mask, bounds_of, numbered, runs_of
+from mjfriction.record.runs import Floats, Integers, Mask, bounds_of, numbered, runs_of, spans
 
 SHORTEST_STUCK = 20  # samples
 STUCK_SPEED = 0.4  # of the usual speed; no joint stops at once from a higher speed just before or after a standstill
@@ -106,16 +106,23 @@ def _at_once(speed: Floats, usual: float) -> bool:
 def frozen(values: Floats, moving: Mask) -> Mask:
     """Return where a noisy channel repeats one value exactly while its joint moves, (n,).
 
-    A stretch at rest counts as well, if more other rows at rest show that the channel is noisy there, and the value is
-    not 0, which a drive reads that is switched off.
+    However long the joint rests besides, it is enough that it sets out within the stretch and keeps moving.  A stretch
+    at rest counts as well, if more other rows at rest show that the channel is noisy there, and the value is not 0,
+    which a drive reads that is switched off.
     """
     out = np.zeros(values.size, dtype=bool)
     lengths = np.sort(np.diff(bounds_of(values)))
     ordinary = float(lengths[int(0.99 * (lengths.size - 1))])
     again, resting = np.append(np.diff(values) == 0.0, False), np.logical_not(moving)
-    for a, b in runs_of(values, None, max(SHORTEST_STUCK, LONGER * ordinary)):
+    least = max(SHORTEST_STUCK, LONGER * ordinary)
+    for a, b in runs_of(values, None, least):
         rows, repeated = (int(np.sum(own)) - int(np.sum(own[a:b])) for own in (resting, again & resting))
         noisy = rows > b - a and repeated < RARELY * rows
-        if np.mean(moving[a:b]) > MOVED or (noisy and values[a] != 0.0):
+        if np.mean(moving[a:b]) > MOVED or _sets_out(moving[a:b], least) or (noisy and values[a] != 0.0):
             out[a:b] = True
     return out
+
+
+def _sets_out(moving: Mask, least: float) -> bool:
+    # Whether a joint that rested moves for so many samples.
+    return any(first > 0 for first, past in spans(moving) if past - first >= least)

@@ -214,8 +214,8 @@ def test_degrees_and_a_clock_that_is_off_are_known_by_measured_velocities(case: 
     ("factor", "kind", "words"),
     [
         (-1.0, "data.sign", "turn its sign"),
-        (180.0 / np.pi, "data.unit", "degrees per second"),
-        (-30.0 / np.pi, "data.unit", "revolutions per minute"),
+        deep(180.0 / np.pi, "data.unit", "degrees per second"),
+        deep(-30.0 / np.pi, "data.unit", "revolutions per minute"),
     ],
 )
 def test_a_velocity_that_contradicts_its_position_is_told_and_not_used(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Set
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -128,7 +128,22 @@ CASES += [
     Case("sensor.encoder_offset", 2, lambda i: np.full(i.q.shape, 0.08), {"offset": 0.08}, in_sensor=True),
     Case("drive.elasticity", 1, lambda i: 1.5e-3 * i.rigid, {"compliance": 1.5e-3}, in_sensor=True),
 ]
-every_case = pytest.mark.parametrize("case", CASES, ids=[case.cause for case in CASES])
+ELSEWHERE = {
+    "drive.offset",
+    "friction.asymmetry",
+    "friction.load",
+    "friction.presliding",
+    "friction.stribeck",
+    "friction.temperature",
+    "friction.viscous_nonlinear",
+    "hydraulic.pressure",
+}
+"""Causes that tests of their own, or other tests here, find among those that ``make test`` runs."""
+
+
+def cases(deep: Set[str]) -> pytest.MarkDecorator:
+    marked = [pytest.param(case, id=case.cause, marks=[pytest.mark.deep] * (case.cause in deep)) for case in CASES]
+    return pytest.mark.parametrize("case", marked)
 
 
 def run(folder: Path, machine: Machine, seed: int, *, off: float = 0.0, seconds: float = 40.0) -> Diagnosis:
@@ -148,7 +163,7 @@ def names(diagnosis: Diagnosis) -> list[tuple[str, str | None]]:
     return [(finding.cause, finding.joint) for finding in diagnosis.findings]
 
 
-@every_case
+@cases(deep=ELSEWHERE)
 def test_the_cause_is_named_with_its_size(case: Case) -> None:
     diagnosis = diagnosed(case.cause)
     assert names(diagnosis) == [(case.cause, UR5_JOINTS[case.joint])]
@@ -192,10 +207,7 @@ SLOW = {
 }
 
 
-@pytest.mark.parametrize(
-    "case",
-    [pytest.param(case, id=case.cause, marks=[pytest.mark.deep] * (case.cause in ALIKE | SLOW)) for case in CASES],
-)
+@cases(deep=ALIKE | SLOW | ELSEWHERE)
 def test_without_the_cause_among_the_candidates_it_is_not_found(
     case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -211,7 +223,7 @@ def test_without_the_cause_among_the_candidates_it_is_not_found(
         assert left[1] > 1.05 * left[0]
 
 
-@every_case
+@cases(deep=ELSEWHERE)
 def test_the_extended_robot_predicts_motion_it_was_not_fitted_to(case: Case, tmp_path: Path) -> None:
     machine = case.machine
     diagnosis = diagnosed(case.cause)
@@ -321,7 +333,7 @@ def test_stated_levels_may_be_those_of_a_warm_joint(by_temperature: bool, tmp_pa
     ("parent", "com"),
     [
         deep("wrist_3_joint", "[0.0, 0.05, 0.03]"),
-        ("tool0", "[0.0, -0.03, -0.0323]"),
+        deep("tool0", "[0.0, -0.03, -0.0323]"),
     ],
 )
 def test_a_payload_heavier_than_the_one_stated_is_found_wherever_it_is_stated(

@@ -73,6 +73,7 @@ def test_less_load_than_is_stated_lowers_the_law_that_states_it(
     )
 
 
+@pytest.mark.deep
 def test_the_stated_level_may_be_that_of_some_load(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # Friction that does not know of small loads is, where it grows with them, less by a constant.
     share, known = 0.3, 10.0

@@ -94,7 +94,7 @@ def test_the_generalized_law_is_found_whole(identified) -> None:
 @pytest.mark.parametrize(
     ("law", "truth"),
     [
-        ("dahl", {"coulomb": 2.0, "bristle_stiffness": 80.0, "shape_exponent": 1.5}),
+        deep("dahl", {"coulomb": 2.0, "bristle_stiffness": 80.0, "shape_exponent": 1.5}),
         ("lugre", {"coulomb": 1.5, "bristle_stiffness": 80.0, "bristle_damping": 1.0}),
         deep("leuven", {"coulomb": 1.5, "bristle_damping": 1.0, "shape_exponent": 1.0}),
     ],

@@ -7,6 +7,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from numpy.polynomial.polynomial import polyval
 
 from mjfriction.body.inverse import inverse_dynamics
 from mjfriction.errors import RobotError, SimulationError
@@ -107,9 +108,26 @@ def test_a_spring_is_the_stated_torque() -> None:
     data.qpos[2] = 0.7
     mujoco.mj_forward(model, data)
     assert data.qfrc_spring[2] == pytest.approx(-(8.0 * 0.7 + 4.0))
-    loose = joint.model_copy(update={"spring": Spring(preload=4.0)})
-    with pytest.raises(SimulationError, match="pushes one way wherever"):
-        robot_spec(robot.with_joint(loose))
+
+
+@pytest.mark.parametrize("limits", ["", 'range="-170 170"', 'range="0.1 0.4" type="slide"'])
+@pytest.mark.parametrize("coefficients", [(4.0, 0.0, 0.0, 0.0), (4.0, 0.5, 0.8, 0.0), (-0.2, 0.0, -3.0, 1e-5)])
+def test_a_spring_that_pushes_one_way_everywhere_is_that_torque_too(
+    coefficients: tuple[float, ...], limits: str
+) -> None:
+    spec = mujoco.MjSpec.from_string(
+        f'<mujoco><worldbody><body><joint name="j" {limits}/><geom size=".1"/></body></worldbody></mujoco>'
+    )
+    add_springs(spec, {"j": coefficients})
+    spec.compile()
+    model = mujoco.MjModel.from_xml_string(spec.to_xml())  # with the digits that a file has
+    data = mujoco.MjData(model)
+    along = np.linspace(*(model.jnt_range[0] if limits else (-2.0 * np.pi, 2.0 * np.pi)), 9)
+    torque = polyval(along, coefficients)
+    for q, expected in zip(along, torque, strict=True):
+        data.qpos[0] = q
+        mujoco.mj_forward(model, data)
+        assert data.qfrc_spring[0] == pytest.approx(-expected, abs=2e-5 * np.max(np.abs(torque)))
 
 
 def test_springs_add_to_the_models_own_in_either_unit() -> None:

@@ -170,6 +170,17 @@ def test_an_effort_that_is_frozen_while_its_joint_moves_and_rests() -> None:
     assert np.flatnonzero(frozen(effort, moving)).tolist() == list(range(1200, 1800))
 
 
+def test_an_effort_that_does_not_change_as_its_joint_sets_out_is_frozen_however_long_the_joint_rested() -> None:
+    rng = np.random.default_rng(3)
+    effort, moving = np.round(rng.normal(size=6000)), np.arange(6000) % 1000 < 200
+    effort[1250:2150] = 1.0
+    assert np.mean(moving[1250:2150]) < 0.3
+    assert np.flatnonzero(frozen(effort, moving)).tolist() == list(range(1250, 2150))
+    braked = np.round(rng.normal(size=6000))
+    braked[1150:2000] = 1.0  # from the end of one motion to the beginning of the next
+    assert not np.any(frozen(braked, moving))
+
+
 def test_an_effort_that_is_noisy_at_rest_is_stuck_where_it_is_not() -> None:
     rng = np.random.default_rng(3)
     effort, moving = 2.0 + rng.normal(size=4000), np.arange(4000) < 1000
