@@ -105,15 +105,23 @@ def test_waves_of_a_gear_beside_a_spring_stay_what_they_are(tmp_path: Path) -> N
     assert {finding.cause for finding in found.findings} == {"drive.cogging", "body.spring"}
 
 
-def harmonics(i: Instant) -> np.ndarray:
+def three_harmonics(i: Instant) -> np.ndarray:
     longest = 2.0 * np.pi * 1.45 / np.ptp(i.q)
     return 5.0 * np.sin(longest * i.q) + 2.5 * np.cos(2.0 * longest * i.q) + 2.0 * np.cos(4.0 * longest * i.q)
 
 
+def two_harmonics(i: Instant) -> np.ndarray:
+    longest = 2.0 * np.pi * 1.45 / np.ptp(i.q)
+    return 5.0 * np.sin(longest * i.q) + 2.5 * np.cos(2.0 * longest * i.q)
+
+
 @pytest.mark.deep
-def test_harmonics_are_of_a_gear_though_one_curve_does_as_well(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("harmonics", "count"), [(three_harmonics, 3), (two_harmonics, 2)])
+def test_harmonics_are_of_a_gear_though_one_curve_does_as_well(
+    harmonics: Effect, count: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     found = diagnosed(tmp_path / "as it is", harmonics)
-    assert [finding.cause for finding in found.findings] == ["drive.cogging"] * 3
+    assert [finding.cause for finding in found.findings] == ["drive.cogging"] * count
     monkeypatch.setattr(stroke_curve, "_harmonics", lambda own: False)
     without = diagnosed(tmp_path / "without", harmonics)
     assert "drive.cogging" not in {finding.cause for finding in without.findings}

@@ -17,8 +17,9 @@ from mjfriction.record.log import Floats
 FEWEST = 2  # fewest causes along the position, at least one of them a wave, that may be one curve
 ALONG_STROKE = "one smooth curve along its stroke"
 KNOWN_TO = 0.2  # relative half-width of a wavenumber's 95 % interval beyond which the wave's period counts as unknown
-FEWEST_HARMONIC = 3  # fewest waves, the longest included, that are harmonics even if a smooth curve does as well
-HARMONIC = 0.01  # relative tolerance within which a wavenumber is a whole multiple of the longest wave's
+# Relative tolerance within which a wavenumber is a whole multiple of the longest wave's: of two waves that are harmonics
+# though a smooth curve does as well, and of more of them.
+HARMONIC_TWO, HARMONIC = 0.005, 0.01
 HIGHEST = 8  # highest such multiple; finer waves are close to some multiple of anything
 AS_GOOD = 0.97  # fraction of one fit's reduction of the mean square above which another fit is as good
 
@@ -54,13 +55,16 @@ def _vague(choice: Chosen, widths: Mapping[Key, Floats]) -> bool:
 
 
 def _harmonics(own: list[Chosen]) -> bool:
-    # Whether all are waves, at least three, and the shorter ones are harmonics of the longest: two may be by chance.
-    if not all(isinstance(choice.cause, Cogging) for choice in own) or len(own) < FEWEST_HARMONIC:
+    # Whether all are waves, at least two, and the shorter ones are harmonics of the longest.  Two may be by chance unless
+    # they are so very nearly.
+    if not all(isinstance(choice.cause, Cogging) for choice in own) or len(own) < FEWEST:
         return False
     numbers = np.array([choice.site.shape[0] for choice in own])
     multiples = numbers / np.min(numbers)
     whole = np.round(multiples)
-    return bool(np.all(whole <= HIGHEST) and np.all(np.abs(multiples / whole - 1.0) < HARMONIC))
+    tolerance = HARMONIC_TWO if len(own) == FEWEST else HARMONIC
+    apart = np.unique(whole).size == whole.size
+    return bool(apart and np.all(whole <= HIGHEST) and np.all(np.abs(multiples / whole - 1.0) < tolerance))
 
 
 def stroke_curves(model: Model, heldout: Floats) -> list[StrokeCurve]:
@@ -69,7 +73,7 @@ def stroke_curves(model: Model, heldout: Floats) -> list[StrokeCurve]:
     A single wave is a wave, and so are waves of gears and poles, which are too short for a smooth curve to follow.
     Several waves of a few periods over the stroke, or waves with a spring, are no evidence of gears or poles if one
     smooth curve over position does as well, or if a period is not known to within 20 %.  Harmonics of one wave are
-    evidence although a curve does as well: three waves that approximate a curve are hardly ever harmonics by chance.  A
+    evidence although a curve does as well: waves that approximate a curve are hardly ever harmonics by chance.  A
     bent spring that does not do as well as a smooth curve is not a spring.
     """
     gap, out = model.gap, []
