@@ -43,7 +43,7 @@ from mjfriction.diagnose.search.oscillations import INSTEAD, LEAST_TOLD, NEAR, Q
 from mjfriction.diagnose.search.refusal import ON_THE_WAY
 from mjfriction.diagnose.search.richer import PAYS
 from mjfriction.diagnose.search.short_list import NEAR_BEST
-from mjfriction.diagnose.search.stroke_curve import FEWEST_HARMONIC, HARMONIC, HIGHEST
+from mjfriction.diagnose.search.stroke_curve import HARMONIC, HARMONIC_TWO, HIGHEST
 from mjfriction.diagnose.search.unevenness import TOLD_BY
 from mjfriction.diagnose.settle.held_links import NEARLY_ALL, NEARLY_EXACT
 from mjfriction.diagnose.settle.stated import FADED, LEFT, OUTLYING
@@ -157,7 +157,7 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert f"Steps that spread by less than {100 * UNEVEN_CLOCK:g} % are evened out and are no fault" in told
     assert FEWEST_AT_ONCE == 3, "the page says three"
     assert (ON_THE_WAY, FADED, LEFT) == (0.5, 0.1, 0.1), "the page says half, a tenth, and a tenth of the rows"
-    assert (FEWEST_HARMONIC, HARMONIC, HIGHEST) == (3, 0.01, 8), "the page says three waves, 1 %, and eight times"
+    assert (HARMONIC_TWO, HARMONIC, HIGHEST) == (0.005, 0.01, 8), "the page says 0.5 %, 1 %, and eight times"
     assert (DROWNED, ROOM, COLOURED) == (3.0, 0.5, 0.5), "the page says three times, half of the effect, half of it"
     assert STIFFER == (1.4, 1.9, 2.8)
     assert "under the largest load is 1.4, 1.9 and 2.8 times" in told

@@ -17,7 +17,7 @@ from mjfriction.record.log import Floats
 from mjfriction.record.reversals import travel_since_turn
 from mjfriction.report.figures import AFTER, BEFORE, INK, joint_unit, styled, thinned
 
-SIDES = (("as stated", BEFORE), ("extended", AFTER))
+SIDES = (("without this cause", BEFORE), ("with it", AFTER))
 BINS = 40
 UNITS = {
     "velocity": ("rad/s", "m/s"),
@@ -34,7 +34,7 @@ PER_LOBE = 6.0  # points of a spectrum per resolvable step in wavenumber, 2π ov
 
 @dataclass(frozen=True)
 class _Seen:
-    """A finding's joint, and the residuals ``left`` by the stated and the extended model, (2, rows), in ``unit``."""
+    """A finding's joint, and the residuals ``left`` without the finding and with it, (2, rows), in ``unit``."""
 
     gap: Gap
     joint: int
@@ -53,15 +53,16 @@ class _Seen:
 def finding_figure(diagnosis: Diagnosis, finding: Finding) -> go.Figure:
     """Return the picture of a finding.
 
-    For most causes it shows the residual at the joint where the cause shows most, against the covariate it acts on,
-    before and after; rows near reversals and at rest are grey.  A residual whose sign turns with the direction of
-    motion is multiplied by that direction.  Waves are drawn as a spectrum along the stroke, a build-up of friction
-    against the travel since the last reversal, and a delay as the loop of measured over predicted effort.
+    For most causes it shows the held-out residual at the joint where the cause shows most, against the covariate it
+    acts on: with all other causes but this one, and with it too; rows near reversals and at rest are grey.  A residual
+    whose sign turns with the direction of motion is multiplied by that direction.  Waves are drawn as a spectrum along
+    the stroke, a build-up of friction against the travel since the last reversal, and a delay as the loop of measured
+    over predicted effort.
     """
     gap = diagnosis.gap
     joint = gap.robot.joints.index(finding.shown_at)
     per_reported = abs(float(gap.per_reported[joint]))
-    left = np.stack([gap.residual[:, joint], diagnosis.heldout[:, joint]]) / per_reported
+    left = np.stack([finding.without, diagnosis.heldout[:, joint]]) / per_reported
     seen = _Seen(gap, joint, left, joint_unit(diagnosis, joint))
     if finding.picture == "loop":
         return _loop(seen, gap.measured[:, joint] / per_reported)
@@ -153,7 +154,7 @@ def _loop(seen: _Seen, measured: Floats) -> go.Figure:
 
 
 def _worst_stretch(seen: _Seen) -> NDArray[np.intp]:
-    # The rows of the LOOP_SECONDS, within one piece of motion, in which the stated model's squared error is largest.
+    # The rows of the LOOP_SECONDS, within one piece of motion, in which the squared error without the cause is largest.
     time, piece = seen.gap.chain.time, seen.gap.chain.piece
     error = np.concatenate([[0.0], np.cumsum(np.square(seen.left[0]))])
     past = np.searchsorted(time, time + LOOP_SECONDS)

@@ -13,6 +13,8 @@ from mjfriction.diagnose.causes.coupling import SharedEffort, SharedFriction
 from mjfriction.diagnose.fit.model import Chosen, build_model
 from mjfriction.diagnose.fit.nuisance import make_nuisance
 from mjfriction.diagnose.tell import verdict
+from mjfriction.diagnose.tell.outcome import Verdict
+from mjfriction.identify.joint_error import JointError
 from mjfriction.identify.measure import measure_gap
 from mjfriction.identify.structure import Structure
 from mjfriction.record.readers import read_log
@@ -68,3 +70,18 @@ def test_while_a_joint_rests_nothing_is_known_of_what_follows_its_friction(tmp_p
     # What a resting joint's drive gives is in the log.
     of_effort = build_model(gap, nuisance, (Chosen(SharedEffort(), Site(5, other=4)),))
     assert verdict.judged(of_effort) is gap
+
+
+def test_a_summary_names_every_cause_once_and_few_of_many() -> None:
+    gap = SimpleNamespace(robot=SimpleNamespace(name="arm"))
+    error = JointError("a", "effort", "N·m", 1.0, 0.5, 1.0, 0.5, 0.4, (0.4, 0.6))
+
+    def found(*places: tuple[str, str | None]) -> str:
+        findings = [SimpleNamespace(cause=cause, joint=joint, shown_at="a") for cause, joint in places]
+        told = verdict.summarize(gap, Verdict.EXPLAINED, findings, (error,), ())  # type: ignore[arg-type]
+        return told.removeprefix("The model of 'arm' lacks ").partition(";")[0]
+
+    waves, weight = ("drive.cogging", "a"), ("body.payload", None)
+    assert found(waves, weight, waves) == "drive.cogging at a (2 of them), body.payload"
+    offsets = [("drive.offset", joint) for joint in "bcdefg"]
+    assert found(*offsets) == ", ".join(f"drive.offset at {joint}" for joint in "bcde") + " and 2 more"

@@ -32,7 +32,7 @@ def diagnosis(tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
         hidden={
             0: lambda i: 2.5 * np.cos(14.0 * i.q),
             1: late,
-            2: lambda i: 2.0 * (i.time > 16.0) * np.sign(i.v),
+            2: lambda i: 2.0 * (i.time > 16.0) * np.sign(i.v) + 2.5 * i.v * np.abs(i.v),
             3: lambda i: UR5_COULOMB[3] * (bristle(i.q, 0.03) - np.sign(i.v)),
             4: lambda i: 0.7 * np.sin(8.0 * i.q) * np.sign(i.v),
         }
@@ -66,7 +66,11 @@ def test_a_build_up_against_the_travel_since_the_turn(diagnosis: Diagnosis) -> N
 
 
 def test_a_step_along_time_in_the_direction_of_friction(diagnosis: Diagnosis) -> None:
+    # The damping that bends at the same joint is another finding's, so that this picture is without it.
     (time, before), (_, after) = means(drawn(diagnosis, "event.change"))
+    stated = diagnosis.gap.residual[:, 2] * diagnosis.gap.at_rows("forward")[:, 2]
+    early = diagnosis.gap.clear[:, 2] & (diagnosis.gap.chain.time < 15.5)
+    assert np.mean(stated[early]) > 0.3
     assert np.max(np.abs(before[time < 15.5])) < 0.3
     assert np.min(before[time > 16.5]) > 1.5
     assert np.max(np.abs(after)) < 0.5

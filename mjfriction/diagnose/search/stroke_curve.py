@@ -17,8 +17,8 @@ from mjfriction.record.log import Floats
 FEWEST = 2  # fewest causes along the position, at least one of them a wave, that may be one curve
 ALONG_STROKE = "one smooth curve along its stroke"
 KNOWN_TO = 0.2  # relative half-width of a wavenumber's 95 % interval beyond which the wave's period counts as unknown
-# Relative tolerance within which a wavenumber is a whole multiple of the longest wave's: of two waves that are harmonics
-# though a smooth curve does as well, and of more of them.
+# Relative tolerance within which a wavenumber is a whole multiple of the longest wave's, where two waves, or more of
+# them, are to be harmonics though a smooth curve does as well.
 HARMONIC_TWO, HARMONIC = 0.005, 0.01
 HIGHEST = 8  # highest such multiple; finer waves are close to some multiple of anything
 AS_GOOD = 0.97  # fraction of one fit's reduction of the mean square above which another fit is as good
@@ -55,8 +55,8 @@ def _vague(choice: Chosen, widths: Mapping[Key, Floats]) -> bool:
 
 
 def _harmonics(own: list[Chosen]) -> bool:
-    # Whether all are waves, at least two, and the shorter ones are harmonics of the longest.  Two may be by chance unless
-    # they are so very nearly.
+    # Whether all are waves, at least two, and the shorter ones are harmonics of the longest.  Two may be by chance,
+    # unless they are so very nearly.
     if not all(isinstance(choice.cause, Cogging) for choice in own) or len(own) < FEWEST:
         return False
     numbers = np.array([choice.site.shape[0] for choice in own])

@@ -54,6 +54,7 @@ def link_finding(model: Model, widths: HalfWidths, untold: Untold, field: Field,
         covariate=LinkScale.covariate,
         picture=LinkScale.picture,
         shown_at=gap.robot.joints[joint],
+        without=before[:, joint],
     )
 
 

@@ -34,7 +34,8 @@ class Verdict(enum.Enum):
 class Finding:
     """A named cause: its joint (None for the whole arm), how certain and how large it is, and its held-out gain.
 
-    ``shown_at`` is the joint where it shows best, ``picture`` what to draw there.
+    ``shown_at`` is the joint where it shows best, ``picture`` what to draw there, and ``without`` (rows,) that joint's
+    held-out residual with all other causes, but not this one (of play that positions show: with no cause at all).
     """
 
     cause: str
@@ -47,6 +48,7 @@ class Finding:
     covariate: str
     picture: Picture
     shown_at: str
+    without: Floats
 
 
 @dataclass(frozen=True, repr=False)

@@ -109,4 +109,5 @@ def _finding(seen: SeenPlay, joint: int, jumps: Jumps, heldout: Floats, seed: in
         covariate=Play.covariate,
         picture=Play.picture,
         shown_at=name,
+        without=seen.stated[:, joint],
     )

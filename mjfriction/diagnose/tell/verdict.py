@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -31,6 +32,7 @@ FAR_ABOVE_NOISE = 5.0  # multiple of the sensor's noise
 # Fewest blocks in which a joint must move clearly, and their least share of all blocks: if a joint moves only once or
 # twice, nothing is known about it on held-out motion.
 FEWEST_SHOWN, LEAST_SHOWN = 3, 0.1
+MOST_NAMED = 4  # findings that a summary names; the page lists all
 REFITTED = 0.8  # fraction of an error; refitted values are mentioned if they reduce it to less than that
 
 
@@ -124,7 +126,7 @@ def summarize(
 ) -> str:
     """Return a sentence on what was found that a person can act on."""
     robot = gap.robot.name
-    named = ", ".join(_named(finding) for finding in findings)
+    named = _all_named(findings)
     if verdict is Verdict.CONSISTENT:
         return f"The model of '{robot}' agrees with the log: {_refits(joints)}."
     if findings:
@@ -160,6 +162,14 @@ def with_faults(summary: str, audit: Audited) -> str:
     if audit.refused:
         return f"The log itself is at fault, and nothing was fitted to it: {told}."
     return f"The log itself is at fault: {told}. {summary}"
+
+
+def _all_named(findings: Sequence[Finding]) -> str:
+    # Every cause and joint once, and the largest few of many.
+    times = Counter(_named(finding) for finding in findings)
+    named = [name if count == 1 else f"{name} ({count} of them)" for name, count in times.items()]
+    told, more = named[:MOST_NAMED], len(named[MOST_NAMED:])
+    return ", ".join(told) + (f" and {more} more" if more else "")
 
 
 def _named(finding: Finding) -> str:
