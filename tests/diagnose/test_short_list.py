@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NoReturn
 
+import numpy as np
 import pytest
 
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.elasticity import HardeningElasticity, SwingingElasticity
 from mjfriction.diagnose.fit.exact import usual_nuisance
 from mjfriction.diagnose.fit.model import build_model
 from mjfriction.diagnose.search.field import make_field
 from mjfriction.diagnose.search.short_list import ranked
 from mjfriction.identify import kept
+from mjfriction.identify.gap import Gap
 from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
@@ -43,3 +49,31 @@ def test_all_that_they_are_screened_by_is_made_once(
     else:
         with pytest.raises(AssertionError, match="screened again"):
             ranked(model, field)
+
+
+def test_a_spring_that_hardens_is_not_screened_where_a_straight_one_gains_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log, robot = write_case(tmp_path, Machine(), seed=3, seconds=20.0, rate=250.0)
+    gap = measure_gap(read_log(log), read_robot(robot), highest=60.0)
+    model, springs = build_model(gap, usual_nuisance(gap), ()), (SwingingElasticity(), HardeningElasticity())
+    asked = []
+
+    def screened(_: object, gap: Gap, sites: Sequence[Site], every: int) -> NoReturn:
+        asked.append(sites[0].joint)
+        raise AssertionError("screened")
+
+    monkeypatch.setattr(HardeningElasticity, "screening", screened)
+    assert ranked(model, make_field(gap, springs)) == []
+    # Alone it is, whatever a straight one would gain.
+    with pytest.raises(AssertionError, match="screened"):
+        ranked(model, make_field(gap, springs[1:]))
+    # So it is where the straight one gains: here the error is all that such a spring makes at one joint.
+    lift = next(entrant for entrant in make_field(gap, springs[:1]) if entrant.joint == 1)
+    site = lift.sites[4]
+    made = site.around * lift.cause.columns(gap, site)[1]
+    wrong = replace(gap, residual=gap.residual + np.pad(made, ((0, 0), (1, 4))))
+    asked.clear()
+    with pytest.raises(AssertionError, match="screened"):
+        ranked(build_model(wrong, usual_nuisance(wrong), ()), make_field(wrong, springs))
+    assert asked == [1]

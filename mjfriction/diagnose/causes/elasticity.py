@@ -271,6 +271,7 @@ class HardeningElasticity(Swinging):
 
     shape_parameters = (DAMPING_RATIO, HARDENING)
     around_rounds = 12
+    simpler = SwingingElasticity
 
     def hardening(self, site: Site) -> float:
         """The shape's."""
