@@ -5,7 +5,10 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import pytest
 
+
+@pytest.mark.deep
 def test_the_small_benchmark_runs() -> None:
     done = subprocess.run(
         [sys.executable, "-m", "scripts.bench", "--small"], check=False, capture_output=True, text=True, timeout=400

@@ -13,7 +13,6 @@ from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.search.field import make_field
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
-from tests.deep import deep
 from tests.diagnose.in_the_file import left_by_the_file
 from tests.hidden.machine import Instant, Machine, write_case
 
@@ -24,7 +23,8 @@ CURVES: dict[str, Callable[[np.ndarray], np.ndarray]] = {
 }
 
 
-@pytest.mark.parametrize("curve", ["hyperbolic tangent", deep("root")])
+@pytest.mark.deep
+@pytest.mark.parametrize("curve", ["hyperbolic tangent", "root"])
 def test_the_curve_is_the_only_finding(curve: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def bends(at: Instant) -> np.ndarray:
         return CURVES[curve](at.v)

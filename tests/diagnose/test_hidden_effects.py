@@ -129,9 +129,12 @@ CASES += [
     Case("drive.elasticity", 1, lambda i: 1.5e-3 * i.rigid, {"compliance": 1.5e-3}, in_sensor=True),
 ]
 ELSEWHERE = {
+    "drive.cogging",
     "drive.offset",
+    "event.change",
     "friction.asymmetry",
     "friction.load",
+    "friction.position",
     "friction.presliding",
     "friction.stribeck",
     "friction.temperature",

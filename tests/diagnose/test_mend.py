@@ -383,6 +383,7 @@ def test_currents_of_other_gears_are_known_as_exchanged(case: tuple[Log, Robot])
     assert not audited(gap.log, robot).refused
 
 
+@pytest.mark.deep
 def test_what_a_mended_log_could_show_is_told(case: tuple[Log, Robot]) -> None:
     log, robot = case
     whole, mended, refused = (
