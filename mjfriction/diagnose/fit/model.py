@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -174,6 +174,17 @@ class Model:
             strengths = strengths.copy()
             strengths[self.nuisance.of_oscillations] = 0.0
         return self.system.residual(strengths)
+
+    def made_by(self, places: Sequence[slice]) -> Floats:
+        """Return what the strengths at some places make of the effort, the rest being as it is, (rows, joints)."""
+        none = self.strengths.copy()
+        for place in places:
+            none[place] = 0.0
+        made = self._left(none, oscillations=False) - self.residual()
+        for choice, place in zip(self.chosen, self.places, strict=True):
+            if choice.tangent and place in places:
+                made = made + choice.tangent.bend
+        return made
 
     def with_also(self, choice: Chosen) -> Model:
         """Return the model with one more cause."""

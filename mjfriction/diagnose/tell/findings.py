@@ -124,7 +124,7 @@ def _finding(model: Model, told: ToTell, stands: Standing, heldout: Floats, seed
         covariate=choice.cause.covariate,
         picture=choice.cause.picture,
         shown_at=gap.robot.joints[shown],
-        without=before[:, shown],
+        without=heldout[:, shown] + model.made_by(told.places)[:, shown],
     )
 
 

@@ -54,7 +54,7 @@ def link_finding(model: Model, widths: HalfWidths, untold: Untold, field: Field,
         covariate=LinkScale.covariate,
         picture=LinkScale.picture,
         shown_at=gap.robot.joints[joint],
-        without=before[:, joint],
+        without=heldout[:, joint] + model.made_by([model.nuisance.of_links, model.nuisance.of_inertias])[:, joint],
     )
 
 

@@ -35,7 +35,7 @@ class Finding:
     """A named cause: its joint (None for the whole arm), how certain and how large it is, and its held-out gain.
 
     ``shown_at`` is the joint where it shows best, ``picture`` what to draw there, and ``without`` (rows,) that joint's
-    held-out residual with all other causes, but not this one (of play that positions show: with no cause at all).
+    held-out residual with all other causes as they were fitted, but not this one.
     """
 
     cause: str

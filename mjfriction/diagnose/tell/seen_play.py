@@ -109,5 +109,5 @@ def _finding(seen: SeenPlay, joint: int, jumps: Jumps, heldout: Floats, seed: in
         covariate=Play.covariate,
         picture=Play.picture,
         shown_at=name,
-        without=seen.stated[:, joint],
+        without=(heldout + seen.stated - gap.residual)[:, joint],
     )

@@ -23,11 +23,12 @@ from mjfriction.record.log import Floats
 class ToTell:
     """A cause or level to report.
 
-    ``choice`` is the cause at its site, ``strengths`` and ``parameters`` are as the extended robot states them, and
-    ``without`` is a model that lacks it.
+    ``choice`` is the cause at its site, ``strengths`` and ``parameters`` are as the extended robot states them,
+    ``places`` are those of its strengths in the model, and ``without`` is a model that lacks it.
     """
 
     choice: Chosen
+    places: tuple[slice, ...]
     without: Model
     strengths: Floats
     parameters: tuple[Fitted, ...]
@@ -57,13 +58,15 @@ def to_tell(settled: Settled, untold: Untold, widths: HalfWidths) -> Iterator[To
             without = without.without(part)
             # A rotor's parameter does not name its joint, and that of the drive is reported already.
             parameters += () if isinstance(part.cause, RotorInertia) else fitted[part.key]
-        yield ToTell(choice, without, strengths[places[choice.key]], parameters)
+        own = places[choice.key]
+        of_parts = (places[part.key] for part in parts.get(choice.key, ()))
+        yield ToTell(choice, (own, *of_parts), without, strengths[own], parameters)
     for choice in settled.levels:
         if choice.key in untold.keys:
             continue
         level = model.nuisance.of_level(choice.site.joint)
         told = tuple(_fitted(model.gap, choice, strengths[level], widths.nuisance[level] / factors[level]))
-        yield ToTell(choice, without_cause(model, choice), strengths[level], told)
+        yield ToTell(choice, (level,), without_cause(model, choice), strengths[level], told)
 
 
 def _built(half: Floats, factors: Floats) -> Floats:
