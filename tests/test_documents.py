@@ -64,6 +64,7 @@ from mjfriction.laws.catalog import LAWS
 from mjfriction.record import glitches, jumps
 from mjfriction.record.clock_bursts import FEWEST_AT_ONCE
 from mjfriction.record.clock_rate import OFF
+from mjfriction.record.jumps import NO_STEP
 from mjfriction.record.motion import DAWDLING, HELD, HELD_BESIDE_ANOTHER_KIND, RINGING, USUALLY
 from mjfriction.report.result import UNEVEN as UNEVEN_CLOCK
 from mjfriction.reproduce.catalog import DOCUMENTS
@@ -162,6 +163,7 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert STIFFER == (1.4, 1.9, 2.8)
     assert "under the largest load is 1.4, 1.9 and 2.8 times" in told
     assert (RESONANCE_BAND, SLIPS) == (0.5, (0.25, 0.75, 2.0)), "the page says half; a quarter, three quarters and two"
+    assert f"all but {100 * NO_STEP:g} % of what stands out" in told
     assert (NEARLY_ALL, QUIETER) == (0.99, 0.5), "the page says all but a percent, and less than half"
     assert (INSTEAD, RESONANT) == (0.75, 0.75), "the page says a quarter less"
     assert f"a lightly damped resonance ({SLOWEST:g} to {FASTEST:g} Hz)" in told

@@ -35,6 +35,9 @@ FEWEST_ALIKE = 3  # jumps of one size
 FEWEST_STEPS = 12  # steps that are examined even if they meet no turn of the load
 LARGE = 0.5  # of the size of the jumps that meet turns; smaller steps are not examined
 ALIKE = 0.3  # of their median size; jumps that differ from it by less are of one play
+# Share of what jumps leave of a polynomial fit, squared, that may be no step, beyond what is left elsewhere: a link
+# that flies across its play for a while moves its sensor too, but not in one step.
+NO_STEP = 0.05
 EDGES = (0.0, *np.geomspace(0.1, 1.6, 48))  # edge widths that are tried, as multiples of the width searched for
 EDGE_KNOWN = 0.03  # uncertainty from the grid of EDGES, as a share of the size of a jump with a wide edge
 EARLIER = (-1.0, 1.0, 41)  # edge widths: first and last time shift that is tried, and how many
@@ -77,9 +80,9 @@ def find_jumps(log: Log, motion: Motion, load_along: Callable[[Motion], Floats])
     """Return the jumps of position sensors, by joint, that occur as the load on the joint changes sign.
 
     A jump is a residual of a polynomial fit to the motion around it that far exceeds the residuals elsewhere.
-    The jumps must meet the load's turns more often than by chance, must be of one size, and must be most of all jumps
-    found.  ``load_along`` returns the load (n, joints) along a motion.  It is called first with the given motion, whose
-    acceleration contains the jumps, then with the motion without them.
+    The jumps must be steps, of one size, must meet the load's turns more often than by chance, and must be most of all
+    jumps found.  ``load_along`` returns the load (n, joints) along a motion.  It is called first with the given motion,
+    whose acceleration contains the jumps, then with the motion without them.
     """
     load = load_along(motion)
     found = {}
@@ -155,6 +158,11 @@ def _measured(position: Floats, motion: Motion, turns: int, width: float, at: In
     alike = np.abs(size - play) < ALIKE * play
     if np.sum(alike) < max(FEWEST_ALIKE, MOSTLY * alike.size):
         return None
+    power = np.sum(np.square(parts[alike]), axis=1)
+    left = power - np.max(along[alike] ** 2 / weight, axis=1)
+    usual, spread = _usually_left(position, motion, edges)
+    if np.median(left) > usual + SURE * spread / np.sqrt(left.size) + NO_STEP * np.median(power):
+        return None
     play = float(np.median(size[alike]))
     nearest = np.argmin(play * weight - 2.0 * along, axis=1)
     course, taken = np.zeros_like(position), []
@@ -173,6 +181,15 @@ def _measured(position: Floats, motion: Motion, turns: int, width: float, at: In
     spread = float(np.std(size[alike], ddof=1) / np.sqrt(np.sum(alike)))
     edge = EDGE_KNOWN * play if np.median(edges.width[nearest[alike]]) > 0.0 else 0.0
     return Jumps(play, SURE * spread + edge, course, at[taken], way[taken], turns)
+
+
+def _usually_left(position: Floats, motion: Motion, edges: _Edges) -> tuple[float, float]:
+    # The squares that noise, and motion that is no polynomial, usually leave in a window, and their spread by chance.
+    reach = int(edges.samples[-1])
+    centres = [np.arange(own.start + reach, own.stop - reach, reach) for own in motion.pieces]
+    left = _beside(position[np.concatenate(centres)[:, None] + edges.samples], edges.basis)
+    usual = float(np.median(np.sum(np.square(left), axis=1)))
+    return usual, usual * float(np.sqrt(2.0 / (edges.samples.size - DEGREE - 1)))
 
 
 @functools.lru_cache(maxsize=64)

@@ -7,6 +7,7 @@ import pyarrow as pa
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
+from mjfriction.record import jumps as module
 from mjfriction.record.jump_free import without_jumps
 from mjfriction.record.jumps import Jumps, find_jumps
 from mjfriction.record.log import Floats, Log
@@ -81,6 +82,23 @@ def test_steps_of_any_size_are_no_play(time: Floats) -> None:
     turns = np.cumsum(np.abs(np.diff(stands, prepend=stands[0])) > 0.0)
     uneven = np.random.default_rng(1).lognormal(0.0, 1.0, turns[-1] + 1)[turns] * stands
     assert seen(recorded(uneven))[1] is None
+
+
+@pytest.mark.parametrize("flight", [0.08, 0.12])
+def test_a_link_that_flies_across_its_play_moves_its_sensor_in_no_step(
+    flight: float, time: Floats, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    side = np.sign(pull(time))
+    turns = np.flatnonzero(np.diff(side, prepend=side[0]))
+    left = time - time[turns[np.maximum(np.searchsorted(turns, np.arange(time.size), side="right") - 1, 0)]]
+    stands = np.where((left < 0.0) | (left > flight), side, side * (2.0 * (left / flight) ** 2 - 1.0))
+    log = recorded(stands, noise=2e-6)
+    assert seen(log)[1] is None
+    # Taken for a step, it is one of less than the play: what no polynomial follows is the landing.
+    monkeypatch.setattr(module, "NO_STEP", 1.0)
+    _, mistaken = seen(log)
+    assert mistaken is not None
+    assert mistaken.size < 0.8 * PLAY
 
 
 def test_without_its_jumps_a_motion_is_the_links(time: Floats) -> None:
