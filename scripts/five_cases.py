@@ -25,8 +25,8 @@ WIDTH = 118
 INTRODUCTION = """# Five hidden effects, from the picture to the cause
 
 Written by `python -m scripts.five_cases`. Each is a machine in closed loop with one effect hidden in it; mjfriction saw
-the log and a robot file that knows nothing of it. Every picture shows what the log says beyond the robot file, as
-stated and with the finding in the model, against the quantity that the cause goes with; of waves, their spectrum.
+the log and a robot file that knows nothing of it. Every picture shows what the log says beyond the robot file,
+without the finding in the model and with it, against the quantity that the cause goes with; of waves, their spectrum.
 """
 
 

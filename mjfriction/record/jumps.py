@@ -160,8 +160,8 @@ def _measured(position: Floats, motion: Motion, turns: int, width: float, at: In
         return None
     power = np.sum(np.square(parts[alike]), axis=1)
     left = power - np.max(along[alike] ** 2 / weight, axis=1)
-    usual, spread = _usually_left(position, motion, edges)
-    if np.median(left) > usual + SURE * spread / np.sqrt(left.size) + NO_STEP * np.median(power):
+    usual, by_chance = _usually_left(position, motion, edges)
+    if np.median(left) > usual + SURE * by_chance / np.sqrt(left.size) + NO_STEP * np.median(power):
         return None
     play = float(np.median(size[alike]))
     nearest = np.argmin(play * weight - 2.0 * along, axis=1)
