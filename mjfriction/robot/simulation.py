@@ -11,7 +11,8 @@ from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Joint
 from mjfriction.robot.spots import as_waves
 from mjfriction.robot.spring import coefficients
-from mjfriction.sim.spec import LinkMass, PointLoad, Spec, add_springs, read_spec
+from mjfriction.sim.spec import LinkMass, PointLoad, Spec, read_spec
+from mjfriction.sim.springs import add_springs
 
 PAYLOAD = "payload"
 BESIDE = (

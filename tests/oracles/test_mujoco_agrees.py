@@ -19,7 +19,7 @@ from mjfriction.robot.robot import Robot, bundled_robots
 from mjfriction.robot.schema import Spring
 from mjfriction.robot.simulation import robot_laws, robot_spec
 from mjfriction.robot.table import Wave
-from mjfriction.sim.spec import add_springs
+from mjfriction.sim.springs import add_springs
 
 
 def changed(robot: Robot, **tables: object) -> Robot:
