@@ -45,6 +45,8 @@ def add_springs(spec: mujoco.MjSpec, springs: Mapping[str, Sequence[float] | Flo
 def _rest(torque: Polynomial, reach: float) -> float | None:
     # Where the joint rests. Written about a place far outside the stroke, a bent spring's terms cancel, and an XML file
     # has too few digits of them.
+    if torque(0.0) == 0.0:
+        return 0.0
     roots = torque.trim().roots()
     real = roots[np.abs(roots.imag) <= REAL * np.abs(roots)].real
     nearest = min(np.abs(real), default=np.inf)

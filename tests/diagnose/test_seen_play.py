@@ -45,6 +45,7 @@ def test_a_sensor_that_jumps_with_the_load_is_play(case: tuple[Path, Path]) -> N
     (play,) = finding.parameters
     assert play.low < PLAY < play.high
     assert finding.gain.low > 0.3
+    assert diagnosis.gap.rms(finding.without, WRIST) == pytest.approx(finding.gain.before, rel=0.05)
     assert diagnosis.verdict is Verdict.EXPLAINED
     # The extended robot has it, and a log of it is then as it should be.
     again = diagnose_log(log, diagnosis.robot)

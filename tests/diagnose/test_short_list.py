@@ -77,3 +77,10 @@ def test_a_spring_that_hardens_is_not_screened_where_a_straight_one_gains_nothin
     with pytest.raises(AssertionError, match="screened"):
         ranked(build_model(wrong, usual_nuisance(wrong), ()), make_field(wrong, springs))
     assert asked == [1]
+
+
+def test_what_is_simpler_competes_first() -> None:
+    kinds = [type(cause) for cause in STRUCTURAL]
+    simpler = {kind: kind.simpler for kind in kinds if kind.simpler is not None}
+    assert simpler
+    assert all(kinds.index(other) < kinds.index(kind) for kind, other in simpler.items())

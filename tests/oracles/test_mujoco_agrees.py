@@ -124,6 +124,7 @@ def test_a_spring_that_pushes_one_way_everywhere_is_that_torque_too(
     data = mujoco.MjData(model)
     along = np.linspace(*(model.jnt_range[0] if limits else (-2.0 * np.pi, 2.0 * np.pi)), 9)
     torque = polyval(along, coefficients)
+    # The pull of the far tendon changes by 1e-5, and the six digits of a file are another 1e-5 of it.
     for q, expected in zip(along, torque, strict=True):
         data.qpos[0] = q
         mujoco.mj_forward(model, data)
@@ -145,6 +146,16 @@ def test_springs_add_to_the_models_own_in_either_unit() -> None:
             mujoco.mj_forward(model, data)
             bent = -0.8 * q**2 + 0.5 * q**3
             assert data.qfrc_spring[0] == pytest.approx(-(5.0 * (q - 0.2) + 1.0 + 2.0 * q + bent))
+
+
+def test_a_spring_that_takes_the_models_own_away_leaves_none() -> None:
+    spec = mujoco.MjSpec.from_string(
+        '<mujoco><worldbody><body><joint name="j" stiffness="5"/><geom size=".1"/></body></worldbody></mujoco>'
+    )
+    add_springs(spec, {"j": (0.0, -5.0, 0.0, 0.0)})
+    model = spec.compile()
+    assert model.ntendon == 0
+    np.testing.assert_array_equal(model.jnt_stiffness, 0.0)
 
 
 def test_friction_waves_go_onto_the_level() -> None:

@@ -88,7 +88,8 @@ class Cause(ABC):
     # motion leaves its further strengths uncertain.
     contains: ClassVar[tuple[str, ...]] = ()
     fuller: ClassVar[type[Cause] | None] = None  # the same cause with one more strength, tried once this is found
-    # The same cause with fewer shapes.  Where that gains nothing, this one is not screened.
+    # The same cause with fewer shapes, before this one in the catalog.  Where that gains nothing, this one is not
+    # screened.
     simpler: ClassVar[type[Cause] | None] = None
     # The same cause with more strengths: it may replace this one, alone or together with another cause beside it.
     richer: ClassVar[type[Cause] | None] = None

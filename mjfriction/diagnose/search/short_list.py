@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Cause
 from mjfriction.diagnose.fit.model import Chosen, Model
 from mjfriction.diagnose.fit.shapes import apart, best_shape
 from mjfriction.diagnose.fit.tangent import straightened
@@ -64,11 +63,11 @@ def ranked(model: Model, field: Field) -> list[Chosen]:
     of freedom; those that gain nothing are left out.
     """
     every = max(1, model.gap.blocks.row.size // SCREENED_ROWS)
-    best: list[tuple[float, Chosen]] = []
-    competing = {entrant.kind for entrant in field}
+    best = []
+    useless = {entrant.kind for entrant in field}  # until they are seen to gain
     for entrant in field:
         order = present(model, entrant)
-        if order >= entrant.times or (_simpler(entrant) in competing and not _gains(_simpler(entrant), best)):
+        if order >= entrant.times or (entrant.cause.simpler, entrant.joint) in useless:
             continue
         columns = _screening(model.gap, entrant, every)
         strengths, gains = model.system.screen(columns, every)
@@ -76,16 +75,10 @@ def ranked(model: Model, field: Field) -> list[Chosen]:
             if entrant.cause.admissible(model.gap, entrant.sites[i], strengths[i]):
                 gain = float(gains[i]) - _price(model.gap, _shown(columns, int(i)) + len(entrant.sites[i].shape))
                 best.append((gain, Chosen(entrant.cause, replace(entrant.sites[i], order=order))))
+                if gain > 0.0:
+                    useless.discard(entrant.kind)
                 break
     return [choice for gain, choice in sorted(best, key=lambda entry: -entry[0]) if gain > 0.0]
-
-
-def _simpler(entrant: Entrant) -> tuple[type[Cause] | None, int]:
-    return entrant.cause.simpler, entrant.joint
-
-
-def _gains(kind: tuple[type[Cause] | None, int], best: list[tuple[float, Chosen]]) -> bool:
-    return any(gain > 0.0 and (type(choice.cause), choice.site.joint) == kind for gain, choice in best)
 
 
 def _tried(model: Model, choice: Chosen) -> Trial | None:
