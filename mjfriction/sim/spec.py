@@ -80,7 +80,7 @@ def read_spec(
     for name, link in (link_inertia or {}).items():
         _put_in_place(spec.joint(name), link)
     for name, shift in (link_shift or {}).items():
-        _shift_centre(spec.joint(name).parent, np.array(shift), path)
+        _shift_centre(spec, name, np.array(shift))
     for name, load in (loads or {}).items():
         # Keep the body's frame at the parent's and set `ipos`: where `ipos` is left out, a spec copies it from `pos`.
         holders[name].add_body(name=name, ipos=load.com, mass=load.mass, inertia=[0.0] * 3, explicitinertial=True)
@@ -142,14 +142,20 @@ def _scale_link(joint: mujoco.MjsJoint, scale: float, path: Path) -> None:
         body.fullinertia = scale * np.asarray(body.fullinertia)
 
 
-def _shift_centre(body: mujoco.MjsBody, shift: np.ndarray, path: Path) -> None:
-    together = _rigid_with(body)
-    if len([one for one in together if one.mass > 0.0]) > 1 or not body.explicitinertial:
-        raise SimulationError(
-            f"{path}: link_shift: the link of body '{body.name}' is of several bodies, or its mass comes from shapes; "
-            "write one <inertial> for it into the model"
-        )
-    body.ipos = np.asarray(body.ipos) + shift
+def _shift_centre(spec: mujoco.MjSpec, joint: str, shift: np.ndarray) -> None:
+    # Bodies that all move by as much keep their moments of inertia about the centre that they have in common.
+    for body, turned in zip(_rigid_with(spec.joint(joint).parent), _turned(spec, joint), strict=True):
+        body.ipos = np.asarray(body.ipos) + turned.T @ shift
+
+
+def _turned(spec: mujoco.MjSpec, joint: str) -> list[np.ndarray]:
+    # How the bodies of a joint's link are turned against the link.  Some that move may have no mass yet.
+    apart = spec.copy()
+    apart.compiler.boundmass = apart.compiler.boundinertia = NO_MASS
+    data = mujoco.MjData(compiled(apart))
+    mujoco.mj_kinematics(data.model, data)
+    link, *others = (data.xmat[body.id].reshape(3, 3) for body in _rigid_with(apart.joint(joint).parent))
+    return [np.eye(3), *(link.T @ other for other in others)]
 
 
 def _rigid_with(body: mujoco.MjsBody) -> list[mujoco.MjsBody]:

@@ -97,7 +97,9 @@ def test_a_links_own_inertia_takes_the_place_of_the_models(tmp_path: Path) -> No
     (tmp_path / "robot.toml").write_text(
         'name = "a"\nmodel = "arm.xml"\njoint = [ { name = "turn" }, { name = "tip" } ]\n'
     )
-    assert compare(changed(read_robot(tmp_path / "robot.toml"), link_inertia={"turn": HEAVY})) < 1e-9
+    of_two_bodies = read_robot(tmp_path / "robot.toml")
+    assert compare(changed(of_two_bodies, link_inertia={"turn": HEAVY})) < 1e-9
+    assert compare(changed(of_two_bodies, link_shift={"turn": (0.01, -0.02, 0.03)})) < 1e-9
 
 
 def test_a_spring_is_the_stated_torque() -> None:
