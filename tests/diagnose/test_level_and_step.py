@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.settle import stated
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_COULOMB, Instant, Machine, write_case
@@ -22,16 +21,10 @@ def higher_and_stepping(at: Instant) -> np.ndarray:
 
 
 @pytest.mark.deep
-def test_a_level_that_is_off_and_a_step_are_told_as_two(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_level_that_is_off_and_a_step_are_told_as_two(tmp_path: Path) -> None:
     log, robot = write_case(tmp_path, Machine(hidden={WRIST: higher_and_stepping}, noise=0.1), seed=4)
-
-    def found() -> dict[str, float]:
-        findings = diagnose_log(read_log(log), read_robot(robot)).findings
-        return {finding.cause: finding.parameters[0].value for finding in findings}
-
-    told = found()
+    findings = diagnose_log(read_log(log), read_robot(robot)).findings
+    told = {finding.cause: finding.parameters[0].value for finding in findings}
     assert told.keys() == {"friction.coulomb_viscous", "event.change"}
     assert told["friction.coulomb_viscous"] == pytest.approx(UR5_COULOMB[WRIST] + LEVEL, rel=0.03)
     assert told["event.change"] == pytest.approx(STEP, rel=0.1)
-    monkeypatch.setattr(stated, "_unmoved", lambda model, held, own: (held, own))
-    assert found().keys() != told.keys()

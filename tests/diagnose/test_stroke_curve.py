@@ -13,7 +13,7 @@ from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.fit.model import Chosen
 from mjfriction.diagnose.search import compete, stroke_curve
-from mjfriction.diagnose.search.stroke_curve import ALONG_STROKE
+from mjfriction.diagnose.search.stroke_curve import ALONG_STROKE, FRICTION_ALONG_STROKE
 from mjfriction.diagnose.settle import stated
 from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.record.readers import read_log
@@ -163,4 +163,9 @@ def test_waves_of_friction_that_are_vague_are_no_findings(tmp_path: Path, monkey
     # As two waves, not as a spot and what waves make of the rest.
     assert sorted(one.parameters[-1].value for one in known) == pytest.approx([4.0, 11.0], rel=0.1)
     monkeypatch.setattr(stroke_curve, "KNOWN_TO", 0.0)
-    assert diagnosed(tmp_path / "vague", waves).findings == ()
+    vague = diagnosed(tmp_path / "vague", waves)
+    assert vague.findings == ()
+    # What is no finding does not vanish: a robot with such friction does not agree with its log.
+    assert vague.verdict is Verdict.UNEXPLAINED
+    assert [(one.joint, one.covariate) for one in vague.remaining] == [("shoulder_pan_joint", FRICTION_ALONG_STROKE)]
+    assert FRICTION_ALONG_STROKE in vague.summary

@@ -11,11 +11,13 @@ from mjfriction.diagnose.causes.spring import BentSpring, Spring
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.fit.intervals import half_widths
 from mjfriction.diagnose.fit.model import Chosen, Key, Model
+from mjfriction.identify.gap import Gap
 from mjfriction.identify.structure import Structure, covariate_rows, curve_share
 from mjfriction.record.log import Floats
 
 FEWEST = 2  # fewest causes along the position, at least one of them a wave, that may be one curve
 ALONG_STROKE = "one smooth curve along its stroke"
+FRICTION_ALONG_STROKE = "friction that differs along its stroke"
 KNOWN_TO = 0.2  # relative half-width of a wavenumber's 95 % interval beyond which the wave's period counts as unknown
 # Relative tolerance within which a wavenumber is a whole multiple of the longest wave's, where two waves, or more of
 # them, are to be harmonics though a smooth curve does as well.
@@ -44,6 +46,27 @@ def vague_waves(model: Model) -> frozenset[Key]:
     two = [choice for choice in waves if joints.count(choice.site.joint) > 1]
     widths = _widths(model) if two else {}
     return frozenset(choice.key for choice in two if _vague(choice, widths))
+
+
+def vague_friction(model: Model, heldout: Floats) -> list[Structure]:
+    """Return, for each joint with vague waves, the share that these take of the residual that they leave without them.
+
+    ``heldout`` (rows, joints) is the model's held-out residual.
+    """
+    gap, waves = model.gap, vague_waves(model)
+    without = model
+    for choice in model.chosen:
+        without = without.without(choice) if choice.key in waves else without
+    joints = sorted({choice.site.joint for choice in model.chosen if choice.key in waves})
+    before = without.heldout_residual() if joints else heldout
+    return [
+        Structure(gap.robot.joints[joint], FRICTION_ALONG_STROKE, _taken(gap, joint, before, heldout))
+        for joint in joints
+    ]
+
+
+def _taken(gap: Gap, joint: int, before: Floats, after: Floats) -> float:
+    return 1.0 - (gap.rms(after[:, joint], joint) / max(gap.rms(before[:, joint], joint), 1e-300)) ** 2
 
 
 def _widths(model: Model) -> dict[Key, Floats]:
@@ -87,7 +110,7 @@ def stroke_curves(model: Model, heldout: Floats) -> list[StrokeCurve]:
         for choice in own:
             without = without.without(choice)
         before = without.heldout_residual()
-        taken = 1.0 - (gap.rms(heldout[:, joint], joint) / max(gap.rms(before[:, joint], joint), 1e-300)) ** 2
+        taken = _taken(gap, joint, before, heldout)
         share = curve_share(gap, joint, covariate_rows(gap, joint, "position"), before)
         unsure = any(isinstance(choice.cause, Cogging) and _vague(choice, widths) for choice in own)
         curved = share > AS_GOOD * taken and not _harmonics(own)

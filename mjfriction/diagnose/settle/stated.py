@@ -100,12 +100,10 @@ def settle(model: Model, asked: Field) -> Settled:
             if unbent is not None:
                 model = unbent
                 continue
-        held = reshaped(build_model(model.gap, model.nuisance.without_level(joint), model.chosen), {joint})
-        trial = try_out(held, Chosen(STATED_LEVELS, level.site))
+        held, trial = _as_stated(model, level)
         if trial is None or trial.chance > FALSE_ALARM or trial.gain <= 0.0:
             model = held
         elif trial.passes(field_size) and change[joint] > bar and not _of_another_moment(model, level, bar):
-            held, trial = _unmoved(model, held, trial)
             rival = _simpler(held, trial, asked)
             scaled = scaled_levels(model, held, trial, change) if rival is None else None
             if rival is not None:
@@ -228,15 +226,18 @@ def _of_another_moment(model: Model, level: Level, bar: float) -> bool:
     )
 
 
-def _unmoved(model: Model, held: Model, own: Trial) -> tuple[Model, Trial]:
-    # With levels held, shapes of other causes move to compensate, e.g. a step moves to the beginning of the log.  If
-    # free levels do worse beside the moved shapes than beside the previous ones, compare them beside the previous ones.
-    joint = own.chosen.site.joint
-    if leaves_as_little(held.with_also(own.chosen), model, [joint]):
-        return held, own
+def _as_stated(model: Model, level: Level) -> tuple[Model, Trial | None]:
+    # The model with a level as stated, and the free level tried against it.  Shapes of other causes move to compensate,
+    # e.g. a step moves to the beginning of the log.  If a free level does worse beside the moved shapes than beside the
+    # previous ones, it is tried beside the previous ones.
+    joint, free = level.site.joint, Chosen(STATED_LEVELS, level.site)
     there = build_model(model.gap, model.nuisance.without_level(joint), model.chosen)
-    trial = try_out(there, own.chosen)
-    return (held, own) if trial is None else (there, trial)
+    held = reshaped(there, {joint})
+    trial = try_out(held, free)
+    if trial is not None and leaves_as_little(held.with_also(free), model, [joint]):
+        return held, trial
+    beside = try_out(there, free)
+    return (held, trial) if beside is None else (there, beside)
 
 
 def _simpler(held: Model, own: Trial, asked: Field) -> Chosen | None:

@@ -13,7 +13,7 @@ from mjfriction.diagnose.faults.mend import Audited
 from mjfriction.diagnose.faults.which_log import logs_with
 from mjfriction.diagnose.fit.model import Model
 from mjfriction.diagnose.search.oscillations import told_oscillations
-from mjfriction.diagnose.search.stroke_curve import ALONG_STROKE, StrokeCurve
+from mjfriction.diagnose.search.stroke_curve import ALONG_STROKE, FRICTION_ALONG_STROKE, StrokeCurve, vague_friction
 from mjfriction.diagnose.tell.outcome import Finding, Verdict
 from mjfriction.identify.colour import COLOURED, NOTHING, coloured_share
 from mjfriction.identify.gap import Gap
@@ -42,7 +42,8 @@ def unexplained(
     """Return, for each joint whose held-out residual is too large, what this residual follows most.
 
     ``after`` are the structured shares of ``heldout`` (rows, joints).  ``curves`` along strokes and oscillations are
-    unexplained too, since they are not of any cause.
+    unexplained too, since they are not of any cause; and so is, where nothing else is, friction of which only waves
+    whose period is not known tell how it differs along the stroke.
     """
     oscillating = [one for one in told_oscillations(model) if one.share > STRUCTURED]
     out = [*(one.structure for one in curves), *oscillating]
@@ -50,7 +51,8 @@ def unexplained(
     for joint in model.gap.examined:
         if model.gap.robot.joints[joint] not in spelt:
             out += _followed(model, joint, after, heldout)
-    return out
+    told = {structure.joint for structure in out}
+    return out + [structure for structure in vague_friction(model, heldout) if structure.joint not in told]
 
 
 def judged(model: Model) -> Gap:
@@ -191,6 +193,8 @@ def _left(entry: Structure, joints: tuple[JointError, ...]) -> str:
     share = f"{100 * entry.share:.0f} %"
     if entry.covariate == ALONG_STROKE:
         return f"{share} of the error at {entry.joint} is {ALONG_STROKE}, as a soft stop or a cable makes"
+    if entry.covariate == FRICTION_ALONG_STROKE:
+        return f"{share} of the error at {entry.joint} is {FRICTION_ALONG_STROKE}, in a form that is not clear"
     course = f", of which {share} follow {entry.covariate}" if entry.share > STRUCTURED else ""
     if course and entry.covariate == NOTHING:
         course = f", of which {share} are no noise, but follow {NOTHING}"
