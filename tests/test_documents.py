@@ -15,11 +15,14 @@ from mjfriction.diagnose.causes.carried_drive import TRIED, WHOLE
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.coupling import RATIOS
 from mjfriction.diagnose.causes.elasticity import RESONANCE_BAND, STIFFER
-from mjfriction.diagnose.causes.friction_spot import NARROWEST, PASSES, WIDEST
+from mjfriction.diagnose.causes.friction_edge import SHARPEST
+from mjfriction.diagnose.causes.friction_edge import WIDEST as LEVEL_FROM
+from mjfriction.diagnose.causes.friction_spot import NARROWEST, WIDEST
 from mjfriction.diagnose.causes.landed_play import FLOWN
 from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOMENTS, LEAST_MOVED, LEAST_MOVED_ALONE, LEAST_NOTED
 from mjfriction.diagnose.causes.load import LEAST_ROTOR
 from mjfriction.diagnose.causes.offset import Offset
+from mjfriction.diagnose.causes.passed import PASSES
 from mjfriction.diagnose.causes.presliding import LEAST_PART, SLIPS
 from mjfriction.diagnose.causes.steepening_viscous import POWERS
 from mjfriction.diagnose.causes.stribeck import GONE_BY, UNFINISHED
@@ -68,6 +71,7 @@ from mjfriction.record.jumps import NO_STEP
 from mjfriction.record.motion import DAWDLING, HELD, HELD_BESIDE_ANOTHER_KIND, RINGING, USUALLY
 from mjfriction.report.result import UNEVEN as UNEVEN_CLOCK
 from mjfriction.reproduce.catalog import DOCUMENTS
+from mjfriction.robot.edges import APART as EDGES_APART
 from mjfriction.robot.robot import bundled_robots
 from mjfriction.robot.rubbing import UNSETTLED
 from mjfriction.robot.spots import APART
@@ -198,11 +202,14 @@ def test_how_it_decides_tells_what_ratios_a_shared_drive_may_have() -> None:
 def test_how_it_decides_tells_how_wide_a_worn_place_is() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"a bump with a standard deviation of {100 * NARROWEST:g} to {100 * WIDEST:g} % of the stroke" in told
+    assert f"a standard deviation of {100 * SHARPEST:g} to {100 * LEVEL_FROM:g} % of the stroke" in told
     assert PASSES == 4, "the page says four times"
 
 
 def test_the_robot_file_tells_when_a_spot_comes_back() -> None:
-    assert f"a series that comes back every {APART:g} widths" in " ".join(text("docs/robot_file.md").split())
+    told = " ".join(text("docs/robot_file.md").replace("\n# ", " ").split())
+    assert f"a series that comes back every {APART:g} widths" in told
+    assert f"a series whose edges are {EDGES_APART / 2:g} widths apart" in told
 
 
 def test_how_it_decides_tells_what_is_too_faint() -> None:

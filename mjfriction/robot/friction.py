@@ -13,7 +13,7 @@ from mjfriction.laws.stribeck import STRIBECK
 from mjfriction.robot.friction_tables import FrictionTerm, LevelTable
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Joint
-from mjfriction.robot.table import Spot, Wave
+from mjfriction.robot.table import Edge, Spot, Wave
 
 LEVELS = (
     "coulomb",
@@ -203,6 +203,18 @@ def with_friction_spot(robot: Robot, joint: str, spot: Spot) -> Robot:
     return robot.with_joint(table.model_copy(update={"friction_spots": (*table.friction_spots, spot)}))
 
 
+def with_friction_edge(robot: Robot, joint: str, edge: Edge) -> Robot:
+    """Return the robot with one more edge on a joint's friction level, as :func:`with_friction_wave` adds a wave."""
+    robot = _with_plain_law(robot, joint)
+    table = robot.joint(joint)
+    return robot.with_joint(table.model_copy(update={"friction_edges": (*table.friction_edges, edge)}))
+
+
+def varies_along_stroke(joint: Joint) -> bool:
+    """Return whether a joint states waves, spots or edges of its friction level, which need a plain law."""
+    return bool(joint.friction_waves or joint.friction_spots or joint.friction_edges)
+
+
 def _with_plain_law(robot: Robot, joint: str) -> Robot:
     carried = any(
         term.law == COULOMB_VISCOUS.name
@@ -248,8 +260,8 @@ def with_asymmetric_damping(robot: Robot, joint: str, asymmetry: float) -> Robot
         "viscous_positive": max(viscous + asymmetry, 0.0),
         "viscous_negative": max(viscous - asymmetry, 0.0),
     }
-    if table.friction_waves or table.friction_spots:
-        # Waves and spots need a plain law: keep one with the part of the Coulomb level that both directions share.
+    if varies_along_stroke(table):
+        # Keep a plain law with the part of the Coulomb level that both directions share.
         level = min(coulomb.values())
         coulomb = {way: own - level for way, own in coulomb.items()}
         kept.insert(0, FrictionTerm(law=COULOMB_VISCOUS.name, parameters={"coulomb": level, "viscous": 0.0}))

@@ -10,6 +10,7 @@ from mjfriction.laws.friction import CREEP, Friction
 from mjfriction.laws.law import Floats
 from mjfriction.record.log import HEAD_PRESSURE, ROD_PRESSURE
 from mjfriction.record.motion import SURE, Motion
+from mjfriction.robot.edges import edges_along
 from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Joint
@@ -136,7 +137,8 @@ def varying_friction(joint: Joint, motion: Motion, index: int, forward: Floats) 
     """
     velocity, time = motion.velocity[:, index], motion.time
     position = motion.position[:, index]
-    level = waves_along(joint.friction_waves, position) + spots_along(joint.friction_spots, position)
+    level = waves_along(joint.friction_waves, position)
+    level += spots_along(joint.friction_spots, position) + edges_along(joint.friction_edges, position)
     rate = np.zeros_like(velocity)
     thermal = joint.thermal
     if thermal.coulomb_per_kelvin or thermal.viscous_per_kelvin:

@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo, field_validator
 
 from mjfriction.robot.body_tables import LinkInertia, Payload, Place, TakenUp
 from mjfriction.robot.friction_tables import Event, FrictionTerm, PressureFriction, Thermal, WarmUp
-from mjfriction.robot.table import Finite, NonNegative, Positive, Spot, Table, Vector, Wave
+from mjfriction.robot.table import Edge, Finite, NonNegative, Positive, Spot, Table, Vector, Wave
 
 
 def _as_list(value: Any) -> Any:
@@ -198,9 +198,9 @@ class Joint(Table):
     """One joint.
 
     Several friction laws add up; without any, the model file's own damping and dry friction apply.  ``friction_waves``,
-    ``friction_spots``, ``thermal``, ``warm_up``, ``events`` and ``pressure_friction`` add to them and act against the
-    motion; ``cogging`` and ``spring`` do not depend on its direction.  ``top_speed`` (rad/s, m/s) bounds planned
-    motions and replaces the model file's own limit.
+    ``friction_spots``, ``friction_edges``, ``thermal``, ``warm_up``, ``events`` and ``pressure_friction`` add to them
+    and act against the motion; ``cogging`` and ``spring`` do not depend on its direction.  ``top_speed`` (rad/s, m/s)
+    bounds planned motions and replaces the model file's own limit.
     """
 
     name: str
@@ -210,6 +210,7 @@ class Joint(Table):
     friction: Annotated[tuple[FrictionTerm, ...], BeforeValidator(_as_list)] | None = None
     friction_waves: tuple[Wave, ...] = ()
     friction_spots: tuple[Spot, ...] = ()
+    friction_edges: tuple[Edge, ...] = ()
     cogging: tuple[Wave, ...] = ()
     spring: Spring = Spring()
     thermal: Thermal = Thermal()

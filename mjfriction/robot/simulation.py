@@ -7,6 +7,8 @@ from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
 from mjfriction.laws.friction import Friction, Level, friction
 from mjfriction.laws.position_dependent import POSITION_DEPENDENT
 from mjfriction.robot.body_tables import Payload, TakenUp
+from mjfriction.robot.edges import edge_as_waves
+from mjfriction.robot.friction import varies_along_stroke
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Joint
 from mjfriction.robot.spots import as_waves
@@ -87,23 +89,24 @@ def _in_model(joint: Joint) -> Joint:
 def robot_laws(robot: Robot) -> dict[str, list[Friction]]:
     """Return the friction laws that each joint states, as :func:`mjfriction.attach` takes them.
 
-    Raises :class:`RobotError` for ``friction_waves`` or ``friction_spots`` on a joint without a plain
-    ``coulomb_viscous`` law on the joint's side.
+    Raises :class:`RobotError` for ``friction_waves``, ``friction_spots`` or ``friction_edges`` on a joint without a
+    plain ``coulomb_viscous`` law on the joint's side.
     """
     laws = {joint.name: joint_laws(joint) for joint in robot.table.joint}
     return {name: own for name, own in laws.items() if own}
 
 
 def joint_laws(joint: Joint) -> list[Friction]:
-    """Return a joint's laws, with ``friction_waves`` and ``friction_spots`` built into its Coulomb-viscous law.
+    """Return a joint's laws, with ``friction_waves``, ``friction_spots`` and ``friction_edges`` built into its
+    Coulomb-viscous law.
 
-    That law becomes a position-dependent one; spots are expressed as waves.
+    That law becomes a position-dependent one; spots and edges are expressed as waves.
     """
     laws = [term.friction(joint.actuator.gear_ratio) for term in joint.friction or ()]
-    if not joint.friction_waves and not joint.friction_spots:
+    if not varies_along_stroke(joint):
         return laws
-    spots = [as_waves(spot) for spot in joint.friction_spots]
-    every = (*joint.friction_waves, *(wave for _, waves in spots for wave in waves))
+    places = [*map(as_waves, joint.friction_spots), *map(edge_as_waves, joint.friction_edges)]
+    every = (*joint.friction_waves, *(wave for _, waves in places for wave in waves))
     for i, term in enumerate(joint.friction or ()):
         plain = term.side == "joint" and term.negative is None and laws[i].level == Level()
         if term.law == COULOMB_VISCOUS.name and plain:
@@ -112,10 +115,11 @@ def joint_laws(joint: Joint) -> list[Friction]:
                 "cosine": [wave.cosine for wave in every],
                 "sine": [wave.sine for wave in every],
             }
-            coulomb = term.value("coulomb") + sum(level for level, _ in spots)
+            coulomb = term.value("coulomb") + sum(level for level, _ in places)
             laws[i] = friction(POSITION_DEPENDENT.name, {**term.parameters, "coulomb": coulomb, **waves})
             return laws
     raise RobotError(
-        f"joint '{joint.name}': friction_waves and friction_spots vary the level of a plain coulomb_viscous law on the "
-        "joint's side, and it has none; add one (without `negative` and `level`; its coulomb may be 0)"
+        f"joint '{joint.name}': friction_waves, friction_spots and friction_edges vary the level of a plain "
+        "coulomb_viscous law on the joint's side, and it has none; add one (without `negative` and `level`; its "
+        "coulomb may be 0)"
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -32,3 +32,14 @@ class Spot(Table):
     position: Finite
     width: Positive
     coulomb: Finite
+
+
+class Edge(Table):
+    """A torque on one ``side`` of a place of the stroke: ``coulomb`` · Φ(±(q − ``position``)/``width``), Φ being the
+    normal distribution and the plus for the side above.
+    """
+
+    position: Finite
+    width: Positive
+    coulomb: Finite
+    side: Literal["above", "below"] = "above"

@@ -10,6 +10,7 @@ import pytest
 
 from mjfriction.diagnose import diagnosis
 from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.friction_edge import FrictionAbove, FrictionBelow
 from mjfriction.diagnose.causes.friction_spot import FrictionSpot
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.diagnosis import diagnose_log
@@ -101,15 +102,18 @@ def gap_with_offset(folder: Path, offset: float) -> Gap:
 
 
 @pytest.mark.parametrize(
-    "cause", [FrictionSpot(), PositionFriction(), Cogging()], ids=lambda cause: type(cause).__name__
+    "cause",
+    [FrictionSpot(), FrictionAbove(), FrictionBelow(), PositionFriction(), Cogging()],
+    ids=lambda cause: type(cause).__name__,
 )
 def test_what_lies_along_the_stroke_is_stated_where_the_joint_is(
-    cause: FrictionSpot | PositionFriction | Cogging, tmp_path: Path
+    cause: FrictionSpot | FrictionAbove | FrictionBelow | PositionFriction | Cogging, tmp_path: Path
 ) -> None:
     gap = gap_with_offset(tmp_path, 0.4)
     middle = float(np.median(gap.motion.position[:, ELBOW]))
-    shape = (middle, 0.15) if isinstance(cause, FrictionSpot) else (5.0,)
-    strengths, site = np.array([2.0, -1.0])[: 1 if isinstance(cause, FrictionSpot) else 2], Site(ELBOW, shape)
+    wave = isinstance(cause, PositionFriction | Cogging)
+    strengths, shape = (np.array([2.0, -1.0]), (5.0,)) if wave else (np.array([2.0]), (middle, 0.15))
+    site = Site(ELBOW, shape)
     extended = cause.extend(gap.robot, site, strengths)
     before, after = (predict_effort(one, one.body(), gap.motion).reported for one in (gap.robot, extended))
     expected = cause.samples(gap, site) @ strengths

@@ -169,7 +169,7 @@ def test_friction_waves_go_onto_the_level() -> None:
     expected = stated.value("coulomb") + 0.7 * np.sin(1.6) + stated.value("viscous")
     assert law.steady(np.array([1.0]), around)[0] == pytest.approx(expected)
     term = FrictionTerm(law="coulomb", parameters={"coulomb": 1.0})
-    with pytest.raises(RobotError, match="friction_waves and friction_spots vary the level of a plain"):
+    with pytest.raises(RobotError, match="friction_waves, friction_spots and friction_edges vary the level of a plain"):
         robot_laws(robot.with_joint(wavy.model_copy(update={"friction": (term,)})))
 
 

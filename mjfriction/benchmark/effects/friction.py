@@ -8,15 +8,18 @@ from mjfriction.benchmark.effects.effect import Effect, Place, on_joint, sign, u
 from mjfriction.robot.friction import (
     raised_levels,
     with_asymmetric_damping,
+    with_friction_edge,
     with_friction_spot,
     with_friction_wave,
     with_term,
 )
 from mjfriction.robot.friction_tables import Event, PressureFriction, Thermal, WarmUp
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.table import Spot
+from mjfriction.robot.table import Edge, Spot
 
-WAVING = 0.6  # probability that friction that varies along the stroke is a wave; otherwise it is a worn spot
+# Probability that friction that varies along the stroke is a wave, and that one that is not is an edge; otherwise it is
+# a worn spot.
+WAVING, EDGED = 0.6, 0.5
 CHAMBERS = 0.6  # probability that each chamber presses its own seal; otherwise their difference presses one seal
 
 
@@ -102,11 +105,12 @@ def presliding(rng: np.random.Generator, place: Place) -> Effect:
 
 
 def position(rng: np.random.Generator, place: Place) -> Effect:
-    """A level that rises and falls along the stroke, or is higher at one place of it."""
+    """A level that rises and falls along the stroke, or is higher at one place of it, or from there on."""
     wave = wave_along(rng, place, 10.0)
-    # Seeded from the wave, so that the other draws of a seed are the same as before spots were added.
+    # Seeded from the wave, so that the other draws of a seed are the same as before spots and edges were added.
     own = np.random.default_rng(int(1e6 * wave(1.0).wavenumber))
     where, width, waves = own.uniform(0.15, 0.85), own.uniform(0.04, 0.2), own.random() < WAVING
+    edged, sharp, side = own.random() < EDGED, own.uniform(0.005, 0.06), own.choice(["above", "below"])
     low = float(np.min(place.course))
 
     def waving(robot: Robot, a: float) -> Robot:
@@ -117,7 +121,13 @@ def position(rng: np.random.Generator, place: Place) -> Effect:
         spot = Spot(position=low + where * place.stroke, width=width * place.stroke, coulomb=level)
         return with_friction_spot(robot, place.joint, spot)
 
-    return on_joint("friction.position", place, waving if waves else worn, 0.3, 0.95)
+    def dry(robot: Robot, a: float) -> Robot:
+        edge = Edge(
+            position=low + where * place.stroke, width=sharp * place.stroke, coulomb=a * place.coulomb, side=side
+        )
+        return with_friction_edge(robot, place.joint, edge)
+
+    return on_joint("friction.position", place, waving if waves else dry if edged else worn, 0.3, 0.95)
 
 
 def temperature(rng: np.random.Generator, place: Place) -> Effect:

@@ -11,6 +11,7 @@ from mjfriction.diagnose.causes.moved_link import MovedLink, changed
 from mjfriction.identify.gap import Gap
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
+from mjfriction.robot.edges import edge_slopes_along
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import wave_slopes_along
 from mjfriction.robot.spots import spot_slopes_along
@@ -35,9 +36,10 @@ class EncoderOffset(MovedLink):
         return [one, 0.0 * one, 0.0 * one]
 
     def _beside(self, gap: Gap, site: Site) -> Floats:
-        # Springs, waves and spots along the stroke shift too.  The motor is taken to be where its link is.
+        # What is stated along the stroke shifts too.  The motor is taken to be where its link is.
         joint, position = gap.robot.table.joint[site.joint], gap.linked.position[:, site.joint]
-        level = wave_slopes_along(joint.friction_waves, position) + spot_slopes_along(joint.friction_spots, position)
+        level = wave_slopes_along(joint.friction_waves, position)
+        level += spot_slopes_along(joint.friction_spots, position) + edge_slopes_along(joint.friction_edges, position)
         along = spring_slope_along(joint.spring, position) + wave_slopes_along(joint.cogging, position)
         return np.asarray(-along - gap.forward(site.joint) * level)
 

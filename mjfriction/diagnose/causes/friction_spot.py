@@ -8,12 +8,12 @@ from typing import final
 import numpy as np
 
 from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
+from mjfriction.diagnose.causes.passed import passed_often
 from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
-from mjfriction.record.motion import Motion
 from mjfriction.robot.friction import with_friction_spot
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.spots import spots_along
@@ -24,8 +24,6 @@ WIDTH = Parameter("width", "{length}", "how far from there the change has fallen
 HEIGHT = Parameter("coulomb", "{force}", "how much higher the friction level is there")
 WIDTHS = (0.03, 0.06, 0.12, 0.18)  # widths to try, as fractions of the stroke
 NARROWEST, WIDEST = 0.02, 0.2  # range of the width, as fractions of the stroke; a wider spot is almost a level
-PASSES = 4  # least number of passes over a place, in both directions: fewer may show a chance event there
-PLACES = 256  # number of positions along the stroke at which passes are counted
 
 
 @final
@@ -66,9 +64,7 @@ class FrictionSpot(JointCause):
 
     def own_shape(self, gap: Gap, site: Site) -> bool:
         """A spot whose centre is within its width of a place that the joint passes often."""
-        joint, (centre, width) = site.joint, site.shape
-        often = gap.kept.recall(f"places passed {joint}", lambda: {joint: _often(gap.motion, joint)})[joint]
-        return bool(often.size and np.min(np.abs(often - centre)) <= width)
+        return passed_often(gap, site)
 
     def apart(self, gap: Gap, site: Site, other: Site) -> bool:
         """A spot can be told from a wave, but not from another cause with as many shape parameters."""
@@ -111,18 +107,3 @@ class FrictionSpot(JointCause):
 def _bump(position: Floats, site: Site) -> Floats:
     centre, width = site.shape
     return spots_along([Spot(position=centre, width=width, coulomb=1.0)], position)
-
-
-def _often(motion: Motion, joint: int) -> Floats:
-    # The positions along its stroke that a joint passes often enough, and in both directions.
-    position, joined = motion.position[:, joint], np.diff(motion.piece) == 0
-    places = np.linspace(np.min(position), np.max(position), PLACES)
-    before, after = (np.searchsorted(places, own[joined]) for own in (position[:-1], position[1:]))
-    ways = []
-    for low, high in ((before, after), (after, before)):
-        ahead = low < high
-        count = np.zeros(PLACES + 1, dtype=np.int64)
-        np.add.at(count, low[ahead], 1)
-        np.add.at(count, high[ahead], -1)
-        ways.append(np.cumsum(count)[:-1])
-    return np.asarray(places[(ways[0] + ways[1] >= PASSES) & (ways[0] > 0) & (ways[1] > 0)])

@@ -1,4 +1,4 @@
-"""Replace waves, spots and springs that only approximate a curve along the stroke by that curve."""
+"""Replace waves, spots and springs that only approximate an edge or a curve along the stroke by that."""
 
 from __future__ import annotations
 
@@ -11,35 +11,40 @@ from mjfriction.diagnose.causes.along_stroke import (
     TorqueAlongStroke,
     travelled,
 )
+from mjfriction.diagnose.causes.friction_edge import FrictionAbove, FrictionBelow
 from mjfriction.diagnose.causes.spring import Spring
 from mjfriction.diagnose.causes.waves import Cogging
 from mjfriction.diagnose.fit.as_little import leaves_as_little
+from mjfriction.diagnose.fit.exact import level_changes
 from mjfriction.diagnose.fit.model import Chosen, Key, Model, build_model, without_contained
 from mjfriction.diagnose.fit.trial import try_out
+from mjfriction.diagnose.search.field import make_field
 from mjfriction.diagnose.search.refusal import proved
 from mjfriction.diagnose.search.richer import PAYS, paid_gain
+from mjfriction.diagnose.search.short_list import contenders
 from mjfriction.diagnose.search.stroke_curve import stroke_curves, vague_waves
 
 ALONG = {Spring.name, Cogging.name}
 
 
 def as_courses(model: Model) -> Model:
-    """Return the model with a curve along the stroke in the place of causes that only approximate it.
+    """Return the model with edges and curves along the stroke in the place of causes that only approximate them.
 
-    A friction curve replaces waves and spots where it pays for its extra strengths, or where the periods of several
-    waves are not known and it leaves as little error. A torque curve replaces a spring with waves beside it where it
+    An edge of the friction level replaces waves and spots where it pays for itself. A friction curve replaces waves,
+    spots or an edge where it pays for its extra strengths, or where the periods of several waves are not known and it
+    leaves as little error. A torque curve replaces a spring with waves beside it where it
     pays, as where a hose pulls from one place on, and waves and springs that one smooth curve does as well as, where it
     leaves as little error.
     """
     vague = {joint for _, joint, _ in vague_waves(model)}
     for joint in model.gap.examined:
-        own = [
-            choice
-            for choice in model.chosen
-            if (choice.cause.name, choice.site.joint) == (FrictionAlongStroke.name, joint)
-        ]
+        own = _along(model, joint)
         if all(isinstance(choice.cause, FrictionAlongStroke) for choice in own):
             continue
+        if not any(isinstance(choice.cause, FrictionAbove | FrictionBelow) for choice in own):
+            there = _with_edge(model, joint)
+            if there is not None and paid_gain(model, there.chosen) > PAYS:
+                model, own = there, _along(there, joint)
         there = _with_course(model, joint, frozenset(choice.key for choice in own), FrictionAlongStroke())
         if there is not None and (
             paid_gain(model, there.chosen) > PAYS or (joint in vague and leaves_as_little(there, model, [joint]))
@@ -58,6 +63,28 @@ def as_courses(model: Model) -> Model:
         if there is not None and leaves_as_little(there, model, [joint]):
             model = there
     return model
+
+
+def _along(model: Model, joint: int) -> list[Chosen]:
+    name = FrictionAlongStroke.name
+    return [choice for choice in model.chosen if (choice.cause.name, choice.site.joint) == (name, joint)]
+
+
+def _with_edge(model: Model, joint: int) -> Model | None:
+    # Where levels are refitted, friction may as well be higher above a place as lower below it: the edge is taken on
+    # the side that leaves the level on the other nearer to what is stated.
+    own = {choice.key for choice in _along(model, joint)}
+    rest = tuple(choice for choice in model.chosen if choice.key not in own)
+    without = build_model(model.gap, model.nuisance, rest)
+    field = make_field(model.gap, (FrictionAbove(), FrictionBelow()))
+    trials = contenders(without, tuple(entrant for entrant in field if entrant.joint == joint))
+    tried = [without.with_also(trial.chosen) for trial in trials]
+    found = [there for there in tried if proved(there, there.chosen[-1])]
+    best = min(found, key=lambda there: float(np.sum(there.heldout_errors)), default=None)
+    if best is None:
+        return None
+    as_good = (there for there in found if leaves_as_little(there, best, [joint]))
+    return min(as_good, key=lambda there: level_changes(there).get(joint, 0.0))
 
 
 def _with_torque(model: Model, joint: int, keys: frozenset[Key]) -> Model | None:

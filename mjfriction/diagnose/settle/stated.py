@@ -10,6 +10,7 @@ import numpy as np
 from mjfriction.diagnose.causes.along_stroke import FrictionAlongStroke
 from mjfriction.diagnose.causes.asymmetry import Asymmetry
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
+from mjfriction.diagnose.causes.friction_edge import FrictionAbove, FrictionBelow
 from mjfriction.diagnose.causes.friction_spot import FrictionSpot
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.causes.waves import PositionFriction
@@ -49,8 +50,9 @@ LEAST_CHANGE = 0.04  # relative change of friction above which it is a finding o
 LEAST_CHANGE_ROUGH = 0.10  # the same where all joints are slightly off, or where there are too few to compare
 AS_MUCH = 1.0  # relative change of friction from which a curve's parametrisation can no longer explain it
 # A bend counts as faded where it contributes less than this fraction of the level change.  That is examined above the
-# RMS speed or, for a spot, where it is below this fraction of its height.
+# RMS speed or, for a spot or an edge, where it is below this fraction of its height.
 FADED = 0.1
+AT_PLACES = FrictionSpot | FrictionAbove | FrictionBelow
 LEFT = 0.1  # least share of a joint's clear rows that must lie there for this to be examined
 ALWAYS = 0.25  # relative change of friction above which it is a finding, however far off the other joints are
 BAR = 2.0  # standard errors by which refitted zeros, drives or links must improve the held-out error to be kept
@@ -187,18 +189,18 @@ def _rising(model: Model, joint: int) -> bool:
 
 def _off_beyond_a_bend(model: Model, level: Level, bar: float) -> bool:
     # Whether friction is off by more than the bar at rows where bends have faded: where the joint is too fast for a
-    # bend near rest, or too far away from a spot.
+    # bend near rest, or too far away from a spot or an edge.
     gap, joint = model.gap, level.site.joint
     bends = [
         (choice, fitted)
         for choice, fitted in model.fitted_causes
         if choice.site.joint == joint and choice.cause.name in WITH_LEVELS
     ]
-    if not all(choice.cause.name == Stribeck.name or isinstance(choice.cause, FrictionSpot) for choice, _ in bends):
+    if not all(choice.cause.name == Stribeck.name or isinstance(choice.cause, AT_PLACES) for choice, _ in bends):
         return False
     beyond = gap.clear[:, joint].copy()
     for choice, _ in bends:
-        if isinstance(choice.cause, FrictionSpot):
+        if isinstance(choice.cause, AT_PLACES):
             column = np.abs(cause_block(gap, choice)[0][joint][:, 0])
             beyond &= column < FADED * np.max(column)
         else:
