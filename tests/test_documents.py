@@ -39,6 +39,7 @@ from mjfriction.diagnose.fit.nuisance import FARTHEST, LET_GO
 from mjfriction.diagnose.fit.refitted import CONSTANT, FEWEST_JOINTS, LINK_SCALE, LINK_SHIFT, OUT_OF_CHANCE, ROTOR, ZERO
 from mjfriction.diagnose.fit.trial import EVENEST, FALSE_ALARM, LEAST_EFFECT, STANDS_OUT, UNEVEN, WAVIEST
 from mjfriction.diagnose.search.compete import KEPT, MOST_CAUSES, MOST_STEPS
+from mjfriction.diagnose.search.courses import NEARLY, OF_REMOVED
 from mjfriction.diagnose.search.exchange import MOST_EXCHANGED
 from mjfriction.diagnose.search.free_links import BAR, FEWEST_GAINING, LEAST_GAINED, MANY, STRAINED
 from mjfriction.diagnose.search.kin import FULLER_CHANCE, KIN_CHANCE, LEAST_KIN_EFFECT
@@ -204,6 +205,12 @@ def test_how_it_decides_tells_how_wide_a_worn_place_is() -> None:
     assert f"a bump with a standard deviation of {100 * NARROWEST:g} to {100 * WIDEST:g} % of the stroke" in told
     assert f"a standard deviation of {100 * SHARPEST:g} to {100 * LEVEL_FROM:g} % of the stroke" in told
     assert PASSES == 4, "the page says four times"
+
+
+def test_how_it_decides_tells_how_much_more_a_curve_may_leave() -> None:
+    assert (NEARLY, OF_REMOVED) == (1.25, 1.0 / 50.0)
+    told = " ".join(text("docs/how_it_decides.md").split())
+    assert "at most a quarter more, which must be less than a fiftieth (in mean square) of what it removes" in told
 
 
 def test_the_robot_file_tells_when_a_spot_comes_back() -> None:

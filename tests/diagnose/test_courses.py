@@ -15,16 +15,20 @@ from mjfriction.diagnose.causes.along_stroke import (
     TorqueAlongStroke,
     travelled,
 )
-from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.cause import UNCONSTRAINED, Site
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.spring import BentSpring, Spring
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
-from mjfriction.diagnose.fit.model import Chosen, build_model
+from mjfriction.diagnose.fit.model import Chosen, build_model, cause_block
 from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.fit.shapes import reshaped
 from mjfriction.diagnose.search import courses
 from mjfriction.diagnose.search.courses import as_courses
 from mjfriction.diagnose.search.stroke_curve import StrokeCurve
 from mjfriction.diagnose.settle import stated
+from mjfriction.diagnose.settle.stated import Settled
+from mjfriction.diagnose.tell.alike import EVEN
+from mjfriction.diagnose.tell.findings import _instead, _standing
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.measure import measure_gap
 from mjfriction.identify.structure import Structure
@@ -106,6 +110,49 @@ def test_a_hose_that_pulls_more_and_more_is_a_course_that_rises_to_an_end(
     # Half waves are level at its end, and leave what waves and a cubic do not.
     monkeypatch.setattr(courses, "RisingAlongStroke", TorqueAlongStroke)
     assert as_courses(model) is model
+
+
+def of_few_waves(i: Instant) -> np.ndarray:
+    # Hardly more than one period of a gear's longest wave, and what is no harmonic of it.
+    k = 2.0 * np.pi * 1.4 / np.ptp(i.q)
+    return 8.0 * np.cos(k * i.q + 0.3) + 1.5 * np.cos(2.3 * k * i.q) + np.cos(0.25 * k * i.q)
+
+
+def test_a_smooth_torque_that_may_be_waves_is_told_as_either(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    gap = gap_of(tmp_path, of_few_waves)
+    k = 2.0 * np.pi * 1.4 / float(np.ptp(gap.motion.position[:, PAN]))
+    waves = [Chosen(Cogging(), Site(PAN, (m * k,), order=order)) for order, m in enumerate((1.0, 2.3))]
+    chosen = (Chosen(BentSpring(), Site(PAN)), *waves)
+    model = reshaped(build_model(gap, make_nuisance(gap), chosen))
+    there = as_courses(model)
+    (course,) = there.chosen
+    assert isinstance(course.cause, RisingAlongStroke)
+    assert course.instead == model.chosen
+    stands = _standing(Settled(there, ()), course, ())
+    assert (stands.alternatives, stands.confidence) == (("drive.cogging",), EVEN)
+    name, other = _instead(Settled(there, ()), course, stands) or ("", there)
+    assert (name, other.chosen) == ("drive.cogging", model.chosen)
+    monkeypatch.setattr(courses, "_hardly_more", lambda *_: False)
+    assert as_courses(model) is model
+
+
+def test_half_waves_of_a_torque_do_not_run_wild_where_motion_did_not_go(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gap = gap_of(tmp_path, hose)
+    choice = Chosen(RisingAlongStroke(), RisingAlongStroke().along(gap, PAN))
+    position, residual = gap.at_rows("position")[:, PAN], gap.residual[:, PAN]
+    there = position < np.quantile(position, 0.8)
+
+    def off_elsewhere() -> float:
+        columns, precision = cause_block(gap, choice)
+        rows = columns[PAN][there] / gap.noise_floor[PAN]
+        strengths = np.linalg.solve(rows.T @ rows + np.diag(precision), rows.T @ residual[there] / gap.noise_floor[PAN])
+        return float(np.sqrt(np.mean(np.square((residual - columns[PAN] @ strengths)[~there]))))
+
+    kept = off_elsewhere()
+    monkeypatch.setattr(RisingAlongStroke, "spreads", lambda _: UNCONSTRAINED)
+    assert off_elsewhere() > 10.0 * kept
 
 
 def test_one_wave_stays_a_wave(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from typing import ClassVar, final
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site
+from mjfriction.diagnose.causes.cause import UNCONSTRAINED, JointCause, Quantity, Site
 from mjfriction.diagnose.causes.spring import Spring
 from mjfriction.diagnose.causes.waves import PositionFriction, as_stated
 from mjfriction.identify.gap import Gap
@@ -125,13 +125,18 @@ class _Torque(AlongStroke):
     """A torque that depends on q: a hose that pulls beyond one position, a cable, a soft stop.
 
     To the half waves, which are level at both ends of the stroke, it adds powers of u, which goes from −½ at the
-    stroke's beginning to ½ at its end.
+    stroke's beginning to ½ at its end.  As in the series of a curve without kinks, amplitudes are expected to fall as
+    1/m²: free ones run wild where motion hardly goes.
     """
 
     name = Spring.name
     contains = Spring.contains
     what = "a torque follows position alone, whichever way the joint moves,"
     powers: ClassVar[tuple[Parameter, ...]]  # coefficients of the powers, the constant first
+
+    def spreads(self) -> Floats:
+        """Free powers, and half waves of the effort's size that fall as 1/m²."""
+        return np.append(np.full(len(self.powers), UNCONSTRAINED), np.arange(1, FINEST + 1) ** -2.0)
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The powers of u and the half waves, (n, strengths)."""

@@ -20,6 +20,7 @@ from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
 
 SHIFTS = 61  # moments (or loads) sampled along a cause's course, any of which the stated levels may belong to
+UNCONSTRAINED = 100.0  # prior deviation of a cause's effort, in multiples of the joint's RMS effort
 AROUND_STEPS = 9  # number of strengths tried around one of a grid
 
 Shape = tuple[float, ...]
@@ -110,6 +111,12 @@ class Cause(ABC):
     @abstractmethod
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Say in one sentence where in the data the cause shows."""
+
+    def spreads(self) -> float | Floats:
+        """Return the prior deviation of each strength's effort, in multiples of the joint's RMS effort: by default so
+        large that it practically does not constrain.
+        """
+        return UNCONSTRAINED
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """Return whether fitted strengths are physical; by default all are."""

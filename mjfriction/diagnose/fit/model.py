@@ -21,7 +21,6 @@ from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_levels, stribeck_excess
 
 SAME = 1e-9  # two columns are the same if the cosine between them falls short of one by less than this
-PRIOR_SHARE = 100.0  # prior deviation of a cause's effort, in multiples of the joint's RMS: practically unconstrained
 BACKWARD_COULOMB = 0.1  # share of a joint's friction by which its fitted Coulomb level may be negative
 MOST_TAKEN = 1.25  # share of a joint's Coulomb level that its causes may move into laws of their own
 NOISE_ROUNDS, SETTLED = 8, 0.02  # most rounds of estimating the noise, and its relative change at which they end
@@ -45,11 +44,16 @@ class Tangent:
 
 @dataclass(frozen=True)
 class Chosen:
-    """A cause at a site, as part of a model; ``tangent`` replaces a curved cause's columns once it has been fitted."""
+    """A cause at a site, as part of a model.
+
+    ``tangent`` replaces a curved cause's columns once it has been fitted.  ``instead`` are the causes whose place it
+    took, if they leave clearly less than it does.
+    """
 
     cause: Cause
     site: Site
     tangent: Tangent | None = None
+    instead: tuple[Chosen, ...] = ()
 
     @property
     def key(self) -> Key:
@@ -300,7 +304,7 @@ def cause_block(gap: Gap, choice: Chosen) -> tuple[Columns, Floats]:
         columns = {joint: values * shown for joint, values in columns.items()}
         size = np.where(shown, size, np.max(size))
     effort = np.sqrt(np.mean(np.square(gap.measured[:, seat(choice, columns)])))
-    return columns, np.square(size / (PRIOR_SHARE * effort))
+    return columns, np.square(size / (effort * choice.cause.spreads()))
 
 
 def _size(columns: Columns) -> Floats:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from mjfriction.diagnose.causes.along_stroke import (
@@ -25,6 +27,9 @@ from mjfriction.diagnose.search.short_list import contenders
 from mjfriction.diagnose.search.stroke_curve import stroke_curves, vague_waves
 
 ALONG = {Spring.name, Cogging.name}
+# One smooth curve may leave this many times the RMS that the waves and springs leave whose place it takes, if that is
+# less more than this fraction of the mean square that it removes: eight half waves follow hardly any curve exactly.
+NEARLY, OF_REMOVED = 1.25, 0.02
 
 
 def as_courses(model: Model) -> Model:
@@ -34,7 +39,7 @@ def as_courses(model: Model) -> Model:
     spots or an edge where it pays for its extra strengths, or where the periods of several waves are not known and it
     leaves as little error. A torque curve replaces a spring with waves beside it where it
     pays, as where a hose pulls from one place on, and waves and springs that one smooth curve does as well as, where it
-    leaves as little error.
+    leaves hardly more error.
     """
     vague = {joint for _, joint, _ in vague_waves(model)}
     for joint in model.gap.examined:
@@ -62,7 +67,18 @@ def as_courses(model: Model) -> Model:
         there = _with_torque(model, joint, curve.keys)
         if there is not None and leaves_as_little(there, model, [joint]):
             model = there
+        elif there is not None and _hardly_more(there, model, joint):
+            *others, course = there.chosen
+            replaced = tuple(choice for choice in model.chosen if choice.key in curve.keys)
+            model = replace(there, chosen=(*others, replace(course, instead=replaced)))
     return model
+
+
+def _hardly_more(there: Model, than: Model, joint: int) -> bool:
+    gap = there.gap
+    without = there.without(there.chosen[-1])
+    left, least, bare = (gap.rms(one.heldout_residual()[:, joint], joint) for one in (there, than, without))
+    return left < NEARLY * least and left**2 - least**2 < OF_REMOVED * (bare**2 - left**2)
 
 
 def _along(model: Model, joint: int) -> list[Chosen]:

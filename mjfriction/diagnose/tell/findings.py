@@ -11,7 +11,7 @@ from mjfriction.diagnose.causes.links import LinkScale
 from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.fit.intervals import widths_told
-from mjfriction.diagnose.fit.model import Chosen, Key, Model
+from mjfriction.diagnose.fit.model import Chosen, Key, Model, build_model
 from mjfriction.diagnose.fit.trial import shown_at
 from mjfriction.diagnose.search.field import Field
 from mjfriction.diagnose.settle.one_factor import with_factor
@@ -73,8 +73,17 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
 
 
 def _standing(settled: Settled, choice: Chosen, field: Field) -> Standing:
-    stands = standing(settled.model, choice, field)
+    stands = _beside_replaced(choice, standing(settled.model, choice, field))
     return _of_one_factor(choice, stands) if choice.site.joint in settled.scaled else stands
+
+
+def _beside_replaced(choice: Chosen, stands: Standing) -> Standing:
+    # Causes that leave clearly less than the one that took their place are no worse an explanation.
+    others = {other.cause.name for other in choice.instead} - {choice.cause.name}
+    if not others:
+        return stands
+    alternatives = tuple(dict.fromkeys((*stands.alternatives, *sorted(others))))
+    return replace(stands, alternatives=alternatives, confidence=min(stands.confidence, EVEN))
 
 
 def _one_of_many(stands: Standing) -> bool:
@@ -131,6 +140,9 @@ def _finding(model: Model, told: ToTell, stands: Standing, heldout: Floats, seed
 def _instead(settled: Settled, choice: Chosen, stands: Standing) -> tuple[str, Model] | None:
     # The likeliest other explanation: the name of its cause, and the whole model.
     model, joint = settled.model, choice.site.joint
+    if choice.instead:
+        rest = tuple(other for other in model.chosen if other.key != choice.key)
+        return stands.alternatives[-1], build_model(model.gap, model.nuisance, (*rest, *choice.instead))
     if joint in settled.scaled and choice.cause is STATED_LEVELS:
         return TorqueConstant.name, with_factor(model, joint, settled.scaled[joint])
     if joint in settled.scaled and isinstance(choice.cause, TorqueConstant):
