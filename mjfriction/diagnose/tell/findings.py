@@ -79,11 +79,15 @@ def _standing(settled: Settled, choice: Chosen, field: Field) -> Standing:
 
 def _beside_replaced(choice: Chosen, stands: Standing) -> Standing:
     # Causes that leave clearly less than the one that took their place are no worse an explanation.
-    others = {other.cause.name for other in choice.instead} - {choice.cause.name}
+    others = _replaced(choice)
     if not others:
         return stands
-    alternatives = tuple(dict.fromkeys((*stands.alternatives, *sorted(others))))
+    alternatives = tuple(dict.fromkeys((*stands.alternatives, *others)))
     return replace(stands, alternatives=alternatives, confidence=min(stands.confidence, EVEN))
+
+
+def _replaced(choice: Chosen) -> list[str]:
+    return sorted({other.cause.name for other in choice.instead} - {choice.cause.name})
 
 
 def _one_of_many(stands: Standing) -> bool:
@@ -140,9 +144,9 @@ def _finding(model: Model, told: ToTell, stands: Standing, heldout: Floats, seed
 def _instead(settled: Settled, choice: Chosen, stands: Standing) -> tuple[str, Model] | None:
     # The likeliest other explanation: the name of its cause, and the whole model.
     model, joint = settled.model, choice.site.joint
-    if choice.instead:
+    if _replaced(choice):
         rest = tuple(other for other in model.chosen if other.key != choice.key)
-        return stands.alternatives[-1], build_model(model.gap, model.nuisance, (*rest, *choice.instead))
+        return _replaced(choice)[-1], build_model(model.gap, model.nuisance, (*rest, *choice.instead))
     if joint in settled.scaled and choice.cause is STATED_LEVELS:
         return TorqueConstant.name, with_factor(model, joint, settled.scaled[joint])
     if joint in settled.scaled and isinstance(choice.cause, TorqueConstant):
