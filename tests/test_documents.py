@@ -15,6 +15,7 @@ from mjfriction.diagnose.causes.carried_drive import TRIED, WHOLE
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.coupling import RATIOS
 from mjfriction.diagnose.causes.elasticity import RESONANCE_BAND, STIFFER
+from mjfriction.diagnose.causes.friction_at_place import PASSES
 from mjfriction.diagnose.causes.friction_edge import SHARPEST
 from mjfriction.diagnose.causes.friction_edge import WIDEST as LEVEL_FROM
 from mjfriction.diagnose.causes.friction_spot import NARROWEST, WIDEST
@@ -22,7 +23,6 @@ from mjfriction.diagnose.causes.landed_play import FLOWN
 from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOMENTS, LEAST_MOVED, LEAST_MOVED_ALONE, LEAST_NOTED
 from mjfriction.diagnose.causes.load import LEAST_ROTOR
 from mjfriction.diagnose.causes.offset import Offset
-from mjfriction.diagnose.causes.passed import PASSES
 from mjfriction.diagnose.causes.presliding import LEAST_PART, SLIPS
 from mjfriction.diagnose.causes.steepening_viscous import POWERS
 from mjfriction.diagnose.causes.stribeck import GONE_BY, UNFINISHED

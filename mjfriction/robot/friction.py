@@ -191,23 +191,23 @@ def with_friction_wave(robot: Robot, joint: str, wave: Wave) -> Robot:
 
     If the joint has no plain Coulomb-viscous law to carry the wave, one with zero levels is added.
     """
-    robot = _with_plain_law(robot, joint)
-    table = robot.joint(joint)
-    return robot.with_joint(table.model_copy(update={"friction_waves": (*table.friction_waves, wave)}))
+    return _with_more(robot, joint, "friction_waves", wave)
 
 
 def with_friction_spot(robot: Robot, joint: str, spot: Spot) -> Robot:
     """Return the robot with one more spot on a joint's friction level, as :func:`with_friction_wave` adds a wave."""
-    robot = _with_plain_law(robot, joint)
-    table = robot.joint(joint)
-    return robot.with_joint(table.model_copy(update={"friction_spots": (*table.friction_spots, spot)}))
+    return _with_more(robot, joint, "friction_spots", spot)
 
 
 def with_friction_edge(robot: Robot, joint: str, edge: Edge) -> Robot:
     """Return the robot with one more edge on a joint's friction level, as :func:`with_friction_wave` adds a wave."""
+    return _with_more(robot, joint, "friction_edges", edge)
+
+
+def _with_more(robot: Robot, joint: str, key: str, more: Wave | Spot | Edge) -> Robot:
     robot = _with_plain_law(robot, joint)
     table = robot.joint(joint)
-    return robot.with_joint(table.model_copy(update={"friction_edges": (*table.friction_edges, edge)}))
+    return robot.with_joint(table.model_copy(update={key: (*getattr(table, key), more)}))
 
 
 def varies_along_stroke(joint: Joint) -> bool:

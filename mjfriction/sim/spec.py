@@ -150,6 +150,8 @@ def _shift_centre(spec: mujoco.MjSpec, joint: str, shift: np.ndarray) -> None:
 
 def _turned(spec: mujoco.MjSpec, joint: str) -> list[np.ndarray]:
     # How the bodies of a joint's link are turned against the link.  Some that move may have no mass yet.
+    if len(_rigid_with(spec.joint(joint).parent)) == 1:
+        return [np.eye(3)]
     apart = spec.copy()
     apart.compiler.boundmass = apart.compiler.boundinertia = NO_MASS
     data = mujoco.MjData(compiled(apart))

@@ -4,6 +4,7 @@ them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +28,7 @@ from mjfriction.robot.body_tables import LinkInertia, Payload
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Spring
-from mjfriction.robot.table import Wave
+from mjfriction.robot.table import Edge, Spot, Wave
 from tests.hidden.machine import Machine, write_case
 
 ELBOW = 2
@@ -67,13 +68,24 @@ def test_beside_play_an_effort_that_seems_early_is_a_landing(delay: float, refus
     assert _of_landings(model.without(play)) == []
 
 
-def test_a_zero_that_is_off_moves_what_is_stated_along_the_stroke(tmp_path: Path) -> None:
+WAVE = Wave(wavenumber=8.0, cosine=1.5, sine=-2.0)
+
+
+@pytest.mark.parametrize(
+    "stated",
+    [
+        lambda _: {"cogging": (WAVE,), "friction_waves": (WAVE,), "spring": Spring(stiffness=20.0, preload=1.0)},
+        lambda middle: {"friction_spots": (Spot(position=middle, width=0.2, coulomb=30.0),)},
+        lambda middle: {"friction_edges": (Edge(position=middle, width=0.2, coulomb=60.0, side="below"),)},
+    ],
+    ids=["waves and spring", "spot", "edge"],
+)
+def test_a_zero_that_is_off_moves_what_is_stated_along_the_stroke(
+    stated: Callable[[float], dict[str, object]], tmp_path: Path
+) -> None:
     plain = gap_of_machine(tmp_path, Machine())
-    wave = Wave(wavenumber=8.0, cosine=1.5, sine=-2.0)
-    own = plain.robot.table.joint[ELBOW]
-    varied = own.model_copy(
-        update={"cogging": (wave,), "friction_waves": (wave,), "spring": Spring(stiffness=20.0, preload=1.0)}
-    )
+    middle = float(np.median(plain.motion.position[:, ELBOW]))
+    varied = plain.robot.table.joint[ELBOW].model_copy(update=stated(middle))
     gap = gap_of(plain.robot.with_joint(varied), plain)
     drawn = EncoderOffset().columns(gap, Site(ELBOW))[ELBOW][:, 0]
     step = 1e-4

@@ -110,7 +110,7 @@ def position(rng: np.random.Generator, place: Place) -> Effect:
     # Seeded from the wave, so that the other draws of a seed are the same as before spots and edges were added.
     own = np.random.default_rng(int(1e6 * wave(1.0).wavenumber))
     where, width, waves = own.uniform(0.15, 0.85), own.uniform(0.04, 0.2), own.random() < WAVING
-    edged, sharp, side = own.random() < EDGED, own.uniform(0.005, 0.06), own.choice(["above", "below"])
+    edged, sharp, side = own.random() < EDGED, own.uniform(0.005, 0.06), str(own.choice(["above", "below"]))
     low = float(np.min(place.course))
 
     def waving(robot: Robot, a: float) -> Robot:

@@ -5,16 +5,11 @@ These causes do not compete: an edge rises in the place of waves and spots that 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import ClassVar, Literal, final
 
-import numpy as np
-
-from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
-from mjfriction.diagnose.causes.passed import passed_often
-from mjfriction.diagnose.causes.waves import PositionFriction
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.friction_at_place import FrictionAtPlace
 from mjfriction.identify.gap import Gap
-from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.robot.edges import edges_along
@@ -24,67 +19,26 @@ from mjfriction.robot.table import Edge
 
 PLACE = Parameter("position", "{length}", "what the sensor reads where friction changes")
 WIDTH = Parameter("width", "{length}", "how far on both sides of there two thirds of the change take place", lower=1e-9)
-HEIGHT = Parameter("coulomb", "{force}", "how much higher the friction level is on that side")
-WIDTHS = (0.01, 0.04, 0.12)  # widths to try, as fractions of the stroke
 SHARPEST, WIDEST = 0.005, 0.2  # range of the width, as fractions of the stroke
-STEPS = 24  # number of places along the stroke to try
+SPACING = 0.04  # distance of the places that are tried, as a fraction of the stroke
 
 
-class _FrictionEdge(JointCause):
+class _FrictionEdge(FrictionAtPlace):
     """C·Φ(±(q − position)/width)·sgn v, with the normal distribution Φ."""
 
-    name = PositionFriction.name
     shape_parameters = (PLACE, WIDTH)
-    relative_shape = False
-    covariate = "position"
-    picture = "turned"
-    of_unevenness = True
-    least_of_friction = PositionFriction.least_of_friction
+    widths = (0.01, 0.04, 0.12)
+    width_range = (SHARPEST, WIDEST)
     side: ClassVar[Literal["above", "below"]]
 
-    def sites(self, gap: Gap) -> list[Site]:
-        """Every examined joint, with edges of a few widths, where the joint passes often."""
-        out = []
-        for site in super().sites(gap):
-            position = gap.motion.position[:, site.joint]
-            places = np.linspace(np.min(position), np.max(position), STEPS + 2)[1:-1].tolist()
-            widths = (np.ptp(position) * np.array(WIDTHS)).tolist()
-            shaped = [Site(site.joint, (place, width)) for width in widths for place in places]
-            out += [own for own in shaped if self.own_shape(gap, own)]
-        return out
+    def height(self, position: Floats, site: Site) -> Floats:
+        """The edge, 1 high."""
+        place, width = site.shape
+        return edges_along([Edge(position=place, width=width, coulomb=1.0, side=self.side)], position)
 
-    def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
-        """A place within the stroke, and a width that is a fraction of it."""
-        position = gap.motion.position[:, site.joint]
-        stroke = float(np.ptp(position))
-        return [(float(np.min(position)), float(np.max(position))), (SHARPEST * stroke, WIDEST * stroke)]
-
-    def shape_steps(self, gap: Gap, site: Site) -> tuple[float, ...]:
-        """A third of the distance of the places that are tried, and of the width."""
-        return (float(np.ptp(gap.motion.position[:, site.joint])) / (3.0 * STEPS), site.shape[1] / 3.0)
-
-    def own_shape(self, gap: Gap, site: Site) -> bool:
-        """An edge within its width of a place that the joint passes often."""
-        return passed_often(gap, site)
-
-    def apart(self, gap: Gap, site: Site, other: Site) -> bool:
-        """An edge can be told from a wave, but not from another cause with as many shape parameters."""
-        return len(other.shape) != len(site.shape)
-
-    def samples(self, gap: Gap, site: Site) -> Floats:
-        """The edge times the direction of motion, (n, 1)."""
-        return column(self._height(gap.motion.position[:, site.joint], site) * gap.forward(site.joint))
-
-    def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
-        """The edges at the rows, without filtering."""
-        joint = sites[0].joint
-        position, forward = (gap.at_rows(name)[::every, joint] for name in ("position", "forward"))
-        heights = [column(self._height(position, site) * forward) for site in sites]
-        return {joint: np.stack(heights, axis=1)}
-
-    def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
-        """How much higher the level is."""
-        return (Quantity(HEIGHT),)
+    def spacing(self, width: float) -> float:
+        """The same for all widths: a sharp edge shows far from its place."""
+        return SPACING
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Add an edge to the joint's friction level, at the joint's position rather than the sensor's reading."""
@@ -102,10 +56,6 @@ class _FrictionEdge(JointCause):
             f"{self.side} {site.shape[0]:.4g} {length} the friction level is {abs(strengths[0]):.3g} {force} {more}, "
             "against the motion in both directions"
         )
-
-    def _height(self, position: Floats, site: Site) -> Floats:
-        place, width = site.shape
-        return edges_along([Edge(position=place, width=width, coulomb=1.0, side=self.side)], position)
 
 
 @final

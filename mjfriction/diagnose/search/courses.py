@@ -37,9 +37,8 @@ def as_courses(model: Model) -> Model:
 
     An edge of the friction level replaces waves and spots where it pays for itself. A friction curve replaces waves,
     spots or an edge where it pays for its extra strengths, or where the periods of several waves are not known and it
-    leaves as little error. A torque curve replaces a spring with waves beside it where it
-    pays, as where a hose pulls from one place on, and waves and springs that one smooth curve does as well as, where it
-    leaves hardly more error.
+    leaves as little error. A torque curve replaces a spring with waves beside it where it pays, as where a hose pulls
+    from one place on, and waves and springs that one smooth curve does as well as, where it leaves hardly more error.
     """
     vague = {joint for _, joint, _ in vague_waves(model)}
     for joint in model.gap.examined:

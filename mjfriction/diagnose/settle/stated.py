@@ -10,8 +10,7 @@ import numpy as np
 from mjfriction.diagnose.causes.along_stroke import FrictionAlongStroke
 from mjfriction.diagnose.causes.asymmetry import Asymmetry
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
-from mjfriction.diagnose.causes.friction_edge import FrictionAbove, FrictionBelow
-from mjfriction.diagnose.causes.friction_spot import FrictionSpot
+from mjfriction.diagnose.causes.friction_at_place import FrictionAtPlace
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.fit.as_little import leaves_as_little
@@ -52,7 +51,6 @@ AS_MUCH = 1.0  # relative change of friction from which a curve's parametrisatio
 # A bend counts as faded where it contributes less than this fraction of the level change.  That is examined above the
 # RMS speed or, for a spot or an edge, where it is below this fraction of its height.
 FADED = 0.1
-AT_PLACES = FrictionSpot | FrictionAbove | FrictionBelow
 LEFT = 0.1  # least share of a joint's clear rows that must lie there for this to be examined
 ALWAYS = 0.25  # relative change of friction above which it is a finding, however far off the other joints are
 BAR = 2.0  # standard errors by which refitted zeros, drives or links must improve the held-out error to be kept
@@ -196,11 +194,11 @@ def _off_beyond_a_bend(model: Model, level: Level, bar: float) -> bool:
         for choice, fitted in model.fitted_causes
         if choice.site.joint == joint and choice.cause.name in WITH_LEVELS
     ]
-    if not all(choice.cause.name == Stribeck.name or isinstance(choice.cause, AT_PLACES) for choice, _ in bends):
+    if not all(choice.cause.name == Stribeck.name or isinstance(choice.cause, FrictionAtPlace) for choice, _ in bends):
         return False
     beyond = gap.clear[:, joint].copy()
     for choice, _ in bends:
-        if isinstance(choice.cause, AT_PLACES):
+        if isinstance(choice.cause, FrictionAtPlace):
             column = np.abs(cause_block(gap, choice)[0][joint][:, 0])
             beyond &= column < FADED * np.max(column)
         else:
@@ -236,7 +234,7 @@ def _as_stated(model: Model, level: Level) -> tuple[Model, Trial | None]:
     there = build_model(model.gap, model.nuisance.without_level(joint), model.chosen)
     held = reshaped(there, {joint})
     trial = try_out(held, free)
-    if trial is not None and leaves_as_little(held.with_also(free), model, [joint]):
+    if held is there or (trial is not None and leaves_as_little(held.with_also(free), model, [joint])):
         return held, trial
     beside = try_out(there, free)
     return (held, trial) if beside is None else (there, beside)
