@@ -59,7 +59,7 @@ from mjfriction.diagnose.tell.link_finding import ALWAYS_NOTED, SURELY
 from mjfriction.diagnose.tell.untold import BRISTLE_MISFIT, DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
 from mjfriction.diagnose.tell.verdict import FEWEST_SHOWN, LEAST_FRICTION, LEAST_SHOWN, MUCH_COLOURED
 from mjfriction.identify import choose, conclude, landings, measure, turning
-from mjfriction.identify.colour import AROUND, COLOURED, EVEN_BELOW
+from mjfriction.identify.colour import AROUND, COLOURED, EVEN_BELOW, FEWEST_ALIKE, MOST_ALIKE
 from mjfriction.identify.doubt import WITHIN
 from mjfriction.identify.measure import ENOUGH_CLEAR, ENOUGH_PER_PERIOD, FEWEST_CLEAR
 from mjfriction.identify.stroke_waves import STEPS_PER_LOBE
@@ -185,6 +185,10 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert (MOST_CONFIDENT, AT_THE_BAR, TOLD_BY) == (0.9, 0.5, 2), "the page says 0.9, half, all but one"
     assert MUCH_COLOURED == 0.3, "the page says three tenths"
     assert (Cogging.times, PositionFriction.times) == (3, 2), "the page says three waves of cogging and two of friction"
+
+
+def test_how_it_decides_tells_how_noise_is_known_by_its_colour() -> None:
+    assert (FEWEST_ALIKE, MOST_ALIKE) == (3, 3.0), "the page says three others, and three times the sensor's noise"
 
 
 def test_how_it_decides_tells_what_stands_for_links() -> None:

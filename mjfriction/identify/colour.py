@@ -16,29 +16,50 @@ FASTEST = 1.0 / 3.0  # fastest share of the spectrum, whose level no slow course
 STANDS_OUT = 4.0  # deviations by which a bin must exceed the noise's level
 SLOWEST = 2  # lowest lines of the spectrum, left out: they hold the mean and the window's leakage of it
 WINDOW_LOSS = 1.5  # lines of a Hann window's spectrum that count as one independent line
+FEWEST_ALIKE = 3  # other joints of whose noise a colour can be told
+MOST_ALIKE = 3.0  # multiple of the sensor's noise up to which all joints alike may show noise; nothing as slow is noise
 
 
-def coloured_share(gap: Gap, joint: int, residual: Floats) -> float:
-    """Return the share of a joint's residual (rows,) that stands above the noise in its spectrum, 0 to 1.
+def coloured_share(gap: Gap, joint: int, residuals: Floats) -> float:
+    """Return the share of a joint's residual that stands above the noise in its spectrum, 0 to 1.
 
     The rows are so thin that white noise stays white.  Its level is that of the effort sensor, of the spectrum's
     fastest third, or of an octave to either side, whichever is highest.  A drive's own filter removes the fastest part
     of its noise, from some ten Hz on, and leaves it even below.  What stands clearly above that level is a course and
     not noise: a drift, a hum, a swing.  White noise gives 0.  So does low-passed noise, and noise that grows with
     frequency, such as that of differentiated positions.
+
+    ``residuals`` (rows, joints) are those of all joints.  What most other joints show alike, relative to their sensors'
+    noise, is the colour of that noise: the same amplifiers, filters and clocks are behind all of them.
     """
-    clear = gap.clear[:, joint]
-    if not np.any(clear):
+    if not np.any(gap.clear[:, joint]):
         return 0.0
-    window = np.where(clear, np.hanning(clear.size), 0.0)
-    power = np.square(np.abs(np.fft.rfft(window * np.where(clear, residual, 0.0))))[SLOWEST:]
+    power, sensor = _spectrum(gap, joint, residuals)
     width = max(1, power.size // BINS)
-    bins, frequency = (_binned(values, width) for values in (power, _frequencies(gap, clear.size)))
+    bins, frequency = (_binned(values, width) for values in (power, _frequencies(gap, residuals.shape[0])))
     fastest = float(np.mean(power[-int(FASTEST * power.size) :]))
-    sensor = float(gap.noise_floor[joint] ** 2 * np.sum(np.square(window)))
     level = np.maximum(max(fastest, sensor), _around(bins, frequency))
+    level = np.maximum(level, sensor * _of_others(gap, joint, residuals, width))
     above = np.where(bins > level * (1.0 + STANDS_OUT * np.sqrt(WINDOW_LOSS / width)), bins - level, 0.0)
     return float(np.sum(above) / max(float(np.sum(bins)), 1e-300))
+
+
+def _spectrum(gap: Gap, joint: int, residuals: Floats) -> tuple[Floats, float]:
+    # The power of a joint's residual by frequency, and that of its sensor's noise.
+    clear = gap.clear[:, joint]
+    window = np.where(clear, np.hanning(clear.size), 0.0)
+    power = np.square(np.abs(np.fft.rfft(window * np.where(clear, residuals[:, joint], 0.0))))[SLOWEST:]
+    return power, float(gap.noise_floor[joint] ** 2 * np.sum(np.square(window)))
+
+
+def _of_others(gap: Gap, joint: int, residuals: Floats, width: int) -> Floats:
+    # The median over the other joints of their binned power, relative to that of their sensors' noise.
+    spectra = [_spectrum(gap, other, residuals) for other in gap.examined if other != joint]
+    known = [_binned(power, width) / sensor for power, sensor in spectra if sensor > 0.0]
+    if len(known) < FEWEST_ALIKE:
+        return np.zeros(1)
+    alike = np.median(known, axis=0)
+    return np.asarray(alike * min(1.0, MOST_ALIKE**2 / max(float(np.mean(alike)), 1e-300)))
 
 
 def _frequencies(gap: Gap, rows: int) -> Floats:

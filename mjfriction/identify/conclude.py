@@ -189,7 +189,7 @@ def _worst(gap: Gap, joint: int, after: Sequence[Structure], heldout: Floats) ->
     # is known.
     name = gap.robot.joints[joint]
     curve = max((entry for entry in after if entry.joint == name), key=lambda entry: entry.share)
-    course = Structure(name, NOTHING, coloured_share(gap, joint, heldout[:, joint]))
+    course = Structure(name, NOTHING, coloured_share(gap, joint, heldout))
     return course if _counts(gap, joint, course) and not _counts(gap, joint, curve) else curve
 
 

@@ -73,9 +73,17 @@ def test_a_spring_that_hardens_is_not_screened_where_a_straight_one_gains_nothin
     site = lift.sites[4]
     made = site.around * lift.cause.columns(gap, site)[1]
     wrong = replace(gap, residual=gap.residual + np.pad(made, ((0, 0), (1, 4))))
+    model = build_model(wrong, usual_nuisance(wrong), ())
     asked.clear()
     with pytest.raises(AssertionError, match="screened"):
-        ranked(build_model(wrong, usual_nuisance(wrong), ()), make_field(wrong, springs))
+        ranked(model, make_field(wrong, springs))
+    assert asked == [1]
+    # And where it gains but is not physical as it fits: in the place of a spring that hardens, its strength may be that
+    # of a stiffer one than it was drawn for.
+    monkeypatch.setattr(SwingingElasticity, "admissible", lambda *_: False)
+    asked.clear()
+    with pytest.raises(AssertionError, match="screened"):
+        ranked(model, make_field(wrong, springs))
     assert asked == [1]
 
 

@@ -195,3 +195,14 @@ def test_a_joint_that_carries_nothing_has_no_spring_to_try(tmp_path: Path, monke
     load = HardeningElasticity.load
     monkeypatch.setattr(HardeningElasticity, "load", lambda *asked: (asked[2] != 0) * load(*asked))
     assert {site.joint for site in HardeningElasticity().sites(gap)} == set(gap.examined) - {0}
+
+
+@pytest.mark.deep
+def test_a_spring_that_hardens_is_tried_though_no_straight_one_is_drawn_near_its_fit() -> None:
+    gap = thinned(measure_gap(swinging(0.03, 4e-3, SPARSE, QUIET, hardening=1e6), read_robot("ur5")))
+    model = build_model(gap, usual_nuisance(gap), ())
+    field = make_field(gap, (SwingingElasticity(), HardeningElasticity()))
+    # Straight springs gain a little, but none of the strength that it was drawn for: the motion shows a stiffer one.
+    ranked = [(type(choice.cause), choice.site.joint) for choice in short_list.ranked(model, field)]
+    assert (SwingingElasticity, 0) not in ranked
+    assert ranked[0] == (HardeningElasticity, 0)

@@ -18,8 +18,14 @@ STEP = 0.02  # s
 
 def share(residual: np.ndarray, floor: float = 1.0, clear: np.ndarray | None = None) -> float:
     seen = np.ones(ROWS, dtype=bool) if clear is None else clear
-    gap = SimpleNamespace(clear=seen[:, None], noise_floor=np.array([floor]), chain=SimpleNamespace(step=STEP))
-    return coloured_share(gap, 0, residual)
+    return share_of_first(residual[:, None], np.array([floor]), seen[:, None])
+
+
+def share_of_first(residuals: np.ndarray, floors: np.ndarray, clear: np.ndarray | None = None) -> float:
+    seen = np.ones(residuals.shape, dtype=bool) if clear is None else clear
+    joints = tuple(range(residuals.shape[1]))
+    gap = SimpleNamespace(clear=seen, noise_floor=floors, chain=SimpleNamespace(step=STEP), examined=joints)
+    return coloured_share(gap, 0, residuals)  # type: ignore[arg-type]
 
 
 @settings(deadline=None, max_examples=60)
@@ -71,3 +77,32 @@ def test_what_is_within_the_sensors_noise_is_none() -> None:
     course = np.sin(2.0 * np.pi * np.arange(ROWS) / 50.0)
     assert share(course, floor=0.1) > 0.9
     assert share(course, floor=20.0) == 0.0
+
+
+SCALES = np.array([1.0, 0.02, 30.0, 4.0, 0.5, 7.0])  # efforts of different joints, and their sensors' noise
+
+
+def slow_noise(times: float, joints: int) -> np.ndarray:
+    """Return noise of joints that is below some 2 Hz, and ``times`` as large as what their sensors seem to have."""
+    noise = np.column_stack([low_passed(2.0, 10 + joint) for joint in range(joints)])
+    return np.asarray(times * noise / np.std(noise, axis=0) * SCALES[:joints])
+
+
+def test_noise_of_all_joints_alike_has_that_colour() -> None:
+    noise = slow_noise(2.4, 6)
+    assert share_of_first(noise, SCALES) < 0.3
+    # Of one joint among quiet ones, or of too few to compare, the same is a course that wanders.
+    alone = noise.copy()
+    alone[:, 1:] = np.random.default_rng(5).standard_normal((ROWS, 5)) * SCALES[1:]
+    assert share_of_first(alone, SCALES) > 0.5
+    assert share_of_first(noise[:, :3], SCALES[:3]) > 0.5
+
+
+def test_a_hum_stands_out_from_noise_that_all_joints_have() -> None:
+    noise = slow_noise(2.4, 6)
+    noise[:, 0] += 5.0 * np.sin(2.0 * np.pi * np.arange(ROWS) / 40.0)
+    assert share_of_first(noise, SCALES) > 0.5
+
+
+def test_what_is_far_above_the_sensors_noise_is_none_of_it_though_all_joints_have_it() -> None:
+    assert share_of_first(slow_noise(8.0, 6), SCALES) > 0.5

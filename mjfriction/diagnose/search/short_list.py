@@ -72,11 +72,11 @@ def ranked(model: Model, field: Field) -> list[Chosen]:
         columns = _screening(model.gap, entrant, every)
         strengths, gains = model.system.screen(columns, every)
         for i in np.argsort(-gains):
+            gain = float(gains[i]) - _price(model.gap, _shown(columns, int(i)) + len(entrant.sites[i].shape))
+            if gain > 0.0:
+                useless.discard(entrant.kind)
             if entrant.cause.admissible(model.gap, entrant.sites[i], strengths[i]):
-                gain = float(gains[i]) - _price(model.gap, _shown(columns, int(i)) + len(entrant.sites[i].shape))
                 best.append((gain, Chosen(entrant.cause, replace(entrant.sites[i], order=order))))
-                if gain > 0.0:
-                    useless.discard(entrant.kind)
                 break
     return [choice for gain, choice in sorted(best, key=lambda entry: -entry[0]) if gain > 0.0]
 

@@ -84,7 +84,7 @@ def _followed(model: Model, joint: int, after: Sequence[Structure], heldout: Flo
         return []
     name = gap.robot.joints[joint]
     curve = max((entry for entry in after if entry.joint == name), key=lambda entry: entry.share)
-    course = Structure(name, NOTHING, coloured_share(gap, joint, heldout[:, joint]))
+    course = Structure(name, NOTHING, coloured_share(gap, joint, heldout))
     left = gap.rms(heldout[:, joint], joint)
     effort = gap.rms(gap.measured[:, joint], joint)
     explained = np.sqrt(max(0.0, gap.rms(gap.residual[:, joint], joint) ** 2 - left**2))
