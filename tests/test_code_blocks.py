@@ -46,13 +46,9 @@ def files_that_pages_speak_of(folder: Path, names: str) -> None:
 
 
 def names_that_blocks_take_for_granted(namespace: dict[str, object]) -> None:
-    """Add what a block uses without making it: a log's columns, sets of laws."""
+    """Add what a block uses without making it: a log's columns."""
     velocity = np.sin(np.arange(0.0, 2.0, 1e-3))
     namespace.update(position=np.cumsum(velocity) * 1e-3, force=2.5 * np.gradient(velocity, 1e-3))
-    if "bristles" in namespace:
-        bristles = namespace["bristles"]
-        level = mjf.friction("coulomb", {"coulomb": 0.6})
-        namespace["candidates"] = [{"elbow": bristles, "wrist": [level, bristles]}] * 3
 
 
 def assigned(code: str) -> set[str]:

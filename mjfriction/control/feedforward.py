@@ -14,10 +14,12 @@ from mjfriction.robot.friction import stated_levels
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.simulation import joint_laws
 
+Feedforward = Literal["dynamics", "gravity", "none"]
+FrictionFed = Literal["law", "coulomb_viscous", "none"]
 TURNING = 0.02  # rad/s or m/s, width of the tanh that smooths the reversal in the feedforward of stated levels
 
 
-def feedforward_rigid(model: Robot, what: Literal["dynamics", "gravity", "none"], course: Course) -> Floats:
+def feedforward_rigid(model: Robot, what: Feedforward, course: Course) -> Floats:
     """Return the torques of links and rotors along a motion, all of them or gravity's alone, (n, joints)."""
     q, v, a = course.position, course.velocity, course.acceleration
     if what == "none":
@@ -26,9 +28,7 @@ def feedforward_rigid(model: Robot, what: Literal["dynamics", "gravity", "none"]
     return inverse_dynamics(model.body(), q, v if moving else 0.0 * v, a if moving else 0.0 * a)
 
 
-def feedforward_friction(
-    model: Robot, what: Literal["law", "coulomb_viscous", "none"], course: Course, step: float
-) -> Floats:
+def feedforward_friction(model: Robot, what: FrictionFed, course: Course, step: float) -> Floats:
     """Return the friction torques along a motion whose rows are ``step`` seconds apart, (n, joints).
 
     They come from the friction laws, started at rest without deflection, or from the stated levels, smoothed around

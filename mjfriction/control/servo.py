@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import get_args
 
 import numpy as np
 
 from mjfriction.body.inverse import mass_matrix_at
 from mjfriction.control.course import Course
-from mjfriction.control.feedforward import feedforward_friction, feedforward_rigid
+from mjfriction.control.feedforward import Feedforward, FrictionFed, feedforward_friction, feedforward_rigid
 from mjfriction.control.observer import Observer, ObserverFor
 from mjfriction.control.sensing import Sensing
 from mjfriction.control.valve import ValveControl
+from mjfriction.errors import ControlError, suggestion
 from mjfriction.laws.law import Floats
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import waves_along
@@ -36,17 +38,32 @@ class Control:
 
     With ``sensed`` the controller reads positions as the robot's sensors report them, with noise from ``seed``, instead
     of true positions.  ``valve`` controls hydraulic joints (:mod:`mjfriction.control.valve`).
+
+    Raises :class:`~mjfriction.errors.ControlError` for another word, or a bandwidth or damping that is not positive.
     """
 
     bandwidth: float = 4.0
     damping: float = 0.8
-    feedforward: Literal["dynamics", "gravity", "none"] = "dynamics"
-    friction: Literal["law", "coulomb_viscous", "none"] = "coulomb_viscous"
+    feedforward: Feedforward = "dynamics"
+    friction: FrictionFed = "coulomb_viscous"
     observer: ObserverFor | None = None
     cancels_cogging: bool = False
     sensed: bool = False
     seed: int = 0
     valve: ValveControl | None = None
+
+    def __post_init__(self) -> None:
+        for name, given, allowed in (
+            ("feedforward", self.feedforward, get_args(Feedforward)),
+            ("friction", self.friction, get_args(FrictionFed)),
+        ):
+            if given not in allowed:
+                raise ControlError(
+                    f"{name} = {given!r} is none of {', '.join(allowed)}{suggestion(str(given), allowed)}"
+                )
+        for name, value in (("bandwidth", self.bandwidth), ("damping", self.damping)):
+            if not 0.0 < value < math.inf:
+                raise ControlError(f"{name} = {value:g} of a controller: allowed is any finite number above 0")
 
 
 class ServoDrives:

@@ -108,9 +108,7 @@ def plan_passes(
     begin = counting(tell, len(joints))
     for name in joints:
         begin(f"freeing {name} of gravity")
-        if name not in robot.joints:
-            raise RobotError(f"robot '{robot.name}' has no joint '{name}'. Its joints are {', '.join(robot.joints)}")
-        index = robot.joints.index(name)
+        index = robot.joints.index(robot.joint(name).name)
         freed = gravity_pose(body, index, seed=seed)
         way_at_most = _stroke(body, index, float(freed.pose[index]), stroke)
         paces = _paces(body, index, count, slowest, fastest)

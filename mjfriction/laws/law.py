@@ -143,8 +143,8 @@ class Law:
                 f"{parameter.unit_for(sliding=False)}); add it to the parameters"
             )
         value = values[parameter.name]
-        if not isinstance(value, numbers.Real):
-            raise LawError(f"{at}law '{self.name}', parameter '{parameter.name}' is one number, not a list")
+        if not isinstance(value, numbers.Real) or isinstance(value, bool):
+            raise LawError(f"{at}law '{self.name}', parameter '{parameter.name}' is one number, not {value!r}")
         return self._allowed(parameter, float(value), parameter.name, at)
 
     def _checked_elements(self, parameter: Parameter, values: Values, at: str) -> list[float]:
@@ -165,9 +165,10 @@ class Law:
 
     def _allowed(self, parameter: Parameter, value: float, name: str, at: str) -> float:
         if not parameter.allows(value):
+            finite = "" if math.isfinite(value) else "finite, "
             raise LawError(
                 f"{at}law '{self.name}', parameter '{name}' = {value:g} "
-                f"{parameter.unit_for(sliding=False)}: allowed is {parameter.allowed}"
+                f"{parameter.unit_for(sliding=False)}: allowed is {finite}{parameter.allowed}"
             )
         return value
 

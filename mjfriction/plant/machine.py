@@ -147,8 +147,7 @@ def not_followed(robot: Robot, run: Run) -> list[str]:
 
 def _check(robot: Robot, trajectory: Trajectory) -> None:
     for name in trajectory.joints:
-        if name not in robot.joints:
-            raise RobotError(f"robot '{robot.name}' has no joint '{name}'{suggestion(name, robot.joints)}")
+        robot.joint(name)
     for name in trajectory.ambient:
         quantity, _, place = name.partition(".")
         if quantity == PUSH and place not in robot.joints:

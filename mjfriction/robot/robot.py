@@ -47,7 +47,10 @@ class Robot:
         for joint in self.table.joint:
             if joint.name == name:
                 return joint
-        raise RobotError(f"robot '{self.name}' has no joint '{name}'{suggestion(name, self.joints)}")
+        raise RobotError(
+            f"robot '{self.name}' has no joint '{name}'{suggestion(name, self.joints)} Its joints are "
+            f"{', '.join(self.joints)}"
+        )
 
     def with_joint(self, changed: Joint) -> Robot:
         """Return the robot with the joint's table of the same name replaced."""

@@ -35,14 +35,24 @@ def attach(spec: mujoco.MjSpec, laws: Laws, *, keep_native: bool = False) -> muj
     joint's own ``damping`` and ``frictionloss`` are replaced, unless ``keep_native``.  Step it inside
     :func:`~mjfriction.sim.callback.friction_active`.
 
-    Raises :class:`SimulationError` for a joint that is not there or is a ball or free joint, an empty mapping, a model
-    that already carries friction or cannot be compiled, or the integrator RK4, whose stages have no bristle states
-    between them.
+    Raises :class:`SimulationError` for what is no spec or no law, a joint that is not there or is a ball or free joint,
+    an empty mapping, a model that already carries friction or cannot be compiled, the integrator RK4, whose stages have
+    no bristle states between them, or disabled actuation, without which MuJoCo calls no callback.
     """
+    if not isinstance(spec, mujoco.MjSpec):
+        raise SimulationError(
+            f"friction is attached to an MjSpec, not to {type(spec).__name__}; read the model's file with "
+            "mujoco.MjSpec.from_file(path)"
+        )
     spec = spec.copy()
     if not laws:
         raise SimulationError("no joint was given a friction law; give at least one")
     for name, own in laws.items():
+        if not isinstance(own, Friction | Sequence) or not all(isinstance(one, Friction) for one in _several(own)):
+            raise SimulationError(
+                f"joint '{name}': {own!r} is no friction law; give one, or a list, each made with "
+                "mjfriction.friction(name, {parameter: value})"
+            )
         if not _several(own):
             raise SimulationError(
                 f"joint '{name}': its list of friction laws is empty; give one or leave the joint out"

@@ -55,6 +55,8 @@ def read_friction(model: mujoco.MjModel) -> FrictionReader:
     After a step, ``data.userdata[reader.torque]`` is the friction of that step and ``reader.state("elbow")`` the
     bristles at its beginning.
     """
+    if not isinstance(model, mujoco.MjModel):
+        raise SimulationError(f"where friction is stored is read from an MjModel, not from {type(model).__name__}")
     block = model.numeric_data[numeric_slice(model)]
     n, k = int(block[at.H_TOUCHED]), int(block[at.H_RUBBING])
     base = int(block[at.H_BASE])
@@ -87,28 +89,42 @@ def read_friction(model: mujoco.MjModel) -> FrictionReader:
 
 
 def ensure_sound(model: mujoco.MjModel, data: mujoco.MjData) -> None:
-    """Raise :class:`SimulationError`, naming the joint, where a NaN or an infinite number came up in a simulation.
+    """Raise :class:`SimulationError` where the last step was made without friction, or where a NaN or an infinite
+    number came up in the simulation, naming the joint.
 
     MuJoCo itself only counts a warning and, by default, restarts the simulation from its initial state.
     """
     reader = read_friction(model)
-    failed = int(data.userdata[int(model.numeric_data[numeric_slice(model)][at.H_BASE]) + at.U_FAILED])
+    refuse_integrator(model)
+    base = int(model.numeric_data[numeric_slice(model)][at.H_BASE])
+    failed = int(data.userdata[base + at.U_FAILED])
     if failed < 0:
-        refuse_integrator(model)
         raise SimulationError("a step was made with integrator RK4, and without friction; start again without it")
     if failed:
         raise SimulationError(
             f"joint '{reader.joints[failed - 1]}': its friction came out NaN or infinite at t = {data.time:g} s; check "
             "the forces, controls and temperatures that reach it"
         )
+    control = data.warning[mujoco.mjtWarning.mjWARN_BADCTRL]
+    if control.number:
+        raise SimulationError(
+            f"the control of actuator {control.lastinfo} was NaN or infinite, and MuJoCo took all controls as zero "
+            f"({control.number} times); check what sets it"
+        )
     for kind, (what, addresses) in BROKEN.items():
         warning = data.warning[kind]
         if warning.number:
             joint = int(np.searchsorted(getattr(model, addresses), warning.lastinfo, side="right")) - 1
             raise SimulationError(
-                f"joint '{model.joint(joint).name}': its {what} was NaN, infinite or huge, and MuJoCo began again from "
-                f"the initial state ({warning.number} times); check forces and controls, or take a smaller step"
+                f"joint '{model.joint(joint).name}' or one that moves with it: its {what} was NaN, infinite or huge, "
+                f"and MuJoCo began again from the initial state ({warning.number} times); check forces and controls, "
+                "or take a smaller step"
             )
+    begun, step = (float(data.userdata[base + place]) for place in (at.U_TIME, at.U_STEP))
+    if data.time > begun + 1.5 * max(step, model.opt.timestep):
+        raise SimulationError(
+            f"the step to t = {data.time:g} s was made without friction; step inside 'with friction_active():'"
+        )
 
 
 def torques(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, float]:

@@ -263,7 +263,9 @@ def test_what_is_not_allowed_is_named(law: Law) -> None:
                 continue
             value = bad if alone else [bad, *good[parameter.name][1:]]
             name = parameter.name if alone else rf"{parameter.name}\[0\]"
-            with pytest.raises(LawError, match=f"elbow: law '{law.name}', parameter '{name}'.*allowed is"):
+            finite = "" if math.isfinite(bad) else "finite, "
+            allowed = f"allowed is {finite}{parameter.allowed}"
+            with pytest.raises(LawError, match=f"elbow: law '{law.name}', parameter '{name}'.*{allowed}"):
                 law.pack({**good, parameter.name: value}, where="elbow")
         without = {name: value for name, value in good.items() if name != parameter.name}
         if parameter.default is None:
@@ -273,6 +275,10 @@ def test_what_is_not_allowed_is_named(law: Law) -> None:
             assert law.pack(without)[law.parameters.index(parameter)] == parameter.default
         with pytest.raises(LawError, match=r"is one number" if alone else "is a list with one value"):
             law.pack({**good, parameter.name: [1.0, 2.0] if alone else 1.0})
+        if alone:
+            for other in ("8", None, True):
+                with pytest.raises(LawError, match=f"'{parameter.name}' is one number, not {other!r}"):
+                    law.pack({**good, parameter.name: other})  # type: ignore[dict-item]
     with pytest.raises(LawError, match="has no parameter 'colomb'"):
         law.pack({**good, "colomb": 1.0})
 

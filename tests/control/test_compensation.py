@@ -225,6 +225,20 @@ def test_a_controller_that_knows_the_law_goes_by_the_friction_that_acts(cylinder
     assert np.sqrt(np.mean(np.square(left))) < 0.01 * np.sqrt(np.mean(np.square(done.played.friction[sliding, 0])))
 
 
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        ({"friction": "frction"}, "friction = 'frction' is none of law, coulomb_viscous, none"),
+        ({"feedforward": "dynamcs"}, "feedforward = 'dynamcs' is none of .*; did you mean 'dynamics'"),
+        ({"bandwidth": -5.0}, "bandwidth = -5 of a controller: allowed is any finite number above 0"),
+        ({"damping": float("nan")}, "damping = nan of a controller"),
+    ],
+)
+def test_a_controller_that_is_none_is_refused(wrong: dict[str, object], told: str) -> None:
+    with pytest.raises(ControlError, match=told):
+        Control(**wrong)  # type: ignore[arg-type]
+
+
 def test_gains_below_zero_are_refused() -> None:
     with pytest.raises(ControlError, match="valve gain velocity = -1; allowed is 0 or above"):
         ValveGains(1.0, -1.0)

@@ -33,6 +33,18 @@ def test_joints_that_cannot_carry_a_law() -> None:
         attach(spec(ROTOR), {"rotr": lugre()})
 
 
+def test_what_is_no_spec_or_no_law_is_refused() -> None:
+    model = spec(ROTOR).compile()
+    for made in (model, "rotor.xml"):
+        with pytest.raises(SimulationError, match=r"attached to an MjSpec, not to \w+; read the model's file"):
+            attach(made, {"rotor": lugre()})  # type: ignore[arg-type]
+    for own in ("lugre", None, {"coulomb": 1.0}, [lugre(), 2.0]):
+        with pytest.raises(SimulationError, match=r"joint 'rotor': .* is no friction law; give one"):
+            attach(spec(ROTOR), {"rotor": own})  # type: ignore[dict-item]
+    with pytest.raises(SimulationError, match="from an MjModel, not from MjData"):
+        read_friction(mujoco.MjData(model))  # type: ignore[arg-type]
+
+
 def test_rk4_and_disabled_actuation_are_refused() -> None:
     made = spec(ROTOR)
     made.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
@@ -54,6 +66,31 @@ def test_rk4_set_later_adds_no_friction_and_is_said() -> None:
             mujoco.mj_step(model, data)
     with pytest.raises(SimulationError, match="RK4"):
         ensure_sound(model, data)
+
+
+def test_steps_without_friction_are_said() -> None:
+    model = attach(spec(ROTOR), {"rotor": lugre()})
+    data = mujoco.MjData(model)
+    ensure_sound(model, data)
+    with friction_active():
+        for _ in range(3):
+            mujoco.mj_step(model, data)
+            ensure_sound(model, data)
+        mujoco.mj_forward(model, data)
+    ensure_sound(model, data)
+    for _ in range(3):
+        mujoco.mj_step(model, data)
+    with pytest.raises(SimulationError, match="made without friction; step inside"):
+        ensure_sound(model, data)
+    with friction_active():
+        mujoco.mj_step(model, data)
+    ensure_sound(model, data)
+    model.opt.disableflags = mujoco.mjtDisableBit.mjDSBL_ACTUATION
+    with pytest.raises(SimulationError, match="actuation is disabled"):
+        ensure_sound(model, data)
+    mujoco.mj_resetData(model, data)
+    model.opt.disableflags = 0
+    ensure_sound(model, data)
 
 
 def test_a_model_without_room_is_refused() -> None:
@@ -160,13 +197,25 @@ def test_a_nan_is_an_error_naming_the_joint() -> None:
         ensure_sound(model, data)
         data.qfrc_applied[model.joint("b1").dofadr[0]] = np.nan
         mujoco.mj_step(model, data)
-    with pytest.raises(SimulationError, match="joint 'b1': its (friction|acceleration)"):
+    with pytest.raises(
+        SimulationError, match="joint 'b1'(: its friction| or one that moves with it: its acceleration)"
+    ):
         ensure_sound(model, data)
     data = mujoco.MjData(model)
     with friction_active():
         data.qvel[model.joint("a3").dofadr[0]] = np.inf
         mujoco.mj_step(model, data)
-    with pytest.raises(SimulationError, match="joint 'a3': its velocity was NaN"):
+    with pytest.raises(SimulationError, match="joint 'a3' or one that moves with it: its velocity was NaN"):
+        ensure_sound(model, data)
+
+
+def test_a_nan_among_the_controls_is_an_error_naming_the_actuator() -> None:
+    model = attach(spec(ROTOR), {"rotor": lugre()})
+    data = mujoco.MjData(model)
+    data.ctrl[0] = np.nan
+    with friction_active():
+        mujoco.mj_step(model, data)
+    with pytest.raises(SimulationError, match="the control of actuator 0 was NaN or infinite"):
         ensure_sound(model, data)
 
 
@@ -232,3 +281,24 @@ def test_a_rollout_begins_with_relaxed_bristles() -> None:
     with friction_active():
         states, _ = mujoco.rollout.rollout(model, data, np.tile(initial, (3, 1)), np.full((3, 50, 1), 5.0))
     assert states[0].tolist() == states[1].tolist() == states[2].tolist()
+
+
+def test_a_rollout_may_begin_with_the_bristles_of_its_data() -> None:
+    model, pull, half = attach(spec(ROTOR), {"rotor": lugre()}), np.full((1, 20, 1), 5.0), 10
+    whole, kind = mujoco.mjtState.mjSTATE_INTEGRATION, mujoco.mjtState.mjSTATE_FULLPHYSICS
+
+    def after(data: mujoco.MjData, steps: int) -> np.ndarray:
+        initial = np.empty(mujoco.mj_stateSize(model, kind))
+        mujoco.mj_getState(model, data, initial, kind)
+        with friction_active():
+            return mujoco.rollout.rollout(model, data, initial, pull[:, :steps])[0][0, -1]
+
+    at_once, first = mujoco.MjData(model), mujoco.MjData(model)
+    reached, between = after(at_once, 2 * half), after(first, half)
+    state = np.empty(mujoco.mj_stateSize(model, whole))
+    mujoco.mj_getState(model, first, state, whole)
+    bent, relaxed = mujoco.MjData(model), mujoco.MjData(model)
+    mujoco.mj_setState(model, bent, state, whole)
+    mujoco.mj_setState(model, relaxed, between, kind)
+    assert after(bent, half).tolist() == reached.tolist()
+    assert not np.allclose(after(relaxed, half), reached, rtol=1e-6)
