@@ -34,7 +34,7 @@ from mjfriction.diagnose.faults.look import NO_WORSE
 from mjfriction.diagnose.faults.misplaced import EXPLAINED
 from mjfriction.diagnose.faults.which_log import LOUDER
 from mjfriction.diagnose.fit.as_little import AS_GOOD
-from mjfriction.diagnose.fit.exact import EXACT, MOST_JOINTS
+from mjfriction.diagnose.fit.exact import EXACT, FEWEST_OTHERS, MOST_JOINTS
 from mjfriction.diagnose.fit.nuisance import FARTHEST, LET_GO
 from mjfriction.diagnose.fit.refitted import CONSTANT, FEWEST_JOINTS, LINK_SCALE, LINK_SHIFT, OUT_OF_CHANCE, ROTOR, ZERO
 from mjfriction.diagnose.fit.trial import EVENEST, FALSE_ALARM, LEAST_EFFECT, STANDS_OUT, UNEVEN, WAVIEST
@@ -194,6 +194,7 @@ def test_how_it_decides_tells_how_noise_is_known_by_its_colour() -> None:
 def test_how_it_decides_tells_what_stands_for_links() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"friction is right to {100 * NEARLY_EXACT:g} % at three quarters" in told
+    assert FEWEST_OTHERS + 1 == 3, "the page says three others"
     assert f"if the load leaves as little, within {100 * (AS_GOOD - 1.0):.0f} %" in told
     assert math.isclose(Offset.least_of_friction, 5.0 * ZERO), "the page says a fifth as a rule"
     assert OUT_OF_CHANCE == 5.0, "and up to that"

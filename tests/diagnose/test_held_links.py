@@ -13,6 +13,8 @@ from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.gravity_direction import GravityDirection
 from mjfriction.diagnose.causes.links import LEAST_NOTED, LinkCentre, LoneWholeLink
+from mjfriction.diagnose.causes.spring import Spring
+from mjfriction.diagnose.causes.viscous_nonlinear import ViscousNonlinear
 from mjfriction.diagnose.fit.exact import least_off, level_changes, may_be_off
 from mjfriction.diagnose.fit.intervals import half_widths
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model
@@ -87,6 +89,33 @@ def test_friction_has_to_be_nearly_right_throughout(tmp_path: Path, off: float, 
     surely, may_be = dict.fromkeys(gap.examined, off), dict.fromkeys(gap.examined, 0.002)
     held = held_links(model, make_field(gap, STRUCTURAL), surely, may_be)
     assert [choice.cause.name for choice in held.chosen] == (["body.link_inertia"] if named else [])
+
+
+@pytest.mark.parametrize(("bent", "named"), [((), False), ((1, 2), True), ((1, 2, 3, 4), False)])
+def test_levels_beside_a_bend_do_not_tell_how_exactly_a_robot_is_stated(
+    tmp_path: Path, bent: tuple[int, ...], *, named: bool
+) -> None:
+    log, robot = write_case(tmp_path, Machine(change=heavier, noise=0.1), seed=5)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    model = build_model(gap, make_nuisance(gap), tuple(Chosen(ViscousNonlinear(), Site(joint)) for joint in bent))
+    surely = dict.fromkeys(gap.examined, 0.0) | {1: 0.1, 2: 0.1}
+    held = held_links(model, make_field(gap, STRUCTURAL), surely, dict.fromkeys(gap.examined, 0.002))
+    assert any(choice.cause.name == "body.link_inertia" for choice in held.chosen) is named
+
+
+def test_what_stood_in_for_a_part_of_the_one_cause_goes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    log, robot = write_case(tmp_path, Machine(change=heavier, noise=0.1), seed=5)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    right, spring = dict.fromkeys(gap.examined, 0.0), Chosen(Spring(), Site(2))
+    model = build_model(gap, make_nuisance(gap), (spring,))
+
+    def kept() -> list[str]:
+        held = held_links(model, make_field(gap, STRUCTURAL), right, dict.fromkeys(gap.examined, 0.002))
+        return [choice.cause.name for choice in held.chosen]
+
+    assert kept() == ["body.link_inertia"]
+    monkeypatch.setattr("mjfriction.diagnose.settle.held_links._without_stand_ins", lambda alone, _: alone)
+    assert kept() == ["body.spring", "body.link_inertia"]
 
 
 def test_what_noise_leaves_open_may_be_off(tmp_path: Path) -> None:

@@ -36,7 +36,7 @@ def test_it_is_neither_levels_that_are_off_nor_a_bend(tmp_path: Path, monkeypatc
     assert finding.cause == "friction.stribeck"
     assert fitted["stribeck_excess"].value == pytest.approx(EXCESS, rel=0.15)
     for module in (stated, alike):
-        monkeypatch.setattr(module, "in_place_of_levels", lambda *_: ())
+        monkeypatch.setattr(module, "in_place_of_levels", lambda *_, **__: ())
     assert found(tmp_path / "unasked", fading).cause == "friction.viscous_nonlinear"
 
 

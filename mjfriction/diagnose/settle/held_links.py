@@ -10,11 +10,13 @@ import numpy as np
 from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOVED_ALONE, LinkScale, LoneLink, LoneWholeLink
 from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.fit.as_little import AS_GOOD
-from mjfriction.diagnose.fit.exact import OUTLYING, typical, untouched
+from mjfriction.diagnose.fit.exact import FEWEST_OTHERS, OUTLYING, typical, untouched
 from mjfriction.diagnose.fit.model import Model, build_model, without_contained
 from mjfriction.diagnose.fit.refitted import FEWEST_JOINTS
 from mjfriction.diagnose.fit.tangent import straightened
+from mjfriction.diagnose.fit.trial import try_out
 from mjfriction.diagnose.search.field import Field, chances_in
+from mjfriction.diagnose.search.refusal import WITH_LEVELS
 from mjfriction.diagnose.search.short_list import contenders, fairly, passing
 
 # Of the stated friction: largest typical change with which one cause may stand for all refitted links.
@@ -35,7 +37,7 @@ def held_links(model: Model, field: Field, surely_off: Mapping[int, float], mayb
     """
     if not model.nuisance.links or len(surely_off) < FEWEST_JOINTS:
         return model
-    if typical(list(surely_off.values())) > NEARLY_EXACT:
+    if typical(_of_own(model, surely_off)) > NEARLY_EXACT:
         return model
     held = model.without_links()
     links = tuple(one for one in field if isinstance(one.cause, LinkScale))
@@ -52,7 +54,32 @@ def held_links(model: Model, field: Field, surely_off: Mapping[int, float], mayb
     alone = straightened(build_model(held.gap, held.nuisance, (*rest, best.chosen)))
     # Two causes with similar columns may get large opposite strengths: every cause must still be admissible.
     possible = alone.admissible() is alone and _stand_out(model, alone, maybe_off)
-    return alone if possible and _as_good(alone, model, held) else model
+    return _without_stand_ins(alone, asked) if possible and _as_good(alone, model, held) else model
+
+
+def _without_stand_ins(alone: Model, asked: Field) -> Model:
+    # Causes that stood in for a part of what the last one does, and leave nothing beside it.
+    chances = chances_in(asked)
+    for choice in alone.chosen[:-1]:
+        if choice.cause.whole_arm:
+            continue
+        without = alone.without(choice)
+        trial = try_out(without, choice)
+        if trial is None or not trial.beyond_chance(chances.among(choice.cause)):
+            alone = straightened(without)
+    return alone
+
+
+def _of_own(model: Model, surely_off: Mapping[int, float]) -> list[float]:
+    # By how much friction is off at joints where no cause bends its curve or shifts its level, if there are enough of
+    # them: what is left for a level beside such a cause depends on the cause's form.
+    moved = {
+        choice.site.joint
+        for choice, fitted in model.fitted_causes
+        if choice.cause.name in WITH_LEVELS or choice.cause.level_shifts(model.gap, choice.site, fitted).size
+    }
+    own = [off for joint, off in surely_off.items() if joint not in moved]
+    return own if len(own) > FEWEST_OTHERS else list(surely_off.values())
 
 
 def _stand_out(model: Model, alone: Model, maybe_off: Mapping[int, float]) -> bool:

@@ -32,7 +32,7 @@ from mjfriction.diagnose.fit.trial import FALSE_ALARM, Trial, try_out
 from mjfriction.diagnose.search.allowed import as_allowed
 from mjfriction.diagnose.search.courses import as_courses
 from mjfriction.diagnose.search.field import Field, chances_in, in_place_of_levels
-from mjfriction.diagnose.search.refusal import BENDING
+from mjfriction.diagnose.search.refusal import CURVES, WITH_LEVELS
 from mjfriction.diagnose.search.short_list import contenders, passing
 from mjfriction.diagnose.settle.held_links import held_links
 from mjfriction.diagnose.settle.levels_kept import one_for_both, with_levels_as_stated
@@ -40,10 +40,6 @@ from mjfriction.diagnose.settle.load_at_flange import as_load
 from mjfriction.diagnose.settle.one_factor import beside_factors, scaled_levels
 from mjfriction.robot.friction import stated_levels
 
-# Causes beside which level and damping depend on how the friction curve is parametrised.  An asymmetry between the
-# directions is not one of them: it is even in velocity, and levels are odd.
-CURVES = BENDING - {Asymmetry.name}
-WITH_LEVELS = CURVES | {PositionFriction.name}
 MOST_LINK_CHANGE = 0.8  # relative change of a link's scale above which the fit is no link but a sign of something else
 LEAST_CHANGE = 0.04  # relative change of friction above which it is a finding on a robot stated exactly
 LEAST_CHANGE_ROUGH = 0.10  # the same where all joints are slightly off, or where there are too few to compare
