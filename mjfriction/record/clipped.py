@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mjfriction.record.counts import QUANTA
-from mjfriction.record.runs import Floats, Mask, runs_of
+from mjfriction.record.runs import Floats, Mask, runs_of, spans
 from mjfriction.record.stuck import SHORTEST_STUCK
 
 FEWEST_CLIPPED = 12  # fewest samples at one extreme, over all runs, while the joint moves
@@ -20,6 +20,7 @@ PEAKED = 2.5
 # An extreme is clipped where its longest run has at least this many samples, and more than this many times those of the
 # longest run elsewhere: noise that is not cut off never stays so long.
 LONGEST, OUTLASTS = 20, 5.0
+FEWEST_STOPS = 2  # stretches at one value from which on they are a limit, where all are at an extreme
 HEAPED = 2.0  # noise is clipped where an extreme has more than this many times the samples of one step inside
 
 
@@ -57,6 +58,17 @@ def clipped(values: Floats, moving: Mask) -> Mask:
     both_ways = abs(float(np.max(values)) + float(np.min(values))) <= 1e-9 * span
     clips = np.any(out) or heaped == [True, True]
     return np.logical_or.reduce([out, *standing]) if both_ways and clips else out
+
+
+def stands_at_limits(values: Floats, held: Mask) -> Mask:
+    """Return where a channel stands at an extreme, (n,), if it does so wherever it is ``held`` at one value in motion.
+
+    A reading that sticks does so at any value, and hardly twice at the same; a drive always clips at its limit.
+    """
+    extremes = [float(np.max(values)), float(np.min(values))]
+    reached = [extreme for extreme in extremes if np.any(held & (values == extreme))]
+    at = np.isin(values, reached)
+    return at if len(spans(held)) >= FEWEST_STOPS and np.all(at[held]) else np.zeros(values.size, dtype=bool)
 
 
 def _breaks_off(values: Floats, start: int, stop: int, by: float) -> bool:

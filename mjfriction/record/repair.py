@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mjfriction.record.clipped import clipped
+from mjfriction.record.clipped import clipped, stands_at_limits
 from mjfriction.record.clock import steps_of
 from mjfriction.record.clock_bursts import burst_step
 from mjfriction.record.fault import Fault, in_words
@@ -99,6 +99,8 @@ def repaired(log: Log) -> Log:
             held_still = not np.any(moving) and np.unique(columns[name]).size > FEW_COUNTS
             flat = clipped(columns[name], ~moving if held_still else moving)
             held = frozen(columns[name], moving) & ~flat
+            limited = stands_at_limits(columns[name], held)
+            flat, held = flat | limited, held & ~limited
             said = {
                 "data.saturation": (
                     flat,

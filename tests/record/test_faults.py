@@ -247,6 +247,25 @@ def test_a_coarse_reading_is_clipped_where_it_stands_at_its_extreme_more_than_be
     np.testing.assert_array_equal(read(columns).unusable[EFFORT], columns[EFFORT] == columns[EFFORT].max())
 
 
+def test_a_very_coarse_reading_that_stands_still_at_its_extreme_alone_is_clipped() -> None:
+    columns = recording()
+    noisy = columns[EFFORT] + 0.7 * np.random.default_rng(8).normal(size=COUNT)
+    coarse = np.round(noisy / 0.45) * 0.45
+    limit = 0.6 * float(np.max(coarse))
+    columns[EFFORT] = np.minimum(coarse, limit)
+    log = read(columns)
+    assert [fault.kind for fault in log.faults] == ["data.saturation"]
+    np.testing.assert_array_equal(log.unusable[EFFORT], columns[EFFORT] == limit)
+    # Stuck once, at its extreme or elsewhere, it is no limit.
+    held = np.zeros(COUNT, dtype=bool)
+    for first, past, value in ((1000, 1100, limit), (7000, 7100, 0.5 * limit)):
+        held[first:past] = True
+        columns[EFFORT][first:past] = value
+    assert not np.any(clipping.stands_at_limits(columns[EFFORT], held))
+    held[7000:7100] = False
+    assert not np.any(clipping.stands_at_limits(columns[EFFORT], held))
+
+
 @pytest.mark.parametrize(("lowest", "both"), [(-1.2, True), (-1.6, False)])
 def test_a_drive_that_clips_one_way_clips_the_other_way_too(lowest: float, *, both: bool) -> None:
     # Coarse counts, of which many lie just above the lower limit and few below the upper one.
