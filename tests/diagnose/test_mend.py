@@ -26,6 +26,7 @@ from mjfriction.record.fault import Fault, Mend
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table
+from mjfriction.record.span import EVER
 from mjfriction.report.inspected import inspected_table
 from mjfriction.report.result import make_report
 from mjfriction.robot.files import read_robot
@@ -338,17 +339,52 @@ def test_a_current_that_stands_for_an_effort_is_not_exchanged_with_it(case: tupl
     assert [(fault.kind, fault.mend) for fault in faults] == [("data.swap", None)]
 
 
-def test_which_of_two_readings_it_is_that_leave_as_little_is_not_sure() -> None:
+def test_which_of_two_readings_it_is_that_leave_as_little_is_not_sure(monkeypatch: pytest.MonkeyPatch) -> None:
     class Looked:
+        gap = None
+
         def left(self, course: list[np.ndarray], _: np.ndarray) -> np.ndarray:
             return course[0]
 
     faults = [Fault("data.sign", name, "turn it", mend=Mend(factors=((name, -1.0),))) for name in "ab"]
-    for other, sure in ((0.5, True), (0.11, False)):
+    for other, as_stated, where, sure in (
+        (0.5, None, "a", True),
+        (0.11, None, "a", False),
+        (0.11, faults[1], "b", True),
+    ):
+        monkeypatch.setattr(misplaced, "_as_stated", lambda *_, known=as_stated: known)
         readings = zip(([np.array([0.1])], [np.array([other])]), 2 * [np.zeros(1)], faults, strict=True)
-        (fault,) = misplaced._least(Looked(), readings, lambda _: True)
-        assert fault.where == "a"
+        (fault,) = misplaced._least(Looked(), EVER, readings, lambda _: True)
+        assert fault.where == where
         assert (fault.mend is not None) is sure
+
+
+LIFTED = """<mujoco><worldbody><body>
+<joint name="lift" type="slide" axis="0 0 1"/><geom type="box" size=".1 .1 .1" mass="4"/>
+</body></worldbody></mujoco>"""
+STATED = """name = "lift"
+model = "lift.xml"
+[[joint]]
+name = "lift"
+friction = { law = "coulomb_viscous", side = "joint", parameters = { coulomb = 6.0, viscous = 4.0 } }
+"""
+
+
+@pytest.mark.parametrize("turned", ["effort.lift", "position.lift"])
+def test_the_weight_of_a_lift_tells_whose_sign_is_wrong(turned: str, tmp_path: Path) -> None:
+    # Without it, as if an offset of either sign were possible, both readings leave as little: what a soft stop adds.
+    (tmp_path / "lift.xml").write_text(LIFTED)
+    (tmp_path / "robot.toml").write_text(STATED)
+    time = np.arange(0.0, 40.0, 0.004)
+    place = 0.2 * np.sin(1.3 * time) + 0.05 * np.sin(3.1 * time)
+    speed = np.gradient(place, time)
+    effort = 4.0 * (np.gradient(speed, time) + 9.81) + 6.0 * np.sign(speed) + 4.0 * speed
+    effort += 40.0 * np.maximum(place + 0.05, 0.0) + 0.1 * np.random.default_rng(1).normal(size=time.size)
+    columns = {"time": time, "position.lift": place, "effort.lift": effort}
+    columns[turned] = -columns[turned]
+    audit = audited(log_from_table(pa.table(columns), "lift"), read_robot(tmp_path / "robot.toml"))
+    assert not audit.refused
+    assert [(fault.kind, fault.where) for fault in audit.faults] == [("data.sign", turned)]
 
 
 def test_a_sign_that_may_be_of_two_columns_is_not_turned() -> None:

@@ -85,14 +85,14 @@ def find_misplaced(gap: Gap, span: Span = EVER) -> list[Fault]:
     as_logged, sound = look.left_as_logged, _sound(gap, span)
     columns: list[Fault] = []
     if np.any(as_logged > POOR):
-        columns = _least(look, _columns_misplaced(look, sound), functools.partial(_mended, as_logged))
+        columns = _least(look, span, _columns_misplaced(look, sound), functools.partial(_mended, as_logged))
     if not columns and np.count_nonzero(as_logged > NOTICED) > 1:
         exchanged = (reading for reading in _columns_misplaced(look, sound) if reading[-1].kind == "data.swap")
-        columns = _least(look, exchanged, functools.partial(_both_mended, as_logged))
+        columns = _least(look, span, exchanged, functools.partial(_both_mended, as_logged))
     if columns:
         return columns
     if np.any(as_logged > SOME):
-        return _least(look, _joints_misplaced(look, sound), functools.partial(_all_mended, as_logged))
+        return _least(look, span, _joints_misplaced(look, sound), functools.partial(_all_mended, as_logged))
     return []
 
 
@@ -131,16 +131,19 @@ def _all_mended(as_logged: Floats, left: Floats) -> bool:
     return bool(better and together and np.all(left < as_logged + SLIGHTLY))
 
 
-def _least(look: Look, readings: Iterator[_Reading], accepted: Callable[[Floats], bool]) -> list[Fault]:
-    # The fault of the accepted reading that leaves least.  If another accepted reading leaves hardly more, it is not
+def _least(look: Look, span: Span, readings: Iterator[_Reading], accepted: Callable[[Floats], bool]) -> list[Fault]:
+    # The fault of the accepted reading that leaves least.  If other accepted readings leave hardly more, as where
+    # gravity on a lift may be an offset of either sign, the robot as stated decides.  If it does not either, it is not
     # certain which of them is right, and the fault has no mend.
     judged = [(look.left(course, effort), fault) for course, effort, fault in readings]
     passing = [(float(np.sum(left)), fault) for left, fault in judged if accepted(left)]
     if not passing:
         return []
     least, fault = min(passing, key=lambda entry: entry[0])
-    alone = sum(CLEARLY * left <= least for left, _ in passing) == 1
-    return [fault if alone else replace(fault, mend=None)]
+    near = [other for left, other in passing if CLEARLY * left <= least]
+    if len(near) == 1:
+        return [fault]
+    return [_as_stated(look.gap, span, near) or replace(fault, mend=None)]
 
 
 def _columns_misplaced(look: Look, sound: Collection[int]) -> Iterator[_Reading]:

@@ -10,10 +10,9 @@ from mjfriction.diagnose.causes.links import LinkCentre, LinkMoments, LinkScale
 from mjfriction.diagnose.causes.moved_link import MovedLink
 from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
-from mjfriction.diagnose.causes.varying import Step, WarmUpDrift
 from mjfriction.diagnose.fit.model import Chosen, Key, Model, build_model, partners
 from mjfriction.diagnose.fit.nearness import STRAINED, relief
-from mjfriction.diagnose.fit.trial import effects, negligible
+from mjfriction.diagnose.fit.trial import negligible
 from mjfriction.diagnose.search.stroke_curve import StrokeCurve, vague_waves
 from mjfriction.diagnose.settle.stated import Settled
 from mjfriction.diagnose.tell.contacts import more_than_contacts
@@ -30,8 +29,6 @@ BRISTLE_MISFIT = 0.005  # the same as MISFIT beside a bristle, for no machine's 
 # A cause must remove this many times the mean square that is left unexplained at its joint, which halves the RMS; only
 # once beside a load that swings or a tone, which are known and refitted along.
 DROWNED = 3.0
-COURSES = frozenset({WarmUpDrift.name, Step.name})  # causes that are a course of friction over time
-LEAST_OF_COURSES = 0.2  # size, relative to the largest on a joint, that a course must reach: no warm-up fits exactly
 
 
 @dataclass(frozen=True)
@@ -90,7 +87,6 @@ def find_untold(
         for choice, fitted in model.fitted_causes
         if negligible(model, choice, fitted, before[choice.key], heldout)
     }
-    small |= _beside_larger_courses(model)
     bare = build_model(gap, model.nuisance, ()).heldout_residual()
     for choice in causes:
         # Without this cause, others adapt to stand in for it, and what that costs may show at joints that it does not
@@ -113,17 +109,6 @@ def find_untold(
     asked = {choice.key for choice in model.chosen if partners(choice, told)}
     spelling = frozenset(key for curve in curves for key in curve.keys) | vague_waves(model)
     return Untold(frozenset(common | (small - asked)) | spelling, left, bare)
-
-
-def _beside_larger_courses(model: Model) -> set[Key]:
-    # The courses of friction over time that are small compared with another on their joint.
-    sizes: dict[int, dict[Key, float]] = {}
-    for choice, fitted in model.fitted_causes:
-        if choice.cause.name in COURSES:
-            joint = choice.site.joint
-            own, _ = effects(model, choice, fitted, joint)
-            sizes.setdefault(joint, {})[choice.key] = own
-    return {key for own in sizes.values() for key, size in own.items() if size < LEAST_OF_COURSES * max(own.values())}
 
 
 def without_cause(model: Model, choice: Chosen) -> Model:
