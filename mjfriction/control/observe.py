@@ -15,7 +15,7 @@ from mjfriction.control.variable_structure import VariableStructure
 from mjfriction.errors import ControlError, LogError, suggestion
 from mjfriction.laws.law import Floats
 from mjfriction.record.log import VELOCITY, Log, check_joints
-from mjfriction.record.motion import Motion, back_to_log
+from mjfriction.record.motion import Motion, back_to_log, smooth_derivatives
 from mjfriction.robot.bandwidth import choose_cutoff
 from mjfriction.robot.effort import as_given, effort_per_reported, predict_effort, without_offsets
 from mjfriction.robot.measured_motion import measured_motion
@@ -95,7 +95,11 @@ def observe_log(
         if motion.quantity[i] is None:
             continue
         reported = motion.torque[:, i] * effort_per_reported(joint, motion.quantity[i], robot.name)
-        left = as_given(joint, reported, motion, place[:, i]) - (effort.total[:, i] - effort.friction[:, i])
+        given = as_given(joint, reported, motion, place[:, i])
+        if OBSERVERS[observer] is None:
+            # Through the filter that accelerations come from: what jumps in the effort alone is none of the friction.
+            given = smooth_derivatives(motion, given)[0]
+        left = given - (effort.total[:, i] - effort.friction[:, i])
         friction, velocity = _observed(OBSERVERS[observer], joint, motion, i, float(mass[i]), left, bandwidth)
         for name, values in (("friction", friction), (VELOCITY, velocity)):
             columns[f"{name}.{joint.name}"] = log.as_recorded(back_to_log(motion, log, values))
