@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import ClassVar, final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
+from mjfriction.diagnose.causes.cause import JointCause, Quantity, Shape, Site, column
 from mjfriction.identify.gap import Gap
+from mjfriction.laws.law import Law
+from mjfriction.laws.lorentzian import LORENTZIAN
 from mjfriction.laws.stribeck import STRIBECK
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
@@ -33,6 +36,7 @@ class Stribeck(JointCause):
     """E·exp(−|v/v_s|^δ)·sgn v with E ≥ 0."""
 
     name = "friction.stribeck"
+    law: ClassVar[Law] = STRIBECK
     fastest: ClassVar[float] = FASTEST
     shape_parameters = (STRIBECK.parameter("stribeck_velocity"), STRIBECK.parameter("stribeck_exponent"))
 
@@ -46,9 +50,12 @@ class Stribeck(JointCause):
             if fast > 1.5 * slow:
                 grid = np.geomspace(slow, fast, 10)
                 out += [site.shaped((float(v), d)) for d in EXPONENTS for v in grid]
-                shapes = stribeck_shapes(gap.robot.table.joint[site.joint])
-                out += [site.shaped(shape) for shape in shapes if slow < shape[0] < fast]
+                out += [site.shaped(shape) for shape in self.stated_shapes(gap, site) if slow < shape[0] < fast]
         return out
+
+    def stated_shapes(self, gap: Gap, site: Site) -> Collection[Shape]:
+        """Return the shapes of such curves that are stated at the joint."""
+        return stribeck_shapes(gap.robot.table.joint[site.joint])
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
         """The velocities at which a fading level differs from a blurred reversal and from damping; the exponents."""
@@ -60,20 +67,28 @@ class Stribeck(JointCause):
 
         Such levels are no Stribeck curves; published exponents end at 2.
         """
-        velocity, exponent = site.shape
         top = float(gap.motion.top_speed[site.joint])
-        return exponent < OF_STEP * EXPONENT_RANGE[1] and velocity * 3.0 ** (1.0 / exponent) < GONE_BY * top
+        return site.shape[1] < OF_STEP * EXPONENT_RANGE[1] and self.faded_at(site) < GONE_BY * top
+
+    def left_at(self, speed: Floats, site: Site) -> Floats:
+        """Return the share of the extra level that is left at a speed, (n,)."""
+        velocity, exponent = site.shape
+        return np.exp(-((speed / velocity) ** exponent))
+
+    def faded_at(self, site: Site) -> float:
+        """Return the speed at which a twentieth of it is left."""
+        velocity, exponent = site.shape
+        return float(velocity * 3.0 ** (1.0 / exponent))
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The fading level times the direction of motion, (n, 1)."""
-        velocity, exponent = site.shape
-        fading = np.exp(-((np.abs(gap.motion.velocity[:, site.joint]) / velocity) ** exponent))
-        return column(gap.forward(site.joint) * fading)
+        return column(gap.forward(site.joint) * self.left_at(np.abs(gap.motion.velocity[:, site.joint]), site))
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The extra level; with a stated shape, the stated level plus the change."""
         stated = gap.robot.table.joint[site.joint]
-        return (Quantity(EXCESS, shift=stribeck_excess(stated) if site.shape in stribeck_shapes(stated) else 0.0),)
+        there = site.shape in self.stated_shapes(gap, site)
+        return (Quantity(EXCESS, shift=stribeck_excess(stated) if there else 0.0),)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """The extra level is positive: friction does not grow from rest.
@@ -82,7 +97,7 @@ class Stribeck(JointCause):
         below.
         """
         stated = gap.robot.table.joint[site.joint]
-        least = -ALL_OF_IT * stribeck_excess(stated) if site.shape in stribeck_shapes(stated) else 0.0
+        least = -ALL_OF_IT * stribeck_excess(stated) if site.shape in self.stated_shapes(gap, site) else 0.0
         return bool(strengths[0] > least)
 
     def brought_level(self, strengths: Floats) -> float:
@@ -101,20 +116,19 @@ class Stribeck(JointCause):
             "stribeck_exponent": site.shape[1],
             "viscous": 0.0,
         }
-        return with_term(robot, joint, STRIBECK.name, parameters)
+        return with_term(robot, joint, self.law.name, parameters)
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give the extra level and the speed by which it has faded."""
-        velocity, exponent = site.shape
         sliding = gap.body.sliding[site.joint]
-        faded = velocity * 3.0 ** (1.0 / exponent)
         if strengths[0] < 0.0:
             return (
                 f"near rest the drive works against {-strengths[0]:.3g} {'N' if sliding else 'N·m'} less than is stated"
             )
+        faded = f"{self.faded_at(site):.3g} {'m/s' if sliding else 'rad/s'}"
         return (
             f"near rest the drive works against {strengths[0]:.3g} {'N' if sliding else 'N·m'} more than at speed, in "
-            f"both directions; at {faded:.3g} {'m/s' if sliding else 'rad/s'} only a twentieth of it is left"
+            f"both directions; at {faded} only a twentieth of it is left"
         )
 
 
@@ -131,3 +145,31 @@ class UnfinishedStribeck(Stribeck):
     def own_shape(self, gap: Gap, site: Site) -> bool:
         """A level that stays and then falls like a step is no Stribeck curve."""
         return site.shape[1] < OF_STEP * EXPONENT_RANGE[1]
+
+
+@final
+class LorentzianStribeck(Stribeck):
+    """E/(1 + |v/v_s|^δ)·sgn v: a level with a tail so long that, as a Gaussian, it leaves levels that seem to be off.
+
+    It is tried with the levels as stated, in the place of them and of the curve beside them.
+    """
+
+    law = LORENTZIAN
+
+    def stated_shapes(self, gap: Gap, site: Site) -> Collection[Shape]:
+        """None: the tail is part of the stated level."""
+        return ()
+
+    def own_shape(self, gap: Gap, site: Site) -> bool:
+        """A level that stays and then falls like a step is no Stribeck curve; its tail ends nowhere."""
+        return site.shape[1] < OF_STEP * EXPONENT_RANGE[1]
+
+    def left_at(self, speed: Floats, site: Site) -> Floats:
+        """Return the share of the extra level that is left at a speed, (n,)."""
+        velocity, exponent = site.shape
+        return np.asarray(1.0 / (1.0 + (speed / velocity) ** exponent))
+
+    def faded_at(self, site: Site) -> float:
+        """Return the speed at which a twentieth of it is left."""
+        velocity, exponent = site.shape
+        return float(velocity * 19.0 ** (1.0 / exponent))

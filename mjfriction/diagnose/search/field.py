@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from mjfriction.diagnose.causes.cause import Cause, Site
 from mjfriction.diagnose.causes.saturating_viscous import AbruptlySaturating
 from mjfriction.diagnose.causes.steepening_viscous import RootViscous
-from mjfriction.diagnose.causes.stribeck import UnfinishedStribeck
+from mjfriction.diagnose.causes.stribeck import LorentzianStribeck, UnfinishedStribeck
 from mjfriction.diagnose.fit.model import Model
 from mjfriction.identify.gap import Gap
 from mjfriction.robot.friction import stated_levels
@@ -57,7 +57,7 @@ def in_place_of_levels(gap: Gap, joint: int, *, bent: bool = False) -> Field:
     """
     curves: tuple[Cause, ...] = (UnfinishedStribeck(),)
     if bent and stated_levels(gap.robot.table.joint[joint])[0] > 0.0:
-        curves += (AbruptlySaturating(), RootViscous())
+        curves += (LorentzianStribeck(), AbruptlySaturating(), RootViscous())
     return tuple(entrant for entrant in make_field(gap, curves) if entrant.joint == joint)
 
 
