@@ -23,7 +23,7 @@ from mjfriction.diagnose.causes.landed_play import FLOWN
 from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOMENTS, LEAST_MOVED, LEAST_MOVED_ALONE, LEAST_NOTED
 from mjfriction.diagnose.causes.load import LEAST_ROTOR
 from mjfriction.diagnose.causes.offset import Offset
-from mjfriction.diagnose.causes.presliding import LEAST_PART, SLIPS
+from mjfriction.diagnose.causes.presliding import LEAST_PART, LONGEST_OF_ELEMENTS, SLIPS
 from mjfriction.diagnose.causes.steepening_viscous import POWERS
 from mjfriction.diagnose.causes.stribeck import GONE_BY, UNFINISHED
 from mjfriction.diagnose.causes.varying import EDGE, Step
@@ -185,6 +185,12 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert (MOST_CONFIDENT, AT_THE_BAR, TOLD_BY) == (0.9, 0.5, 2), "the page says 0.9, half, all but one"
     assert MUCH_COLOURED == 0.3, "the page says three tenths"
     assert (Cogging.times, PositionFriction.times) == (3, 2), "the page says three waves of cogging and two of friction"
+
+
+def test_how_it_decides_tells_how_long_the_travel_of_elements_may_be() -> None:
+    told = " ".join(text("docs/how_it_decides.md").split())
+    assert f"The travel may be {100 * LONGEST_OF_ELEMENTS:g} % of the stroke then" in told
+    assert SLIPS[-1] * LONGEST_OF_ELEMENTS < 1.0, "the last element slips within the stroke"
 
 
 def test_how_it_decides_tells_how_noise_is_known_by_its_colour() -> None:

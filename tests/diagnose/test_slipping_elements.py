@@ -23,7 +23,7 @@ from mjfriction.laws.maxwell_slip import MAXWELL_SLIP
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.predict import predict_log
-from tests.hidden.machine import UR5_COULOMB, UR5_JOINTS, Array, Instant, Machine, write_case
+from tests.hidden.machine import UR5_COULOMB, UR5_JOINTS, Array, Instant, Machine, bristle, write_case
 
 ELBOW = 2
 DISTANCES = np.array([0.06, 0.12, 0.25, 0.5])  # rad, over which each of four alike elements is drawn until it slips
@@ -71,6 +71,38 @@ def test_a_bristle_needs_a_spring_beside_it(tmp_path: Path, monkeypatch: pytest.
     for cause in (Presliding, DampedPresliding):
         monkeypatch.setattr(cause, "richer", None)
     assert {finding.cause for finding in diagnosed(tmp_path).findings} == {"friction.presliding", "body.spring"}
+
+
+@pytest.mark.deep
+def test_elements_that_hardly_slip_within_the_stroke_are_elements_and_no_spring(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    distances = 1.6 * np.array([0.06, 0.2, 0.5, 1.0])
+
+    def long(at: Instant) -> Array:
+        drawn = np.zeros((at.q.size, distances.size))
+        for i in range(1, at.q.size):
+            drawn[i] = np.clip(drawn[i - 1] + (at.q[i] - at.q[i - 1]) / distances, -1.0, 1.0)
+        return np.asarray(UR5_COULOMB[ELBOW] * (np.mean(drawn, axis=1) - np.sign(at.v)))
+
+    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: long}), seed=4)
+
+    def told() -> list[str]:
+        return [finding.cause for finding in diagnose_log(read_log(log), read_robot(robot)).findings]
+
+    assert told() == ["friction.presliding"]
+    monkeypatch.setattr(SlippingElements, "longest", Presliding.longest)
+    assert "body.spring" in told()
+
+
+@pytest.mark.deep
+def test_a_spring_beside_a_bristle_is_a_spring(tmp_path: Path) -> None:
+    def both(at: Instant) -> Array:
+        return np.asarray(0.8 * UR5_COULOMB[ELBOW] * (bristle(at.q, 0.06) - np.sign(at.v)) + 6.0 * at.q)
+
+    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: both}), seed=4)
+    told = {finding.cause for finding in diagnose_log(read_log(log), read_robot(robot)).findings}
+    assert told == {"friction.presliding", "body.spring"}
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import final
+from typing import ClassVar, final
 
 import numpy as np
 
@@ -36,6 +36,8 @@ LEAST_ELEMENT = 0.05  # fraction of the whole level by which noise may make an e
 # Shortest travel, in multiples of the travel over which a reversal is blurred: a faster build-up cannot be seen.
 SHORTEST = 2.0
 LONGEST = 0.2  # longest travel, as a fraction of the stroke
+# The same for elements: the last of them still slips within seven tenths of the stroke, and is no spring.
+LONGEST_OF_ELEMENTS = 0.35
 SHAPES = 8
 LEAST_PART = 0.1  # least part of the joint's level that builds up: a contact yields under all of it, not under a trace
 # Multiple of the joint's level that may build up: stated levels are off, and near rest there may be more friction.
@@ -65,6 +67,7 @@ class Bristle(JointCause):
     picture = "travel"
     least_of_friction = 0.0  # not needed: admissible() asks more of the level that builds up
     shape_parameters = (TRAVEL,)
+    longest: ClassVar[float] = LONGEST
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every examined joint that reverses, with travels spaced logarithmically over what its motion can show."""
@@ -80,7 +83,7 @@ class Bristle(JointCause):
         """From a multiple of the travel over which a reversal is blurred to a fraction of the stroke."""
         motion, joint = gap.motion, site.joint
         blurred = gap.doubt_speed[joint] * DOUBT_PERIODS / motion.cutoff
-        return [(SHORTEST * blurred, LONGEST * float(np.ptp(motion.position[:, joint])))]
+        return [(SHORTEST * blurred, self.longest * float(np.ptp(motion.position[:, joint])))]
 
     def bristle(self, gap: Gap, site: Site) -> Floats:
         """Return z, the share of the level that has built up, −1 to 1, (n,)."""
@@ -144,6 +147,8 @@ class SlippingElements(Bristle):
     They remember every reversal.  Where the travel is as long as the motion's, their inner hysteresis loops are tilted
     as those of a spring.
     """
+
+    longest = LONGEST_OF_ELEMENTS
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """Each element's share minus the direction of motion, (n, elements)."""
