@@ -113,7 +113,7 @@ def upright(folder: Path) -> Robot:
     return read_robot(folder / "upright.toml")
 
 
-@pytest.mark.parametrize(("factor", "kind"), [(1000.0, "data.unit"), (-1.0, "data.sign")])
+@pytest.mark.parametrize(("factor", "kind"), [deep(1000.0, "data.unit"), (-1.0, "data.sign")])
 def test_arms_that_mostly_rest_are_judged_where_they_move(factor: float, kind: str) -> None:
     # Between its moves friction holds the wrist, and its efforts look like none that are predicted: half of them do.
     placing = make_case(2, Setting(robot="comau_ns12", seconds=20.0, rate=250.0, motion="pick_and_place"), (), 1.0)

@@ -129,10 +129,13 @@ CASES += [
     Case("drive.elasticity", 1, lambda i: 1.5e-3 * i.rigid, {"compliance": 1.5e-3}, in_sensor=True),
 ]
 ELSEWHERE = {
+    "body.spring",
     "drive.cogging",
     "drive.offset",
+    "drive.torque_constant",
     "event.change",
     "friction.asymmetry",
+    "friction.coulomb_viscous",
     "friction.load",
     "friction.position",
     "friction.presliding",
