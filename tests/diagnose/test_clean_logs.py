@@ -25,7 +25,7 @@ from tests.hidden.machine import Machine, record, write_case
 
 
 @pytest.mark.parametrize("velocity", ["none", deep("clean"), "noisy"])
-@pytest.mark.parametrize("noise", [deep(0.0), 0.02, deep(0.1), 0.2, deep(0.5)])
+@pytest.mark.parametrize("noise", [deep(0.0), 0.02, deep(0.1), deep(0.2), deep(0.5)])
 def test_no_finding(noise: float, velocity: str, tmp_path: Path) -> None:
     log, robot = write_case(tmp_path, Machine(noise=noise, velocity=velocity), seed=5)
     diagnosis = diagnose_log(read_log(log), read_robot(robot))
@@ -33,7 +33,7 @@ def test_no_finding(noise: float, velocity: str, tmp_path: Path) -> None:
     assert diagnosis.verdict is Verdict.CONSISTENT
 
 
-@pytest.mark.parametrize("seed", [0, 1, *map(deep, range(2, 6))])
+@pytest.mark.parametrize("seed", [0, *map(deep, range(1, 6))])
 def test_no_finding_when_stated_friction_is_a_few_percent_off(seed: int, tmp_path: Path) -> None:
     log, robot = write_case(tmp_path, Machine(), seed=40 + seed, off=0.03)
     assert diagnose_log(read_log(log), read_robot(robot)).findings == ()
@@ -48,7 +48,7 @@ def test_joints_that_stick_and_break_loose_have_no_finding(tmp_path: Path) -> No
 
 
 @pytest.mark.deep
-@pytest.mark.parametrize(("pauses", "velocity"), [(False, "clean"), (True, "none")])
+@pytest.mark.parametrize(("pauses", "velocity"), [(False, "clean"), deep(True, "none")])
 def test_bristles_of_an_ordinary_contact_are_no_finding(pauses: bool, velocity: str, tmp_path: Path) -> None:
     machine = Machine(bristle_travel=3e-4, pauses=pauses, velocity=velocity, noise=0.1)
     log, robot = write_case(tmp_path, machine, seed=6, off=0.03)

@@ -23,7 +23,6 @@ from mjfriction.record.log import Floats, Log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.report.result import make_report
 from mjfriction.robot.robot import Robot
-from tests.deep import deep
 
 SETTING = Setting(seconds=30.0, rate=250.0)
 
@@ -32,13 +31,8 @@ def log_of(case: Case) -> Log:
     return log_from_table(pa.table(case.log), "case")
 
 
-@pytest.mark.parametrize(
-    "cause",
-    [
-        "drive.cogging",
-        *(deep(own) for own in ("friction.load", "body.spring", "body.payload")),
-    ],
-)
+@pytest.mark.deep
+@pytest.mark.parametrize("cause", ["drive.cogging", "friction.load", "body.spring", "body.payload"])
 def test_the_extended_robot_goes_where_the_hidden_machine_does(cause: str) -> None:
     # Of a cause in MuJoCo's model, or beside it: in a friction law, along the stroke, a spring, a load.
     case = make_case(7, SETTING, (draw_of(cause),), 6.0)

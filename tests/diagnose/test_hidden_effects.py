@@ -256,6 +256,7 @@ def test_two_effects_are_both_found_when_stated_friction_is_a_few_percent_off(tm
     }
 
 
+@pytest.mark.deep
 def test_damping_that_levels_off_is_one_bend_and_nothing_else(tmp_path: Path) -> None:
     diagnosis = run(tmp_path, Machine(hidden={3: lambda i: 3.0 * i.v / (1.0 + np.abs(i.v) / 0.5)}), seed=21)
     assert names(diagnosis) == [("friction.viscous_nonlinear", "wrist_1_joint")]

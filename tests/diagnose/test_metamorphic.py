@@ -61,8 +61,9 @@ def in_segments(columns: Columns) -> Columns:
     return {**columns, "segment": (columns["time"] // 8.0).astype(np.int64)}
 
 
-@pytest.mark.parametrize("effect", [deep(fading), bump], ids=["stribeck", "cogging"])
-@pytest.mark.parametrize("change", [deep(shifted), reordered, deep(in_segments)])
+@pytest.mark.deep
+@pytest.mark.parametrize("effect", [fading, bump], ids=["stribeck", "cogging"])
+@pytest.mark.parametrize("change", [shifted, reordered, in_segments])
 def test_the_same_log_told_otherwise_gives_the_same_finding(
     change: Callable[[Columns], Columns], effect: Callable[[Instant], np.ndarray], tmp_path: Path
 ) -> None:

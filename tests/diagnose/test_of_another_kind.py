@@ -13,6 +13,7 @@ from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.record.log import Floats
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
+from tests.deep import deep
 from tests.hidden.machine import Instant, Machine, write_case
 
 SCARA = """
@@ -65,7 +66,7 @@ def diagnosed(folder: Path, quantities: tuple[str, ...], factor: float = 1.0) ->
     return diagnose_log(replace(log, columns={**log.columns, **exchanged}), read_robot(robot))
 
 
-@pytest.mark.parametrize("quantities", [("position",), ("position", "effort")])
+@pytest.mark.parametrize("quantities", [deep(("position",)), ("position", "effort")])
 def test_columns_of_a_slide_and_a_turning_joint_that_are_exchanged_are_no_units(
     quantities: tuple[str, ...], tmp_path: Path
 ) -> None:
