@@ -66,6 +66,7 @@ from mjfriction.identify.stroke_waves import STEPS_PER_LOBE
 from mjfriction.identify.swing import FASTEST, SLOWEST
 from mjfriction.laws.catalog import LAWS
 from mjfriction.record import glitches, jumps
+from mjfriction.record.clipped import FEWEST_STOPS
 from mjfriction.record.clock_bursts import FEWEST_AT_ONCE
 from mjfriction.record.clock_rate import OFF
 from mjfriction.record.jumps import NO_STEP
@@ -191,6 +192,11 @@ def test_how_it_decides_tells_how_long_the_travel_of_elements_may_be() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"The travel may be {100 * LONGEST_OF_ELEMENTS:g} % of the stroke then" in told
     assert SLIPS[-1] * LONGEST_OF_ELEMENTS < 1.0, "the last element slips within the stroke"
+
+
+def test_how_it_decides_tells_how_often_an_effort_stands_at_a_limit() -> None:
+    assert "stands still at its extreme only, twice or more" in text("docs/how_it_decides.md")
+    assert FEWEST_STOPS == 2, "the page says twice"
 
 
 def test_how_it_decides_tells_how_noise_is_known_by_its_colour() -> None:

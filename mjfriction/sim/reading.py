@@ -107,8 +107,9 @@ def ensure_sound(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         )
     control = data.warning[mujoco.mjtWarning.mjWARN_BADCTRL]
     if control.number:
+        actuator = model.actuator(control.lastinfo).name or control.lastinfo
         raise SimulationError(
-            f"the control of actuator {control.lastinfo} was NaN or infinite, and MuJoCo took all controls as zero "
+            f"actuator '{actuator}': its control was NaN or infinite, and MuJoCo took all controls as zero "
             f"({control.number} times); check what sets it"
         )
     for kind, (what, addresses) in BROKEN.items():

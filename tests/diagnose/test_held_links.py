@@ -58,8 +58,11 @@ def test_a_zero_that_turns_gravity_as_a_tilt_does_stands_for_no_links(
     )
     right = dict.fromkeys(gap.examined, 0.0)
     assert held_links(model, zero, right, right) is model
-    # Without that a zero many turns off was told, and a gravity of 250 m/s² against it.
+    # Without that a zero many turns off was told, and a gravity of 250 m/s² against it, or the zero alone.
     monkeypatch.setattr(Model, "admissible", lambda self: self)
+    told = [choice.cause.name for choice in held_links(model, zero, right, right).chosen]
+    assert told[-1] == "sensor.encoder_offset"
+    monkeypatch.setattr("mjfriction.diagnose.settle.held_links.pruned", lambda alone, _: alone)
     alone = held_links(model, zero, right, right)
     assert [choice.cause.name for choice in alone.chosen] == ["body.gravity_direction", "sensor.encoder_offset"]
     assert abs(alone.strengths[alone.places[1]][0]) > 2.0 * np.pi
@@ -114,7 +117,7 @@ def test_what_stood_in_for_a_part_of_the_one_cause_goes(tmp_path: Path, monkeypa
         return [choice.cause.name for choice in held.chosen]
 
     assert kept() == ["body.link_inertia"]
-    monkeypatch.setattr("mjfriction.diagnose.settle.held_links._without_stand_ins", lambda alone, _: alone)
+    monkeypatch.setattr("mjfriction.diagnose.settle.held_links.pruned", lambda alone, _: alone)
     assert kept() == ["body.spring", "body.link_inertia"]
 
 

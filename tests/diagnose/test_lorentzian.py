@@ -11,6 +11,8 @@ from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.stribeck import LorentzianStribeck, Stribeck, UnfinishedStribeck
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
+from mjfriction.laws.ambient import ambient
+from mjfriction.laws.catalog import find_law
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import Instant, Machine, write_case
@@ -49,3 +51,14 @@ def test_it_is_one_curve(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
 def test_a_twentieth_is_left_where_it_is_said_to_have_faded(cause: Stribeck, exponent: float) -> None:
     site = Site(0, (0.3, exponent))
     assert cause.left_at(np.array([cause.faded_at(site)]), site)[0] == pytest.approx(0.05, rel=0.01)
+
+
+@pytest.mark.parametrize("cause", [Stribeck(), LorentzianStribeck()])
+@pytest.mark.parametrize("exponent", [0.8, 2.0])
+def test_the_curve_is_that_of_the_law_that_the_robot_file_gets(cause: Stribeck, exponent: float) -> None:
+    robot = cause.extend(read_robot("ur5"), Site(2, (0.3, exponent)), np.array([1.0]))
+    term = (robot.joint("elbow_joint").friction or ())[-1]
+    speed = np.linspace(0.01, 3.0, 40)
+    law = find_law(term.law)
+    torque = law.along(speed, ambient(speed.size), law.pack(term.parameters))
+    np.testing.assert_allclose(torque, cause.left_at(speed, Site(2, (0.3, exponent))), rtol=1e-9, atol=1e-15)

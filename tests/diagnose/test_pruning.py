@@ -37,5 +37,5 @@ def test_a_bristle_that_cannot_be_does_not_take_the_rotor_with_it(tmp_path: Path
     # Either one is impossible beside what the bristle makes of the joint's level.
     assert try_out(model.without(rotor), rotor) is None
     assert try_out(model.without(bristle), bristle) is None
-    left = compete._pruned(model, chances_in(make_field(gap, STRUCTURAL)))
+    left = compete.pruned(model, chances_in(make_field(gap, STRUCTURAL)))
     assert left.chosen == (rotor,)

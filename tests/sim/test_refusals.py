@@ -215,7 +215,7 @@ def test_a_nan_among_the_controls_is_an_error_naming_the_actuator() -> None:
     data.ctrl[0] = np.nan
     with friction_active():
         mujoco.mj_step(model, data)
-    with pytest.raises(SimulationError, match="the control of actuator 0 was NaN or infinite"):
+    with pytest.raises(SimulationError, match="actuator 'motor': its control was NaN or infinite"):
         ensure_sound(model, data)
 
 

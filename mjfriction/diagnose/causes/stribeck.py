@@ -38,6 +38,7 @@ class Stribeck(JointCause):
     name = "friction.stribeck"
     law: ClassVar[Law] = STRIBECK
     fastest: ClassVar[float] = FASTEST
+    ends: ClassVar[bool] = True  # whether it has to fade within the motion
     shape_parameters = (STRIBECK.parameter("stribeck_velocity"), STRIBECK.parameter("stribeck_exponent"))
 
     def sites(self, gap: Gap) -> list[Site]:
@@ -63,12 +64,14 @@ class Stribeck(JointCause):
         return [(SLOWEST * gap.doubt_speed[site.joint], self.fastest * top), EXPONENT_RANGE]
 
     def own_shape(self, gap: Gap, site: Site) -> bool:
-        """A level that neither stays and then falls like a step nor falls over the whole range of speeds.
+        """A level that neither stays and then falls like a step nor, where its end is seen, falls over the whole range
+        of speeds.
 
         Such levels are no Stribeck curves; published exponents end at 2.
         """
         top = float(gap.motion.top_speed[site.joint])
-        return site.shape[1] < OF_STEP * EXPONENT_RANGE[1] and self.faded_at(site) < GONE_BY * top
+        fades = not self.ends or self.faded_at(site) < GONE_BY * top
+        return fades and site.shape[1] < OF_STEP * EXPONENT_RANGE[1]
 
     def left_at(self, speed: Floats, site: Site) -> Floats:
         """Return the share of the extra level that is left at a speed, (n,)."""
@@ -141,28 +144,22 @@ class UnfinishedStribeck(Stribeck):
     """
 
     fastest = UNFINISHED
-
-    def own_shape(self, gap: Gap, site: Site) -> bool:
-        """A level that stays and then falls like a step is no Stribeck curve."""
-        return site.shape[1] < OF_STEP * EXPONENT_RANGE[1]
+    ends = False
 
 
 @final
 class LorentzianStribeck(Stribeck):
-    """E/(1 + |v/v_s|^δ)·sgn v: a level with a tail so long that, as a Gaussian, it leaves levels that seem to be off.
+    """E/(1 + |v/v_s|^δ)·sgn v: its tail is so long that, told as an exponential, it leaves levels that seem to be off.
 
     It is tried with the levels as stated, in the place of them and of the curve beside them.
     """
 
     law = LORENTZIAN
+    ends = False
 
     def stated_shapes(self, gap: Gap, site: Site) -> Collection[Shape]:
         """None: the tail is part of the stated level."""
         return ()
-
-    def own_shape(self, gap: Gap, site: Site) -> bool:
-        """A level that stays and then falls like a step is no Stribeck curve; its tail ends nowhere."""
-        return site.shape[1] < OF_STEP * EXPONENT_RANGE[1]
 
     def left_at(self, speed: Floats, site: Site) -> Floats:
         """Return the share of the extra level that is left at a speed, (n,)."""

@@ -76,7 +76,7 @@ def compete(
         if enough(model):
             return model, asked
         hopeless = len(model.noteworthy) >= MOST_CAUSES
-        model = as_known(plainer(_pruned(model, chances), asked))
+        model = as_known(plainer(pruned(model, chances), asked))
         if not hopeless:
             model, made = _exchanged(model, asked, chances, tell, enough, MOST_STEPS - steps)
             steps += made
@@ -103,7 +103,7 @@ def _in_final_form(model: Model, field: Field, chances: Chances) -> Model:
     model = by_temperature(model, field)
     model = as_courses(model)
     model = geared(model)
-    model = _pruned(model, chances)
+    model = pruned(model, chances)
     model = with_kin(model, field)
     return straightened(model)
 
@@ -174,7 +174,7 @@ def _exchanged(
             break
         made.add(exchange.kinds)
         model, more = _forward(as_known(straightened(reshaped(exchange.model))), field, chances, tell, enough)
-        model = as_known(plainer(_pruned(model, chances), field))
+        model = as_known(plainer(pruned(model, chances), field))
         steps += more
     return model, steps
 
@@ -249,7 +249,8 @@ def _stands_for_less(model: Model, trial: Trial, tried: list[Trial], chances: Ch
     return False
 
 
-def _pruned(model: Model, chances: Chances) -> Model:
+def pruned(model: Model, chances: Chances) -> Model:
+    """Return the model without the causes that the others make needless, the least of them first."""
     while model.chosen:
         trials = [(choice, try_out(model.without(choice), choice)) for choice in model.chosen]
         # Inadmissible causes go first, and of several the one that takes least off: it makes the others at its joint

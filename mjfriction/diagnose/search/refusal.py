@@ -22,10 +22,6 @@ from mjfriction.robot.bandwidth import HARMONICS
 
 # Causes that change the curve of friction over speed.
 BENDING = frozenset(cause.name for cause in (ViscousNonlinear, Stribeck, Presliding, Asymmetry))
-# Causes beside which level and damping depend on how the friction curve is parametrised.  An asymmetry between the
-# directions is not one of them: it is even in velocity, and levels are odd.
-CURVES = BENDING - {Asymmetry.name}
-WITH_LEVELS = CURVES | {PositionFriction.name}
 PROOF_SEED = 0  # of the resampling that tests a gain against zero
 ON_THE_WAY = 0.5  # share of its gain that friction which builds up over travel must gain while its joint moves
 APART, SURELY_APART = 0.5, 2.0  # delays differ if they do so by this share of one, and this many standard deviations

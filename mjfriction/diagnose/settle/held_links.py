@@ -14,10 +14,10 @@ from mjfriction.diagnose.fit.exact import FEWEST_OTHERS, OUTLYING, typical, unto
 from mjfriction.diagnose.fit.model import Model, build_model, without_contained
 from mjfriction.diagnose.fit.refitted import FEWEST_JOINTS
 from mjfriction.diagnose.fit.tangent import straightened
-from mjfriction.diagnose.fit.trial import try_out
+from mjfriction.diagnose.search.compete import pruned
 from mjfriction.diagnose.search.field import Field, chances_in
-from mjfriction.diagnose.search.refusal import WITH_LEVELS
 from mjfriction.diagnose.search.short_list import contenders, fairly, passing
+from mjfriction.diagnose.settle.levels_kept import WITH_LEVELS
 
 # Of the stated friction: largest typical change with which one cause may stand for all refitted links.
 NEARLY_EXACT = 0.02
@@ -54,20 +54,10 @@ def held_links(model: Model, field: Field, surely_off: Mapping[int, float], mayb
     alone = straightened(build_model(held.gap, held.nuisance, (*rest, best.chosen)))
     # Two causes with similar columns may get large opposite strengths: every cause must still be admissible.
     possible = alone.admissible() is alone and _stand_out(model, alone, maybe_off)
-    return _without_stand_ins(alone, asked) if possible and _as_good(alone, model, held) else model
-
-
-def _without_stand_ins(alone: Model, asked: Field) -> Model:
-    # Causes that stood in for a part of what the last one does, and leave nothing beside it.
-    chances = chances_in(asked)
-    for choice in alone.chosen[:-1]:
-        if choice.cause.whole_arm:
-            continue
-        without = alone.without(choice)
-        trial = try_out(without, choice)
-        if trial is None or not trial.beyond_chance(chances.among(choice.cause)):
-            alone = straightened(without)
-    return alone
+    if not possible or not _as_good(alone, model, held):
+        return model
+    # What stood in for a part of that one cause is needless beside it.
+    return straightened(pruned(alone, chances_in(asked)))
 
 
 def _of_own(model: Model, surely_off: Mapping[int, float]) -> list[float]:

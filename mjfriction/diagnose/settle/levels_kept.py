@@ -9,16 +9,23 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from mjfriction.diagnose.causes.asymmetry import Asymmetry
 from mjfriction.diagnose.causes.carried_drive import CarriedDrive
+from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.fit.as_little import leaves_as_little
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model, cause_block, without_contained
 from mjfriction.diagnose.fit.shapes import best_shape, reshaped
 from mjfriction.diagnose.fit.trial import try_out
 from mjfriction.diagnose.search.exchange import for_place_of
 from mjfriction.diagnose.search.field import Field, chances_in
+from mjfriction.diagnose.search.refusal import BENDING
 from mjfriction.diagnose.search.short_list import contenders, fairly, passing
 
 ROUNDS = 2
+# Causes beside which level and damping depend on how the friction curve is parametrised.  An asymmetry between the
+# directions is not one of them: it is even in velocity, and levels are odd.
+CURVES = BENDING - {Asymmetry.name}
+WITH_LEVELS = CURVES | {PositionFriction.name}
 
 
 def with_levels_as_stated(model: Model) -> Model:

@@ -32,10 +32,9 @@ from mjfriction.diagnose.fit.trial import FALSE_ALARM, Trial, try_out
 from mjfriction.diagnose.search.allowed import as_allowed
 from mjfriction.diagnose.search.courses import as_courses
 from mjfriction.diagnose.search.field import Field, chances_in, in_place_of_levels
-from mjfriction.diagnose.search.refusal import CURVES, WITH_LEVELS
 from mjfriction.diagnose.search.short_list import contenders, passing
 from mjfriction.diagnose.settle.held_links import held_links
-from mjfriction.diagnose.settle.levels_kept import one_for_both, with_levels_as_stated
+from mjfriction.diagnose.settle.levels_kept import CURVES, WITH_LEVELS, one_for_both, with_levels_as_stated
 from mjfriction.diagnose.settle.load_at_flange import as_load
 from mjfriction.diagnose.settle.one_factor import beside_factors, scaled_levels
 from mjfriction.robot.friction import stated_levels
