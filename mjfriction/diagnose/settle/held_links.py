@@ -57,7 +57,8 @@ def held_links(model: Model, field: Field, surely_off: Mapping[int, float], mayb
     if not possible or not _as_good(alone, model, held):
         return model
     # What stood in for a part of that one cause is needless beside it.
-    return straightened(pruned(alone, chances_in(asked)))
+    bare = straightened(pruned(alone, chances_in(asked)))
+    return bare if _as_good(bare, model, held) else alone
 
 
 def _of_own(model: Model, surely_off: Mapping[int, float]) -> list[float]:
