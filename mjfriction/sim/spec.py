@@ -14,6 +14,7 @@ from mjfriction.errors import SimulationError, suggestion
 
 Spec = mujoco.MjSpec
 NO_MASS = 1e-12  # kg and kg·m²
+ROUNDED = 1e-4  # share of a body's largest moment of inertia that counts as rounding
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,7 @@ def read_spec(
     # Find the bodies that hold loads now: a load may name a held joint, and held joints are deleted next.
     holders = {name: _link(spec, load.parent, path, name) for name, load in (loads or {}).items()}
     _hold(spec, set(names) - set(joints))
+    _make_sound(spec)
     for key, named in (("link_inertia", link_inertia), ("link_shift", link_shift), ("link_scale", link_scale)):
         for name in named or {}:
             if name not in names:
@@ -118,6 +120,32 @@ def _hold(spec: mujoco.MjSpec, names: set[str]) -> None:
         spec.delete(actuator)
     for joint in [one for one in spec.joints if one.name in names]:
         spec.delete(joint)
+
+
+def _make_sound(spec: mujoco.MjSpec) -> None:
+    # MuJoCo refuses moments of inertia that no body has: their matrix must be positive, and none of the three may be
+    # larger than the other two together. Of a body that no joint moves they have no effect, and what rounding makes
+    # wrong lacks next to nothing.
+    for body in spec.bodies[1:]:
+        if not np.all(np.isfinite(body.fullinertia)):
+            continue
+        least, middle, most = np.linalg.eigvalsh(_matrix(body.fullinertia))
+        lacking = NO_MASS + max(-least, most - middle - least)
+        if lacking <= 0.0:
+            continue
+        if lacking < NO_MASS + ROUNDED * most:
+            body.fullinertia = np.asarray(body.fullinertia) + lacking * np.repeat([1.0, 0.0], 3)
+        elif not _moves(body):
+            body.fullinertia = np.full(6, np.nan)
+
+
+def _moves(body: mujoco.MjsBody | None) -> bool:
+    return body is not None and (bool(body.joints) or _moves(body.parent))
+
+
+def _matrix(moments: np.ndarray) -> np.ndarray:
+    xx, yy, zz, xy, xz, yz = moments
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
 def _put_in_place(joint: mujoco.MjsJoint, link: LinkMass) -> None:

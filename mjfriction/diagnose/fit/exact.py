@@ -165,7 +165,7 @@ def _noises(model: Model, covariances: Mapping[int, Floats]) -> dict[int, float]
     # The RMS change of each joint's friction that noise makes, relative to what is stated.
     gap = model.gap
     return {
-        joint: float(np.sqrt(np.trace(own @ _mean_square(gap, Site(joint))))) / _stated_friction(gap, joint)
+        joint: float(np.sqrt(max(np.trace(own @ _mean_square(gap, Site(joint))), 0.0))) / _stated_friction(gap, joint)
         for joint, own in covariances.items()
     }
 
