@@ -8,7 +8,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from mjfriction.diagnose.causes.payload import PayloadForAWhile
+from mjfriction.diagnose.causes.payload_for_a_while import PayloadForAWhile
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.identify.measure import measure_gap

@@ -5,6 +5,7 @@ from __future__ import annotations
 from mjfriction.diagnose.causes.asymmetry import Asymmetry, AsymmetryWithOffset
 from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.carried_drive import DifferenceCarried, SumCarried
+from mjfriction.diagnose.causes.carried_payload import CarriedPayload
 from mjfriction.diagnose.causes.cause import Cause
 from mjfriction.diagnose.causes.coulomb_viscous import CoulombViscous
 from mjfriction.diagnose.causes.coupling import DifferenceDrive, SharedEffort, SharedFriction, SharedMotion, SumDrive
@@ -24,7 +25,8 @@ from mjfriction.diagnose.causes.landed_play import LandedPlay
 from mjfriction.diagnose.causes.links import LinkCentre, LinkMoments, LinkScale
 from mjfriction.diagnose.causes.load import DriveLoad, Load
 from mjfriction.diagnose.causes.offset import Offset
-from mjfriction.diagnose.causes.payload import Payload, PayloadForAWhile
+from mjfriction.diagnose.causes.payload import Payload
+from mjfriction.diagnose.causes.payload_for_a_while import PayloadForAWhile
 from mjfriction.diagnose.causes.presliding import DampedPresliding, Presliding
 from mjfriction.diagnose.causes.pressure import PistonPressure, Pressure
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
@@ -82,6 +84,7 @@ STRUCTURAL: tuple[Cause, ...] = (
     BentSpring(),
     Payload(),
     PayloadForAWhile(),
+    CarriedPayload(),
     LinkScale(),
     LinkCentre(),
     LinkMoments(),

@@ -16,6 +16,7 @@ class Play(MovedLink):
     """The transmission has play: the link lags its sensor by half of it, with the sign of the load."""
 
     name = "drive.backlash"
+    brief = True
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every joint whose shift any joint would feel, except where play was already seen in the position itself."""

@@ -56,5 +56,15 @@ def nearness_of(model: Model) -> Nearness:
 
 
 def relief(model: Model, without: Model) -> float:
-    """Return how much likelier a model's drives and links are than those of one ``without`` a cause: strain saved."""
-    return nearness_of(without).strain - nearness_of(model).strain
+    """Return how much likelier a model's drives and links are than those of one ``without`` a cause: strain saved, with
+    that of friction levels that are kept near what is stated.
+    """
+    drives_and_links = nearness_of(without).strain - nearness_of(model).strain
+    return drives_and_links + _strain_of_levels(without) - _strain_of_levels(model)
+
+
+def _strain_of_levels(model: Model) -> float:
+    # The squares of how many spreads the levels are off that are kept near what is stated.
+    nuisance = model.nuisance
+    places = [nuisance.of_level(level.site.joint) for level in nuisance.levels if level.near]
+    return float(sum(np.sum(nuisance.precision[place] * np.square(model.strengths[place])) for place in places))

@@ -23,7 +23,7 @@ EVENEST = 0.25  # size required of a cause on the most even machine, relative to
 # (relative to friction) is counted: larger ones are not the machine's unevenness.
 STANDS_OUT, WAVIEST = 1.5, 0.06
 MOST = 0.95  # quantile over the rows that is taken for the maximum of an effort
-MOST_OF_SEVERAL = 0.995  # the same for an effort that several joints feel
+MOST_OF_FEW = 0.995  # the same for an effort that several joints feel, or that comes in few rows
 
 
 @dataclass(frozen=True)
@@ -159,18 +159,18 @@ def effects(model: Model, choice: Chosen, strengths: Floats, joint: int) -> tupl
     columns, _ = cause_block(model.gap, choice)
     made = columns[joint] @ strengths
     of_effort = float(np.linalg.norm(made) / np.linalg.norm(model.gap.measured[:, joint]))
-    return of_effort, at_its_most(model, columns, made, joint) / model.friction[joint]
+    return of_effort, at_its_most(model, choice, columns, made, joint) / model.friction[joint]
 
 
-def at_its_most(model: Model, columns: Columns, made: Floats, joint: int) -> float:
+def at_its_most(model: Model, choice: Chosen, columns: Columns, made: Floats, joint: int) -> float:
     """Return the largest value of the effort that a cause with these ``columns`` has ``made`` at a joint (rows,), less
     what the joint's refitted levels could make of it.
 
     Friction that grows with load, for example, is mostly a higher level and little besides.  The largest value is a
-    high quantile.  It is higher for a cause that several joints feel: this is not unevenness of one joint's friction,
-    and may show in few rows, as play does.
+    high quantile.  It is higher for a cause that several joints feel, which is not unevenness of one joint's friction,
+    and for one that by its nature shows in few rows, as play does.
     """
-    share = MOST if len(columns) == 1 else MOST_OF_SEVERAL
+    share = MOST_OF_FEW if choice.cause.brief or len(columns) > 1 else MOST
     return float(np.quantile(np.abs(model.beyond_levels(made, joint)), share))
 
 

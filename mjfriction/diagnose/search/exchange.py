@@ -47,7 +47,7 @@ def in_place_of(without: Model, own: Trial, field: Field) -> tuple[Trial, list[T
     """Return the trial of a cause that was taken out of a model, and those of the best of a field, compared fairly
     (:func:`~mjfriction.diagnose.search.short_list.fairly`).
     """
-    again, *rivals = fairly(without, [own, *contenders(without, field)])
+    again, *rivals = fairly(without, [own, *contenders(without, field, own.chosen.site.joint)])
     return again, rivals
 
 

@@ -19,9 +19,15 @@ NEAR_BEST = 0.9  # fraction of the best candidate's merit above which curved can
 SCREENED_ROWS = 1000  # rows that candidates are screened on, at least: enough to rank shapes
 
 
-def contenders(model: Model, field: Field) -> list[Trial]:
-    """Screen every candidate not in the model yet, and return the trials of a short list, each at its best shape."""
-    return all_tried(model, ranked(model, field)[:SHORT_LIST])
+def contenders(model: Model, field: Field, joint: int | None = None) -> list[Trial]:
+    """Screen every candidate not in the model yet, and return the trials of a short list, each at its best shape.
+
+    Of the candidates at ``joint``, those that are ranked by what this joint alone feels are tried too, however they
+    rank: the joints before it may feel more.
+    """
+    choices = ranked(model, field)
+    alone = [choice for choice in choices[SHORT_LIST:] if choice.cause.ranked_alone and choice.site.joint == joint]
+    return all_tried(model, choices[:SHORT_LIST] + alone)
 
 
 def fairly(model: Model, trials: list[Trial]) -> list[Trial]:

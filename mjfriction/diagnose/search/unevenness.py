@@ -45,8 +45,10 @@ def as_uneven(model: Model) -> Model:
     for choice in model.chosen:
         if isinstance(choice.cause, PositionFriction | Cogging):
             level = level.without(choice)
-    wavy = unevenness(level)
-    uneven = max(min(wavy / UNEVEN, 1.0), model.nuisance.uneven)
+    waves = _waves(level)
+    uneven = max(min(_at_least_at(TOLD_BY, waves) / UNEVEN, 1.0), model.nuisance.uneven)
+    # Two of six joints may each have waves as a cause. The ripple of gears shows at most joints.
+    wavy = _at_least_at(max(TOLD_BY, -(-len(waves) // 2)), waves)
     return build_model(model.gap, replace(model.nuisance, uneven=uneven, wavy=wavy), model.chosen)
 
 
@@ -57,9 +59,19 @@ def unevenness(model: Model) -> float:
     A joint counts if it shows waves, or would show those of an uneven machine.  If fewer than two joints count, nothing
     is known and the machine is taken to be as uneven as real ones.
     """
+    return _at_least_at(TOLD_BY, _waves(model))
+
+
+def _at_least_at(joints: int, waves: list[float]) -> float:
+    # The size that waves reach at so many joints.
+    return waves[-joints] if len(waves) >= TOLD_BY else UNEVEN
+
+
+def _waves(model: Model) -> list[float]:
+    # The size of the largest wave of each joint that counts, in ascending order.
     field = make_field(model.gap, WAVES)
     if not field:
-        return UNEVEN
+        return []
     chance = FALSE_ALARM / size(field)
     best = {choice.key[:2]: choice for choice in ranked(model, field)}
     waves: dict[int, float] = {}
@@ -69,4 +81,4 @@ def unevenness(model: Model) -> float:
         )
         if trial is not None and (trial.chance < chance or trial.least_seen(chance) < UNEVEN):
             waves[entrant.joint] = max(trial.of_friction, waves.get(entrant.joint, 0.0))
-    return sorted(waves.values())[-2] if len(waves) >= TOLD_BY else UNEVEN
+    return sorted(waves.values())

@@ -82,7 +82,7 @@ def _least_told(model: Model, choice: Chosen, left: Floats) -> float:
     # largest, of the joint's friction.
     joint, (columns, _) = choice.site.joint, cause_block(model.gap, choice)
     beside = left_of_friction(model, model.gap.rms(left, joint), joint)
-    most = max(at_its_most(model, columns, own, joint) / max(_rms(own), 1e-300) for own in columns[joint].T)
+    most = max(at_its_most(model, choice, columns, own, joint) / max(_rms(own), 1e-300) for own in columns[joint].T)
     return max(
         least_effect(model, choice, beside) * _rms(model.gap.measured[:, joint]),
         least_told(model, choice, beside) * model.friction[joint] / max(most, 1e-300),
