@@ -12,9 +12,9 @@ import numpy as np
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 
+from mjfriction.benchmark.cases import FAINT, OUTLYING
 from mjfriction.benchmark.row import Row
 from mjfriction.benchmark.score import MAY_BE_TOLD_AS, Named, Outcome, reliability, score
-from mjfriction.benchmark.tool import FAINT
 
 FOUND, ALTERNATIVE, MISSED = "found", "alternative", "missed"
 
@@ -30,8 +30,9 @@ sometimes one that no cause of the table is; the robot file knows nothing of the
 % off. A second log is of another motion. The severity of an effect is the RMS it adds at the joint where it shows
 most over that joint's noise: about 1.5 is medium, 4 is large; some effects cannot reach that much within what is
 physical, and a machine that its controller cannot hold is made again with half of it. One that adds less than {faint}
-of the noise ({drawn} were drawn here) is asked of no tool and held against none. The effects are the plant's own
-parts, but friction laws and rigid bodies are the ones that the diagnosis knows: logs of other physics will be harder.
+of the noise, or changes a stated value by less than {outlying:g} times what that machine's stated values are off by
+anyway, is asked of no tool and held against none ({drawn} were drawn here). The effects are the plant's own parts, but
+friction laws and rigid bodies are the ones that the diagnosis knows: logs of other physics will be harder.
 
 *Exact*: just what was hidden was found, and what no cause fits was left open (or, of a soft stop, told as the
 `body.spring` that a torque in position is by definition). *Hit*: every hidden cause is, at its
@@ -172,6 +173,7 @@ def page(rows: list[Row]) -> str:
         beside=f" --beside {len(shared)}" if len(names) > 1 else "",
         on_first=on_first if len(names) > 1 else "",
         faint=FAINT,
+        outlying=OUTLYING,
         drawn=sum(len(one.faint) for one in outcomes),
         tools=tools if len(names) > 1 else "",
         table=scores("cases", grouped(rows)),

@@ -11,8 +11,10 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet
 
+from mjfriction.benchmark.effects.body import link_inertia, payload
 from mjfriction.benchmark.effects.catalog import EFFECTS, Draw
 from mjfriction.benchmark.effects.effect import OUTSIDE_NAME, Effect, Place
+from mjfriction.body.regressor import tip_link
 from mjfriction.control.servo import Control
 from mjfriction.errors import SimulationError
 from mjfriction.laws.law import Floats
@@ -36,6 +38,8 @@ MOST_HALVINGS = 3  # of the severity, to get a machine that its controller can h
 # Share of the severity that must be reached, otherwise the effect is drawn at another joint: e.g. the zero of a joint
 # whose axis is along gravity does not show.
 LEAST_REACHED = 0.5
+FAINT = 0.5  # severity below which no tool is required to find an effect
+OUTLYING = 3.0  # times what stated values are off by, up to which another one that is off does not stand out
 
 
 @dataclass(frozen=True)
@@ -61,12 +65,22 @@ class Setting:
 
 @dataclass(frozen=True)
 class Hidden:
-    """What was hidden: its cause, joint and strength, and how far it stands out of the noise (``severity``)."""
+    """What was hidden: its cause, joint and strength, and how far it stands out of the noise (``severity``).
+
+    ``among_others`` says whether it changes a stated value by so little that it does not stand out from those of the
+    machine that are off anyway.
+    """
 
     cause: str
     joint: str | None
     strength: float
     severity: float
+    among_others: bool = False
+
+    @property
+    def faint(self) -> bool:
+        """Whether it shows so little that no tool is required to find it."""
+        return self.severity < FAINT or self.among_others
 
     @property
     def outside(self) -> bool:
@@ -111,15 +125,20 @@ def _made(seed: int, setting: Setting, draws: tuple[Draw, ...], severity: float)
     ambient: dict[str, Floats] = {}
     pushes: dict[str, Floats] = {}
     places = rng.permutation(len(joints))
+    holding = machine.body().link_holding(tip_link(machine.body()))
     for i, draw in enumerate(draws):
         for j in range(len(joints)):
-            effect = draw(rng, _place(machine, joints[int(places[(i + j) % len(joints)])], motions[0]))
+            joint = joints[int(places[(i + j) % len(joints)])]
+            effect = draw(rng, _place(machine, joint, motions[0]))
             effect = replace(effect, ambient={**effect.ambient, **oil})
             hiding, found = _hide(machine, effect, motions[0], severity)
-            if found.severity > LEAST_REACHED * severity:
+            # A payload and the link that holds it are one body.
+            one_body = draw is link_inertia and payload in draws and joint == holding
+            if found.severity > LEAST_REACHED * severity and not one_body:
                 break
         machine = hiding
-        hidden.append(found)
+        little = 0.0 < effect.of_stated * found.strength < OUTLYING * setting.off
+        hidden.append(replace(found, among_others=little))
         if not oil:
             ambient |= effect.ambient
         if effect.push is not None:

@@ -21,8 +21,6 @@ from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.predict import predict_log
 from mjfriction.robot.robot import Robot
 
-FAINT = 0.5  # severity below which no tool is required to find an effect
-
 
 def run_tool(command: Sequence[str], case: Case, folder: Path) -> Outcome:
     """Run ``command diagnose LOG --robot R --out DIR`` on a case, then ``command predict`` along its other motion.
@@ -36,8 +34,8 @@ def run_tool(command: Sequence[str], case: Case, folder: Path) -> Outcome:
     hidden: dict[bool, list[Named]] = {True: [], False: []}
     for one in case.hidden:
         if not one.outside:
-            hidden[one.severity >= FAINT].append((one.cause, one.joint))
-    outside = tuple((one.cause, one.joint) for one in case.hidden if one.outside and one.severity >= FAINT)
+            hidden[not one.faint].append((one.cause, one.joint))
+    outside = tuple((one.cause, one.joint) for one in case.hidden if one.outside and not one.faint)
     asked = bool(hidden[True]) and not outside
     begin = time.perf_counter()
     try:

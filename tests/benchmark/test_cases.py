@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ import pyarrow as pa
 import pytest
 
 from mjfriction.benchmark import cases
-from mjfriction.benchmark.cases import SEVERITY, Case, Setting, draw_of, make_case, write_case
+from mjfriction.benchmark.cases import FAINT, SEVERITY, Case, Setting, draw_of, make_case, write_case
 from mjfriction.benchmark.drawing import draw_case
 from mjfriction.benchmark.effects.catalog import EFFECTS, Draw
 from mjfriction.benchmark.score import Finding, Outcome, score
@@ -250,6 +251,26 @@ def test_what_is_too_faint_is_asked_of_no_tool_and_held_against_none() -> None:
     missed = Outcome((), (), "consistent", None, 1.0, faint=(("drive.elasticity", "elbow"),))
     assert missed.exact
     assert missed.hit
+
+
+@pytest.mark.parametrize(("severity", "asked"), [(0.3, False), (3.0, True)])
+def test_a_value_that_is_off_no_more_than_the_others_is_asked_of_no_tool(severity: float, asked: bool) -> None:
+    # 3 % off as everything, against several times that.
+    setting = Setting(seconds=12.0, rate=250.0, off=0.03)
+    case = make_case(3, setting, (draw_of("drive.torque_constant"),), severity)
+    (hidden,) = case.hidden
+    assert hidden.faint != asked
+    assert (hidden.strength > 0.09) == asked
+    (exactly,) = make_case(3, replace(setting, off=0.0), (draw_of("drive.torque_constant"),), severity).hidden
+    assert exactly.faint == (exactly.severity < FAINT)
+
+
+def test_a_payload_and_its_own_link_are_not_both_hidden() -> None:
+    draws = (draw_of("body.link_inertia"), draw_of("body.payload"))
+    for seed in range(4):
+        machine = make_case(seed, Setting(seconds=12.0, rate=250.0), draws, 1.0).machine
+        assert machine.table.payload is not None
+        assert "wrist_3_joint" not in machine.table.link_scale
 
 
 def test_of_several_causes_each_counts_once_as_named_whether_all_were_found_or_not() -> None:

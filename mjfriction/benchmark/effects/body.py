@@ -31,7 +31,7 @@ def link_inertia(rng: np.random.Generator, place: Place) -> Effect:
     def change(robot: Robot, a: float) -> Robot:
         return scaled_link(robot, place.joint, max(0.2, 1.0 + way * a))
 
-    return Effect("body.link_inertia", None, change, 0.3, 1.5, {})
+    return Effect("body.link_inertia", None, change, 0.3, 1.5, {}, of_stated=abs(way))
 
 
 def gravity_direction(rng: np.random.Generator, place: Place) -> Effect:

@@ -29,7 +29,8 @@ class Effect:
     ``cause`` is its name and ``joint`` its joint (None for the whole arm).  ``change`` applies it to a robot at a
     strength; ``begin`` is the first strength to try and ``most`` the largest allowed.  ``ambient`` are the columns that
     it adds to the log.  ``push`` (n,) is the push of an effect outside all causes on its joint, along the log's motion
-    at strength 1.
+    at strength 1.  ``of_stated`` is by how much strength 1 changes a value that robot files state, relative to it; 0
+    where it adds something that they do not state.
     """
 
     cause: str
@@ -39,6 +40,7 @@ class Effect:
     most: float
     ambient: Mapping[str, Floats]
     push: Floats | None = None
+    of_stated: float = 0.0
 
 
 @dataclass(frozen=True)

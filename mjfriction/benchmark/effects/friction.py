@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from mjfriction.benchmark.effects.effect import Effect, Place, on_joint, sign, updated, wave_along
@@ -27,13 +29,12 @@ def coulomb_viscous(rng: np.random.Generator, place: Place) -> Effect:
     """Stated levels that are off, both in the same direction."""
     shares = rng.uniform(0.5, 1.0, 2) * sign(rng)
     levels = (place.coulomb * shares[0], place.viscous * shares[1])
-    return on_joint(
-        "friction.coulomb_viscous",
-        place,
-        lambda r, a: raised_levels(r, place.joint, a * levels[0], a * levels[1]),
-        0.3,
-        0.9,
-    )
+
+    def change(robot: Robot, a: float) -> Robot:
+        return raised_levels(robot, place.joint, a * levels[0], a * levels[1])
+
+    off = on_joint("friction.coulomb_viscous", place, change, 0.3, 0.9)
+    return replace(off, of_stated=float(np.max(np.abs(shares))))
 
 
 def stribeck(rng: np.random.Generator, place: Place) -> Effect:

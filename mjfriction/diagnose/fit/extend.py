@@ -21,6 +21,8 @@ from mjfriction.robot.friction import raised_levels, stated_levels
 from mjfriction.robot.links import link_scale, link_shift, scaled_link, shifted_link
 from mjfriction.robot.robot import Robot
 
+LEAST_SHIFT = 1e-4  # m, shift of a centre of mass below which it is not listed
+
 
 @dataclass(frozen=True)
 class Adjustment:
@@ -109,12 +111,13 @@ def _moved(gap: Gap, cause: Cause, site: Site, quantity: Quantity, value: float,
 
 
 def _moved_link(robot: Robot, name: str, change: Floats, half: Floats) -> list[Adjustment]:
-    # The link's scale, and the shifts of its centre of mass that are larger than their half-width.
+    # The link's scale, and the shifts of its centre of mass that are larger than their half-width and than anybody
+    # measures one.
     scale = link_scale(robot, name)
     fitted = scale * (1.0 + float(change[0]))
     out = [Adjustment("link_scale", name, "1", scale, fitted, scale * float(half[0]))]
     for k, (axis, stated) in enumerate(zip("xyz", link_shift(robot, name), strict=True), start=1):
-        if abs(change[k]) > half[k]:
+        if abs(change[k]) > max(half[k], LEAST_SHIFT):
             moved = stated + float(change[k])
             out.append(Adjustment(f"link_shift_{axis}", name, "m", stated, moved, float(half[k])))
     return out
