@@ -128,7 +128,7 @@ def test_every_page_that_is_named_is_there() -> None:
 
 def test_how_it_decides_tells_what_rows_and_waves_count() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
-    assert f"a wave has to be {STANDS_OUT:g} times as large as the waves that at least two joints show" in told
+    assert f"a wave has to be {STANDS_OUT:g} times as large as the waves that half of the joints" in told
     assert f"Waves above {100 * WAVIEST:g} % of friction do not raise this bar" in told
     assert f"until that matters by less than {100 * UNSETTLED:g} % of its level" in told
     assert (FEWEST_CLEAR, ENOUGH_CLEAR, WITHIN) == (0.2, 50, 0.9), "in words"

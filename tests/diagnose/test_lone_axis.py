@@ -9,6 +9,7 @@ import pyarrow as pa
 import pytest
 
 from mjfriction.benchmark.cases import Setting, draw_of, make_case
+from mjfriction.benchmark.drawing import draw_case
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
@@ -125,3 +126,30 @@ def test_a_lone_pendulum_on_a_tilted_base_is_not_left_open(tmp_path: Path) -> No
     (finding,) = found.findings
     assert {finding.cause, *finding.alternatives} >= {"body.gravity_direction", "sensor.encoder_offset"}
     assert found.joints[0].rms_heldout_after < 1.1 * found.joints[0].noise_floor
+
+
+@pytest.mark.deep
+def test_a_rotor_twice_as_heavy_is_told_beside_levels_that_are_off() -> None:
+    """A torque constant may be off in the place of the levels. Without the rotor, levels that make up for it would have
+    to be off as far as they never are.
+    """
+    case = draw_case(970091).case()
+    assert [hidden.cause for hidden in case.hidden] == ["drive.rotor_inertia", "friction.coulomb_viscous"]
+    found = diagnose_log(log_from_table(pa.table(case.log), "axis"), case.stated)
+    named = [{finding.cause, *finding.alternatives} for finding in found.findings]
+    assert len(named) == 2
+    assert any("drive.rotor_inertia" in own for own in named)
+    assert any("friction.coulomb_viscous" in own for own in named)
+
+
+@pytest.mark.deep
+def test_play_is_told_though_it_shows_in_few_rows(tmp_path: Path) -> None:
+    """Nothing tells how uneven a joint alone is, so that an effect must be large. Play is, where the link lands."""
+    stated = pendulum(tmp_path, "stated", inertia=0.08, rotor=6e-5, coulomb=9.0, noise=0.3)
+    (swing,) = stated.table.joint
+    played = swing.model_copy(update={"transmission": swing.transmission.model_copy(update={"backlash": 0.01})})
+    motion = excitation(("swing",), np.zeros(1), np.full(1, 1.2), np.full(1, 0.4), 60.0, seed=3)
+    columns = simulate(stated.with_joint(played), motion, recorder=Recorder(250.0), seed=1)
+    (finding,) = diagnose_log(log_from_table(pa.table(columns), "swing"), stated).findings
+    assert finding.cause == "drive.backlash"
+    assert finding.parameters[0].value == pytest.approx(0.01, rel=0.2)

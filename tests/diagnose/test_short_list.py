@@ -10,13 +10,16 @@ from typing import NoReturn
 import numpy as np
 import pytest
 
+from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.elasticity import HardeningElasticity, SwingingElasticity
+from mjfriction.diagnose.causes.encoder_offset import EncoderOffset
 from mjfriction.diagnose.fit.exact import usual_nuisance
 from mjfriction.diagnose.fit.model import build_model
+from mjfriction.diagnose.search import short_list
 from mjfriction.diagnose.search.field import make_field
-from mjfriction.diagnose.search.short_list import ranked
+from mjfriction.diagnose.search.short_list import contenders, ranked
 from mjfriction.identify import kept
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.measure import measure_gap
@@ -92,3 +95,18 @@ def test_what_is_simpler_competes_first() -> None:
     simpler = {kind: kind.simpler for kind in kinds if kind.simpler is not None}
     assert simpler
     assert all(kinds.index(other) < kinds.index(kind) for kind, other in simpler.items())
+
+
+def test_what_is_ranked_by_its_own_joint_alone_is_tried_however_it_ranks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its rivals are ranked by what the joints before theirs feel too."""
+    log, robot = write_case(
+        tmp_path, Machine(sensed={1: lambda at: np.full_like(at.q, 0.02)}), seed=3, seconds=20.0, rate=250.0
+    )
+    gap = measure_gap(read_log(log), read_robot(robot), highest=60.0)
+    model, field = build_model(gap, usual_nuisance(gap), ()), make_field(gap, (Backlash(), EncoderOffset()))
+    monkeypatch.setattr(short_list, "SHORT_LIST", 0)
+    assert contenders(model, field) == []
+    (tried,) = contenders(model, field, 2)
+    assert (type(tried.chosen.cause), tried.chosen.site.joint) == (Backlash, 2)

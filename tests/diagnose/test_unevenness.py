@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.fit.exact import usual_nuisance
-from mjfriction.diagnose.fit.model import build_model
+from mjfriction.diagnose.fit.model import Chosen, build_model
 from mjfriction.diagnose.fit.trial import EVENEST
 from mjfriction.diagnose.search.field import make_field
 from mjfriction.diagnose.search.free_links import compete_for_links
@@ -72,3 +74,13 @@ def test_waves_of_a_torque_tell_it_as_waves_of_the_level_do(tmp_path: Path) -> N
     assert unevenness_of(gap_of_machine(tmp_path / "two", two)) == 1.0
     # One alone may be a cause.
     assert unevenness_of(gap_of_machine(tmp_path / "one", Machine(noise=0.03, hidden={2: cogs(2)}))) == EVENEST
+
+
+@pytest.mark.parametrize(("joints", "rippling"), [((1, 2), False), ((1, 2, 3), True)])
+def test_two_joints_of_six_may_each_have_a_wave_as_a_cause(
+    joints: tuple[int, ...], *, rippling: bool, tmp_path: Path
+) -> None:
+    gap = gap_of_machine(tmp_path, Machine(noise=0.03, hidden={joint: wave(joint, 0.1) for joint in joints}))
+    model = as_uneven(build_model(gap, usual_nuisance(gap), (Chosen(Offset(), Site(0)),)))
+    assert (model.nuisance.wavy > 0.05) == rippling
+    assert model.nuisance.uneven == 1.0  # what is required of other causes

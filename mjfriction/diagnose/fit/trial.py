@@ -19,7 +19,7 @@ LEAST_SHARE = 0.01  # share of the remaining held-out error that a cause must re
 LEAST_EFFECT = 0.005  # fraction of the joint's RMS effort that a cause's own effort must reach
 UNEVEN = 0.015  # size of waves along the stroke, relative to friction, on a machine as uneven as real ones
 EVENEST = 0.25  # size required of a cause on the most even machine, relative to one that is as uneven as real ones
-# A wave must be STANDS_OUT times as large as the waves that two joints or more show.  Of those, no more than WAVIEST
+# A wave must be STANDS_OUT times as large as the waves that half of the joints show.  Of those, no more than WAVIEST
 # (relative to friction) is counted: larger ones are not the machine's unevenness.
 STANDS_OUT, WAVIEST = 1.5, 0.06
 MOST = 0.95  # quantile over the rows that is taken for the maximum of an effort
