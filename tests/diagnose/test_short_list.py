@@ -101,9 +101,8 @@ def test_what_is_ranked_by_its_own_joint_alone_is_tried_however_it_ranks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Its rivals are ranked by what the joints before theirs feel too."""
-    log, robot = write_case(
-        tmp_path, Machine(sensed={1: lambda at: np.full_like(at.q, 0.02)}), seed=3, seconds=20.0, rate=250.0
-    )
+    machine = Machine(sensed={2: lambda at: np.full_like(at.q, -0.02)})
+    log, robot = write_case(tmp_path, machine, seed=3, seconds=20.0, rate=250.0)
     gap = measure_gap(read_log(log), read_robot(robot), highest=60.0)
     model, field = build_model(gap, usual_nuisance(gap), ()), make_field(gap, (Backlash(), EncoderOffset()))
     tried: list[tuple[type[Cause], int]] = []
