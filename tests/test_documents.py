@@ -12,6 +12,7 @@ from mjfriction.control.observe import OBSERVERS
 from mjfriction.diagnose.causes.along_stroke import FINEST
 from mjfriction.diagnose.causes.carried_drive import RATIOS as CARRIED
 from mjfriction.diagnose.causes.carried_drive import TRIED, WHOLE
+from mjfriction.diagnose.causes.carried_payload import EDGE, PARTS
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.coupling import RATIOS
 from mjfriction.diagnose.causes.elasticity import RESONANCE_BAND, STIFFER
@@ -37,7 +38,16 @@ from mjfriction.diagnose.fit.as_little import AS_GOOD
 from mjfriction.diagnose.fit.exact import EXACT, FEWEST_OTHERS, MOST_JOINTS
 from mjfriction.diagnose.fit.nuisance import FARTHEST, LET_GO
 from mjfriction.diagnose.fit.refitted import CONSTANT, FEWEST_JOINTS, LINK_SCALE, LINK_SHIFT, OUT_OF_CHANCE, ROTOR, ZERO
-from mjfriction.diagnose.fit.trial import EVENEST, FALSE_ALARM, LEAST_EFFECT, STANDS_OUT, UNEVEN, WAVIEST
+from mjfriction.diagnose.fit.trial import (
+    EVENEST,
+    FALSE_ALARM,
+    LEAST_EFFECT,
+    MOST,
+    MOST_OF_FEW,
+    STANDS_OUT,
+    UNEVEN,
+    WAVIEST,
+)
 from mjfriction.diagnose.search.compete import KEPT, MOST_CAUSES, MOST_STEPS
 from mjfriction.diagnose.search.courses import NEARLY, OF_REMOVED
 from mjfriction.diagnose.search.exchange import MOST_EXCHANGED
@@ -136,6 +146,7 @@ def test_how_it_decides_tells_what_rows_and_waves_count() -> None:
 
 def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
+    assert (PARTS, EDGE, MOST, MOST_OF_FEW) == (12, 0.25, 0.95, 0.995), "in words: a twelfth, a quarter, rows in twenty"
     assert f"makes less than {100 * LEAST_EFFECT:g} % of the effort (one of the whole arm: at the joint where" in told
     assert f"At no joint does it remove {100 * LEAST_SEEN:g} % of the mean square" in told
     uneven = [100 * cause.least_of_friction for cause in (Offset, PositionFriction, Step)]
