@@ -9,10 +9,10 @@ import sys
 from pathlib import Path
 
 from mjfriction.control.observe import OBSERVERS
+from mjfriction.diagnose.causes import carried_payload
 from mjfriction.diagnose.causes.along_stroke import FINEST
 from mjfriction.diagnose.causes.carried_drive import RATIOS as CARRIED
 from mjfriction.diagnose.causes.carried_drive import TRIED, WHOLE
-from mjfriction.diagnose.causes.carried_payload import EDGE, PARTS
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.coupling import RATIOS
 from mjfriction.diagnose.causes.elasticity import RESONANCE_BAND, STIFFER
@@ -142,11 +142,12 @@ def test_how_it_decides_tells_what_rows_and_waves_count() -> None:
     assert f"Waves above {100 * WAVIEST:g} % of friction do not raise this bar" in told
     assert f"until that matters by less than {100 * UNSETTLED:g} % of its level" in told
     assert (FEWEST_CLEAR, ENOUGH_CLEAR, WITHIN) == (0.2, 50, 0.9), "in words"
+    assert (MOST, MOST_OF_FEW) == (0.95, 0.995), "in words: one row in twenty, in two hundred"
+    assert (carried_payload.PARTS, carried_payload.EDGE) == (12, 0.25), "in words: a twelfth, a quarter of it"
 
 
 def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
-    assert (PARTS, EDGE, MOST, MOST_OF_FEW) == (12, 0.25, 0.95, 0.995), "in words: a twelfth, a quarter, rows in twenty"
     assert f"makes less than {100 * LEAST_EFFECT:g} % of the effort (one of the whole arm: at the joint where" in told
     assert f"At no joint does it remove {100 * LEAST_SEEN:g} % of the mean square" in told
     uneven = [100 * cause.least_of_friction for cause in (Offset, PositionFriction, Step)]
