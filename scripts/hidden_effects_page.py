@@ -13,6 +13,7 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 
 from mjfriction.benchmark.cases import FAINT, OUTLYING
+from mjfriction.benchmark.drawing import ARMS
 from mjfriction.benchmark.row import Row
 from mjfriction.benchmark.score import MAY_BE_TOLD_AS, Named, Outcome, reliability, score
 
@@ -139,6 +140,8 @@ def grouped(rows: list[Row]) -> Iterable[tuple[str, list[Outcome]]]:
     yield "all", [row.ours for row in rows]
     yield "stated model right", those(lambda r: r.setting["off"] == 0.0)
     yield "stated model 3 % off", those(lambda r: r.setting["off"] > 0.0)
+    yield "six axes, stated model right", those(lambda r: r.setting["robot"] in ARMS and r.setting["off"] == 0.0)
+    yield "six axes, stated model 3 % off", those(lambda r: r.setting["robot"] in ARMS and r.setting["off"] > 0.0)
     yield "nothing hidden", those(lambda r: not (r.ours.hidden or r.ours.faint or r.ours.outside))
     for count, word in ((1, "one effect"), (2, "two effects"), (3, "three effects")):
         yield word, those(lambda r, n=count: len(r.ours.hidden) == n and not r.ours.outside)
