@@ -191,7 +191,7 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert f"({100 * RINGING:g} % of the fastest speed" in told
     assert f"at least {100 * LEAST_KIN_EFFECT:g} % of the joint's effort" in told
     assert f"first or last {100 * EDGE:g} %" in told
-    assert (GONE_BY, LEAST_PART, OUTLYING) == (0.7, 0.1, 3.0), "the page says seven tenths, a tenth and three times"
+    assert (GONE_BY, LEAST_PART, OUTLYING) == (0.8, 0.1, 3.0), "the page says four fifths, a tenth and three times"
     assert f"with a usual deviation of {100 * LET_GO:g} %, in place of every named link" in told
     assert FARTHEST * 2.0 == STRAINED * 3.0, "the page says two thirds"
     assert (BAR, FEWEST_GAINING, MANY, LEAST_GAINED) == (2.0, 2, 2, 0.1), "the page says two, two, two and a tenth"

@@ -5,13 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 import pytest
 
+from mjfriction.benchmark.drawing import draw_case
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.settle import stated
 from mjfriction.diagnose.tell import alike
 from mjfriction.diagnose.tell.outcome import Finding
 from mjfriction.record.readers import read_log
+from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_JOINTS, UR5_VISCOUS, Effect, Machine, write_case
 
@@ -47,3 +50,12 @@ def test_levels_that_are_off_are_no_wide_curve(tmp_path: Path) -> None:
         return np.asarray(0.8 * np.sign(v) - 0.4 * UR5_VISCOUS[WRIST] * v)
 
     assert found(tmp_path / "off", off).cause == "friction.coulomb_viscous"
+
+
+@pytest.mark.deep
+def test_one_that_ends_late_is_no_bend() -> None:
+    """By three quarters of the top speed all but a twentieth has faded: a bend leaves clearly more."""
+    case = draw_case(980038).case()
+    (finding,) = diagnose_log(log_from_table(pa.table(case.log), "case"), case.stated).findings
+    assert [(finding.cause, finding.joint)] == [(hidden.cause, hidden.joint) for hidden in case.hidden]
+    assert finding.cause == "friction.stribeck"

@@ -23,7 +23,7 @@ EXPONENT_RANGE = (0.5, 4.0)
 # Least Stribeck velocity, in multiples of the speed below which the direction is in doubt: what fades within less looks
 # like a blurred reversal.
 SLOWEST = 2.0
-GONE_BY = 0.7  # fraction of the top speed by which all but a twentieth must have faded: else it is a bent viscous curve
+GONE_BY = 0.8  # fraction of the top speed by which all but a twentieth must have faded: else it is a bent viscous curve
 ALL_OF_IT = 1.25  # multiple of a stated extra level that a fit may take away where there really is none
 FASTEST = 0.6  # largest Stribeck velocity, as a fraction of the top speed: what fades later is a bent viscous curve
 OF_STEP = 0.97  # fraction of the highest exponent from which on a level falls like a step
