@@ -127,14 +127,15 @@ def _made(seed: int, setting: Setting, draws: tuple[Draw, ...], severity: float)
     places = rng.permutation(len(joints))
     holding = machine.body().link_holding(tip_link(machine.body()))
     for i, draw in enumerate(draws):
-        for j in range(len(joints)):
-            joint = joints[int(places[(i + j) % len(joints)])]
+        order = [joints[k] for k in np.roll(places, -i)]
+        if draw is link_inertia and payload in draws:
+            # A payload and the link that holds it are one body.
+            order = [joint for joint in order if joint != holding] or order
+        for joint in order:
             effect = draw(rng, _place(machine, joint, motions[0]))
             effect = replace(effect, ambient={**effect.ambient, **oil})
             hiding, found = _hide(machine, effect, motions[0], severity)
-            # A payload and the link that holds it are one body.
-            one_body = draw is link_inertia and payload in draws and joint == holding
-            if found.severity > LEAST_REACHED * severity and not one_body:
+            if found.severity > LEAST_REACHED * severity:
                 break
         machine = hiding
         little = 0.0 < effect.of_stated * found.strength < OUTLYING * setting.off

@@ -28,6 +28,7 @@ from tests.deep import deep
 HOME = np.array([0.0, -1.2, 1.4, -0.4, 1.2, 0.0])
 CENTRE, FLANGE = (0.02, 0.01, 0.08), "wrist_3_joint"
 BEGIN, END = 7.3, 16.1
+MOMENT = 0.2  # s, five rows of the fit: within them what is left differs by less than noise makes of it
 FILTERED = 0.5  # s, beyond which the filter of efforts carries next to nothing from one moment to another
 
 
@@ -71,8 +72,8 @@ def test_it_is_told_with_its_moments(mass: float, stated: float, begin: float, e
     (held,) = diagnosis.robot.table.taken_up
     assert held.mass == pytest.approx(mass, rel=0.05)
     assert held.com == pytest.approx(CENTRE, abs=0.02)
-    assert held.begin == pytest.approx(begin, abs=0.2)
-    assert held.end == (None if end is None else pytest.approx(end, abs=0.2))
+    assert held.begin == pytest.approx(begin, abs=MOMENT)
+    assert held.end == (None if end is None else pytest.approx(end, abs=MOMENT))
 
 
 def test_its_error_is_removed_on_motion_not_fitted() -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from mjfriction.benchmark.effects.effect import Effect, Place, on_joint, sign, updated, wave_along
@@ -34,7 +32,7 @@ def torque_constant(rng: np.random.Generator, place: Place) -> Effect:
         sensor = robot.joint(place.joint).effort_sensor
         return updated(robot, place.joint, effort_sensor=sensor.model_copy(update={"scale": 1.0 + way * a}))
 
-    return replace(on_joint("drive.torque_constant", place, change, 0.1, 0.4), of_stated=1.0)
+    return on_joint("drive.torque_constant", place, change, 0.1, 0.4, of_stated=1.0)
 
 
 def offset(rng: np.random.Generator, place: Place) -> Effect:
@@ -83,7 +81,7 @@ def rotor_inertia(rng: np.random.Generator, place: Place) -> Effect:
         inertia = drive.rotor_inertia * max(0.05, 1.0 + way * a)
         return updated(robot, place.joint, actuator=drive.model_copy(update={"rotor_inertia": inertia}))
 
-    return replace(on_joint("drive.rotor_inertia", place, change, 0.4, 4.0), of_stated=abs(way))
+    return on_joint("drive.rotor_inertia", place, change, 0.4, 4.0, of_stated=abs(way))
 
 
 def coupling(rng: np.random.Generator, place: Place) -> Effect:

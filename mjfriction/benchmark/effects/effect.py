@@ -69,10 +69,16 @@ class Place:
 
 
 def on_joint(
-    cause: str, place: Place, change: Change, begin: float, most: float, ambient: Mapping[str, Floats] | None = None
+    cause: str,
+    place: Place,
+    change: Change,
+    begin: float,
+    most: float,
+    ambient: Mapping[str, Floats] | None = None,
+    of_stated: float = 0.0,
 ) -> Effect:
     """Return an effect on the place's own joint."""
-    return Effect(cause, place.joint, change, begin, most, ambient or {})
+    return Effect(cause, place.joint, change, begin, most, ambient or {}, of_stated=of_stated)
 
 
 def updated(robot: Robot, joint: str, **changes: object) -> Robot:

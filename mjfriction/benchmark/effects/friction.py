@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from mjfriction.benchmark.effects.effect import Effect, Place, on_joint, sign, updated, wave_along
@@ -33,8 +31,8 @@ def coulomb_viscous(rng: np.random.Generator, place: Place) -> Effect:
     def change(robot: Robot, a: float) -> Robot:
         return raised_levels(robot, place.joint, a * levels[0], a * levels[1])
 
-    off = on_joint("friction.coulomb_viscous", place, change, 0.3, 0.9)
-    return replace(off, of_stated=float(np.max(np.abs(shares))))
+    largest = float(np.max(np.abs(shares)))
+    return on_joint("friction.coulomb_viscous", place, change, 0.3, 0.9, of_stated=largest)
 
 
 def stribeck(rng: np.random.Generator, place: Place) -> Effect:

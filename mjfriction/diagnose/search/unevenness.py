@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -48,7 +49,7 @@ def as_uneven(model: Model) -> Model:
     waves = _waves(level)
     uneven = max(min(_at_least_at(TOLD_BY, waves) / UNEVEN, 1.0), model.nuisance.uneven)
     # Two of six joints may each have waves as a cause. The ripple of gears shows at most joints.
-    wavy = _at_least_at(max(TOLD_BY, -(-len(waves) // 2)), waves)
+    wavy = _at_least_at(max(TOLD_BY, math.ceil(len(waves) / 2)), waves)
     return build_model(model.gap, replace(model.nuisance, uneven=uneven, wavy=wavy), model.chosen)
 
 
