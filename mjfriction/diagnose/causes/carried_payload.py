@@ -61,8 +61,8 @@ class CarriedPayload(HeldForAWhile):
         return begin > site.begin or math.isfinite(end)
 
     def shape_resolution(self, gap: Gap, site: Site) -> tuple[float, ...]:
-        """Half of the time from row to row."""
-        return (0.5 * float(np.median(np.diff(gap.chain.time))),) * 2
+        """The time from row to row."""
+        return (gap.row_time,) * 2
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """It is also held for longer than a moment."""

@@ -217,8 +217,8 @@ class Step(Varying):
         return bool(low + margin < site.shape[0] < high - margin)
 
     def shape_resolution(self, gap: Gap, site: Site) -> tuple[float, ...]:
-        """Half of the time from row to row: a step lies somewhere between two rows."""
-        return (0.5 * float(np.median(np.diff(gap.chain.time))),)
+        """The time from row to row: the low-pass of efforts smears a step by as much."""
+        return (gap.row_time,)
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
         """Direction and velocity at the rows, zero before each moment: the filter's effect on the edge is neglected."""

@@ -47,12 +47,14 @@ def half_widths(model: Model) -> HalfWidths:
 def widths_told(model: Model) -> HalfWidths:
     """Return how uncertain the reported values of a model are.
 
-    The intervals of causes are widened by as much as errors of the stated drives and links would move them, unless all
-    is stated exactly or links are freed. These errors are taken to be as large as this robot's refitted ones, or, where
-    all are held as stated, the smallest that are assumed. A fit leans towards its prior, and no row of the log shows
-    how wrong the prior is.
+    The interval of a moment ends where the fit is worse by what 95 % allow. The intervals of causes are widened by as
+    much as errors of the stated drives and links would move them, unless all is stated exactly or links are freed.
+    These errors are taken to be as large as this robot's refitted ones, or, where all are held as stated, the smallest
+    that are assumed. A fit leans towards its prior, and no row of the log shows how wrong the prior is.
     """
     own, nuisance = half_widths(model), model.nuisance
+    causes = zip(model.chosen, own.causes, strict=True)
+    own = replace(own, causes=tuple(_flat(model, choice, half, own.quantile) for choice, half in causes))
     if stated_exactly(model) or nuisance.inertias is not None:
         return own
     usual, near = make_nuisance(model.gap, drives=True), nearness_of(model)
@@ -62,6 +64,33 @@ def widths_told(model: Model) -> HalfWidths:
     covariance = full.covariance(model.gap.blocks.group) + full.leaning(doubted.of_stated)
     wider = zip(own.causes, _half_widths(model, sizes, covariance, doubted.count).causes, strict=True)
     return replace(own, causes=tuple(np.maximum(half, more) for half, more in wider))
+
+
+def _flat(model: Model, choice: Chosen, half: Floats, quantile: float) -> Floats:
+    # Rows beside a step are left out where they fit neither side of it, and then the fit is as good at any moment among
+    # them: no tangent at one of them shows that.
+    shape, finest = np.array(choice.site.shape), choice.cause.shape_resolution(model.gap, choice.site)
+    if not any(finest):
+        return half
+    felt, weight = sorted(cause_block(model.gap, choice)[0]), model.system.rows.weight
+    system = model.without(choice).system.reweighted(weight, felt)
+
+    def gain(moved: Floats) -> float:
+        columns = choice.cause.columns(model.gap, choice.site.shaped(tuple(moved.tolist())))
+        return float(system.screen({joint: values[:, None, :] for joint, values in columns.items()})[1][0])
+
+    bounds = choice.cause.shape_bounds(model.gap, choice.site)
+    left = (model.residual() * weight)[:, felt][model.gap.clear[:, felt]]
+    wide, least = half.copy(), gain(shape) - quantile**2 * float(np.mean(np.square(left)))
+    for k, (fine, (low, high)) in enumerate(zip(finest, bounds, strict=True)):
+        finely = fine * np.eye(shape.size)[k]
+        for step in (-finely, finely):
+            moved = shape + step
+            while low < moved[k] < high and gain(moved) > least:
+                moved = moved + step
+            place = half.size - shape.size + k
+            wide[place] = max(wide[place], abs(float(moved[k]) - choice.site.shape[k]))
+    return wide
 
 
 def _with_shapes(model: Model) -> tuple[Normal, list[int]]:

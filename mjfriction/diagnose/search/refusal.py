@@ -147,8 +147,7 @@ def _too_quick(model: Model) -> list[Chosen]:
     if not delays:
         return []
     quickest = quickest_motion(motion.position, motion.pieces, motion.rate, gap.body.sliding)
-    step = float(np.median(np.diff(gap.chain.time)))
-    if quickest == 0.0 or (count := int(0.5 / (HARMONICS * quickest * step))) < 2:
+    if quickest == 0.0 or (count := int(0.5 / (HARMONICS * quickest * gap.row_time))) < 2:
         return []
     normal = model.system.averaged(count)
     covariances = normal.covariance(np.arange(gap.blocks.count)), normal.white_covariance(np.ones(normal.joints))
