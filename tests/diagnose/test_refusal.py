@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -64,6 +65,19 @@ def test_a_delay_of_which_only_friction_knows_is_none(part: str, tmp_path: Path)
     model = build_model(gap, make_nuisance(gap), (delay,))
     assert model.strengths[-1] == pytest.approx(0.03, rel=0.3)
     assert [choice.key for choice in refused(model)] == ([] if part == "all" else [delay.key])
+
+
+@pytest.mark.parametrize("torn", [(3, 4, 5), (2, 3, 4, 5)])
+def test_a_delay_of_all_joints_is_none_where_friction_shows_another_at_most_of_them(
+    torn: tuple[int, ...], tmp_path: Path
+) -> None:
+    def hidden(instant: Instant, joint: int) -> np.ndarray:
+        return late(instant.rigid, instant, 0.03) + late(instant.friction, instant, 0.0 if joint in torn else 0.018)
+
+    gap = gap_of_machine(tmp_path, Machine(hidden={joint: partial(hidden, joint=joint) for joint in range(6)}))
+    delay = Chosen(LogDelay(), Site(SHOULDER, around=0.03))
+    model = build_model(gap, make_nuisance(gap), (delay,))
+    assert (delay.key in [choice.key for choice in refused(model)]) is (len(torn) > 3)
 
 
 @pytest.mark.parametrize("whole", [True, False])

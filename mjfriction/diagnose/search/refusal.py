@@ -120,21 +120,27 @@ def _torn(model: Model) -> list[Chosen]:
     # the effort, something else is wrong with one of the two.  But friction even later than a late rest is that of a
     # contact that yields, and friction even earlier than an early rest is that of a joint that its drive winds up
     # before it turns.  An effort that is earlier than a position filter can make it seem is a shift in time only if its
-    # friction is known to be as early.
+    # friction is known to be as early.  Of a whole log, most joints have to show that: the friction of one that hardly
+    # turns knows no time.
     gap, friction = model.gap, model.gap.known.effort.friction
     out = []
     for choice, place in _delays(model):
         delay = float(model.strengths[place][0])
         joints = gap.examined if choice.cause.whole_arm else (choice.site.joint,)
-        own = {joint: gap.reported(joint, late(gap, friction[:, joint], delay)[:, None]) for joint in joints}
-        normal = model.system.extended(own, np.zeros(1))
-        rest, beside = float(normal.fitted[place][0]), float(normal.fitted[-1])
-        deviation = float(np.sqrt(normal.covariance(np.arange(gap.blocks.count))[-1, -1]))
-        farther = rest * delay > APART * delay**2 and beside * delay > 0.0
-        known = max(APART * abs(delay), SURELY_APART * deviation, BLURRED / gap.motion.cutoff)
-        torn = abs(beside) > known and not farther
-        early = not choice.cause.whole_arm and delay < -EARLY
-        if torn or (early and abs(beside) + SURELY_APART * deviation > APART * abs(delay)):
+        count = len(joints)
+        own = {
+            joint: gap.reported(joint, late(gap, friction[:, joint], delay)[:, None]) * np.eye(count)[k]
+            for k, joint in enumerate(joints)
+        }
+        normal = model.system.extended(own, np.zeros(count))
+        rest, beside = float(normal.fitted[place][0]), normal.fitted[-count:]
+        deviation = np.sqrt(np.diag(normal.covariance(np.arange(gap.blocks.count)))[-count:])
+        farther = (rest * delay > APART * delay**2) & (beside * delay > 0.0)
+        known = np.maximum(SURELY_APART * deviation, max(APART * abs(delay), BLURRED / gap.motion.cutoff))
+        torn = (np.abs(beside) > known) & ~farther
+        if not choice.cause.whole_arm and delay < -EARLY:
+            torn |= np.abs(beside) + SURELY_APART * deviation > APART * abs(delay)
+        if 2 * np.count_nonzero(torn) > count:
             out.append(choice)
     return out
 
