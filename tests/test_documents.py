@@ -60,6 +60,7 @@ from mjfriction.diagnose.search.short_list import NEAR_BEST
 from mjfriction.diagnose.search.stroke_curve import HARMONIC, HARMONIC_TWO, HIGHEST
 from mjfriction.diagnose.search.unevenness import TOLD_BY
 from mjfriction.diagnose.settle.held_links import NEARLY_ALL, NEARLY_EXACT
+from mjfriction.diagnose.settle.levels_kept import LEAST_OFF, NEARER
 from mjfriction.diagnose.settle.stated import FADED, LEFT, OUTLYING
 from mjfriction.diagnose.tell import free_run
 from mjfriction.diagnose.tell.alike import AT_THE_BAR, MOST_CONFIDENT, ROOM
@@ -227,6 +228,8 @@ def test_how_it_decides_tells_what_stands_for_links() -> None:
 def test_how_it_decides_tells_what_ratios_a_shared_drive_may_have() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert "({:g} to {:g}) beside which both joints' levels are as stated".format(*RATIOS) in told
+    assert f"comes out more than {100 * LEAST_OFF:g} % off, and a further drive leaves as little" in told
+    assert NEARER == 0.5, "the page says half"
 
 
 def test_how_it_decides_tells_how_wide_a_worn_place_is() -> None:

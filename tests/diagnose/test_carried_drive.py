@@ -20,12 +20,14 @@ from mjfriction.diagnose.causes.carried_drive import (
     SumCarriedRotor,
 )
 from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.coupling import SumDrive
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model
 from mjfriction.diagnose.fit.nuisance import make_nuisance
 from mjfriction.diagnose.search import compete
 from mjfriction.diagnose.search.field import chances_in
 from mjfriction.diagnose.search.one_transmission import leaning
+from mjfriction.diagnose.settle.levels_kept import drives_besides
 from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.identify.measure import measure_gap
 from mjfriction.record.log import Log
@@ -227,3 +229,26 @@ def test_one_besides_the_joints_own_is_no_level_that_is_off(ratio: float, tmp_pa
     told = {fitted.name: fitted.value for fitted in finding.parameters}
     by_own, by_neighbour = (coulomb, abs(ratio)), (abs(ratio) * coulomb, 1.0 / abs(ratio))
     assert (told["coulomb"], told["ratio"]) in (pytest.approx(by_own, rel=0.02), pytest.approx(by_neighbour, rel=0.02))
+
+
+@pytest.mark.parametrize("own", [WRIST, WRIST + 1])
+@pytest.mark.parametrize("additional", [True, False])
+def test_a_drive_whose_friction_no_joint_states_is_an_additional_one(
+    own: int, additional: bool, tmp_path: Path
+) -> None:
+    """With free levels it fits as well that a joint's own drive turns with both and the joint rubs as much more."""
+    neighbour = 2 * WRIST + 1 - own
+
+    def rubs(instant: Instant) -> np.ndarray:
+        turn = instant.velocities[:, own] + instant.velocities[:, neighbour]
+        return 0.4 * np.sign(turn) + 0.5 * turn
+
+    hidden = {own: rubs, neighbour: rubs} if additional else turning(own, neighbour, 1.0)
+    log, robot = write_case(tmp_path, Machine(hidden=hidden), seed=3, seconds=20.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    carried = Chosen(SumCarried(), Site(neighbour, (1.0,), other=own))
+    found = drives_besides(build_model(gap, make_nuisance(gap), (carried,)))
+    (choice,) = found.chosen
+    assert isinstance(choice.cause, SumDrive if additional else SumCarried)
+    if additional:
+        assert found.strengths_of(choice) == pytest.approx([0.4, 0.5], rel=0.1)

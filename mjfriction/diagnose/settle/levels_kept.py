@@ -11,8 +11,11 @@ from dataclasses import replace
 
 from mjfriction.diagnose.causes.asymmetry import Asymmetry
 from mjfriction.diagnose.causes.carried_drive import CarriedDrive
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.coupling import RATIOS, SharedDrive
 from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.fit.as_little import leaves_as_little
+from mjfriction.diagnose.fit.exact import EXACT, level_changes, usually_off
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model, cause_block, without_contained
 from mjfriction.diagnose.fit.shapes import best_shape, reshaped
 from mjfriction.diagnose.fit.trial import try_out
@@ -20,8 +23,11 @@ from mjfriction.diagnose.search.exchange import for_place_of
 from mjfriction.diagnose.search.field import Field, chances_in
 from mjfriction.diagnose.search.refusal import BENDING
 from mjfriction.diagnose.search.short_list import contenders, fairly, passing
+from mjfriction.robot.friction import stated_levels
 
 ROUNDS = 2
+LEAST_OFF = 0.04  # relative change of friction from which levels beside a drive are doubted
+NEARER = 0.5  # share of that change that another drive may leave
 # Causes beside which level and damping depend on how the friction curve is parametrised.  An asymmetry between the
 # directions is not one of them: it is even in velocity, and levels are odd.
 CURVES = BENDING - {Asymmetry.name}
@@ -55,20 +61,49 @@ def _reshaped(model: Model, choice: Chosen, bounds: list[tuple[float, float]]) -
     return there if leaves_as_little(there, model, felt) else model
 
 
+def drives_besides(model: Model) -> Model:
+    """Return the model with drives of their own in the place of joints' drives that turn with their neighbours too,
+    where levels are then nearer to what is stated and this leaves as little at both joints.
+
+    With free levels, both fit alike at any ratio: a joint's own drive that also turns with its neighbour, and takes as
+    much of the stated friction as the refitted levels add, is an additional drive.  Ratios are searched beside levels
+    that are kept as near to what is stated as those of other joints are, 1 first.
+    """
+    for choice in model.chosen:
+        if isinstance(choice.cause, CarriedDrive):
+            pair = sorted(cause_block(model.gap, choice)[0])
+            off = _off(model, pair)
+            if off > LEAST_OFF and (there := _besides(model, choice, choice.cause.besides(), pair)) is not None:
+                model = there if _off(there, pair) < NEARER * off else model
+    return model
+
+
+def _off(model: Model, joints: list[int]) -> float:
+    changes = level_changes(model)
+    return max(changes.get(joint, 0.0) for joint in joints)
+
+
+def _besides(model: Model, choice: Chosen, drive: SharedDrive, pair: list[int]) -> Model | None:
+    gap, near, changes = model.gap, model.nuisance, level_changes(model)
+    for joint in pair:
+        stated = stated_levels(gap.robot.table.joint[joint])
+        others = {one: change for one, change in changes.items() if one not in pair or one == joint}
+        near = near.with_level_near(joint, stated, max(usually_off(others, joint), EXACT))
+    rest = model.without(choice).chosen
+    held, equal = build_model(gap, near, rest), Chosen(drive, Site(pair[0], other=pair[1]))
+    geared = best_shape(held, replace(equal, site=equal.site.shaped((1.0,))), [RATIOS])
+    for own in (equal, geared):
+        there = build_model(gap, model.nuisance, (*rest, own))
+        if there.admissible() is there and leaves_as_little(there, model, pair):
+            return there
+    return None
+
+
 def one_for_both(model: Model, joint: int, field: Field) -> Model | None:
     """Return the model with one cause in the place of both a cause on a joint and the joint's refitted levels, which
     are held as stated; None where no such cause leaves as little everywhere.
-
-    A joint's own drive that also turns with its neighbour, and takes as much of the stated friction as the refitted
-    levels add, is an additional drive.
     """
     gap, kept = model.gap, model.nuisance.without_level(joint)
-    for choice in model.chosen:
-        if isinstance(choice.cause, CarriedDrive) and choice.cause.told_at(choice.site) == joint:
-            besides, rest = Chosen(choice.cause.besides(), choice.site), model.without(choice).chosen
-            there = reshaped(build_model(gap, kept, (*rest, besides)), cause_block(gap, besides)[0].keys())
-            if there.admissible() is there and leaves_as_little(there, model):
-                return there
     for choice in model.noteworthy:
         if choice.site.joint != joint:
             continue

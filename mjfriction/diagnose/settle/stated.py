@@ -34,7 +34,13 @@ from mjfriction.diagnose.search.courses import as_courses
 from mjfriction.diagnose.search.field import Field, chances_in, in_place_of_levels
 from mjfriction.diagnose.search.short_list import contenders, passing
 from mjfriction.diagnose.settle.held_links import held_links
-from mjfriction.diagnose.settle.levels_kept import CURVES, WITH_LEVELS, one_for_both, with_levels_as_stated
+from mjfriction.diagnose.settle.levels_kept import (
+    CURVES,
+    WITH_LEVELS,
+    drives_besides,
+    one_for_both,
+    with_levels_as_stated,
+)
 from mjfriction.diagnose.settle.load_at_flange import as_load
 from mjfriction.diagnose.settle.one_factor import beside_factors, scaled_levels
 from mjfriction.robot.friction import stated_levels
@@ -81,7 +87,7 @@ def settle(model: Model, asked: Field) -> Settled:
     only approximate them.
     """
     field_size = len(model.nuisance.levels)
-    model = with_levels_as_stated(model)
+    model = with_levels_as_stated(drives_besides(model))
     change, off, most = level_changes(model), least_off(model), may_be_off(model)
     model, alike = beside_factors(model, change)
     findings: list[Chosen] = []
