@@ -13,6 +13,7 @@ NEAR = 6  # samples beside a standstill, from which the joint's speed there is t
 KNOWN_BY = 3.5  # encoder counts that a joint must have moved in these samples for its speed to be known
 NO_RUN_UP = 0.7  # of the speed farther away; a joint faster than this right beside a standstill did not slow down
 CAUGHT_UP = 2.5  # times the largest step that follows; a reading that becomes unstuck makes a larger step than this
+LOOSE = 10.0  # times the largest step beside a standstill: a step that no joint makes, however slow the one it ends
 # Of an effort's earlier standard deviation; while its joint moves, the effort has more.  It is smoothed over SMOOTHED
 # samples.
 WORKS_ON, SMOOTHED = 0.3, 9
@@ -55,19 +56,24 @@ def stuck(
             continue
         first, past = max(a - NEAR, int(begin[a])), min(b - 1 + NEAR, int(end[a]))
         step = abs(values[b] - values[b - 1]) if b < end[a] else 0.0
-        if step > jump:
-            out[a:b] = True
-        if step > jump or b - a < LONGER * ordinary:
-            continue
         # A coarse encoder flickers while its joint rests, and shows a creeping joint's speed only by single counts.
         came = abs(values[first] - values[a]) > KNOWN_BY * count
-        went = abs(values[min(past, int(end[a]) - 1)] - values[b - 1]) > KNOWN_BY * count
         before, after = np.abs(speed[first:a]), np.abs(speed[b - 1 : past])
-        from_motion = came and _at_once(before[::-1], usual)
         # A stuck reading makes up for the hidden motion in one step.  The first step of a joint that starts to move is
         # no longer than those that follow.
-        into_motion = went and _at_once(after, usual)
-        into_motion = into_motion and step > CAUGHT_UP * float(np.max(np.abs(np.diff(values[b:past])), initial=0.0))
+        after_it = float(np.max(np.abs(np.diff(values[b:past])), initial=0.0))
+        # Slow beside the joint's usual pace, a standstill that begins at once and ends in a step like no other beside
+        # it is none of the joint's.
+        beside = max(float(np.max(np.abs(np.diff(values[first : a + 1])), initial=0.0)), after_it)
+        torn = came and _at_once(before[::-1], 0.0) and step > max(LOOSE * beside, KNOWN_BY * count)
+        if step > jump or torn:
+            out[a:b] = True
+            continue
+        if b - a < LONGER * ordinary:
+            continue
+        went = abs(values[min(past, int(end[a]) - 1)] - values[b - 1]) > KNOWN_BY * count
+        from_motion = came and _at_once(before[::-1], usual)
+        into_motion = went and _at_once(after, usual) and step > CAUGHT_UP * after_it
         # A measured velocity shows motion during the standstill, even if the drive's filter delays it.
         moving = float(np.median(np.abs(speed[(a + b) // 2 : b - 1]))) > STUCK_SPEED * usual
         moving = moving and (course is None or float(np.ptp(course[a:b])) > KNOWN_BY * count)

@@ -484,3 +484,25 @@ def test_the_noise_of_a_held_joints_velocity_moves_nothing() -> None:
     speed = noise["velocity.held"]
     assert np.any(stuck(held, speed))
     assert not np.any(stuck(held, speed, course=np.cumsum(speed) / RATE))
+
+
+@pytest.mark.parametrize("hidden", [0.01, 0.0])
+@pytest.mark.parametrize("rests", [False, True])
+def test_a_slow_joint_that_is_stuck_makes_a_step_like_no_other_beside_it(rests: bool, hidden: float) -> None:
+    """Quick elsewhere in the log, so that neither its speed nor the size of the step tells; rests may be as long."""
+    time = np.arange(6000) / RATE
+    quick = 0.4 * np.cos(15.0 * np.minimum(time, 4.0))
+    before = np.zeros(0)
+    if rests:
+        move = 0.2 * (1.0 - np.cos(np.pi * np.linspace(0.0, 1.0, 200)))
+        before = np.concatenate(
+            [np.append(move if k % 2 else move[::-1], np.full(350, 0.4 * (k % 2))) for k in range(12)]
+        )
+    position = np.concatenate([before, quick + 0.1 * np.clip(time - 4.0, 0.0, 3.0)])
+    a, b = before.size + 3000, before.size + 3400
+    assert not np.any(stuck(position, np.gradient(position, 1.0 / RATE)))
+    held = position.copy()
+    held[a:b] = held[a]
+    held[b:] += held[a] + hidden - held[b]
+    assert held[b] - held[a] < np.max(np.abs(np.diff(position)))
+    assert np.any(stuck(held, np.gradient(held, 1.0 / RATE))[a:b]) is np.bool_(hidden > 0.0)
