@@ -80,6 +80,18 @@ def test_a_delay_of_all_joints_is_none_where_friction_shows_another_at_most_of_t
     assert (delay.key in [choice.key for choice in refused(model)]) is (len(torn) > 3)
 
 
+@pytest.mark.parametrize(("own", "undone"), [(-0.01, True), (0.01, False)])
+def test_a_delay_of_all_joints_is_none_where_one_joint_is_on_time(own: float, undone: bool, tmp_path: Path) -> None:
+    def hidden(instant: Instant, joint: int) -> np.ndarray:
+        return late(instant.rigid + instant.friction, instant, 0.01 + (own if joint == ELBOW else 0.0))
+
+    gap = gap_of_machine(tmp_path, Machine(hidden={joint: partial(hidden, joint=joint) for joint in range(6)}))
+    delays = (Chosen(LogDelay(), Site(SHOULDER)), Chosen(JointDelay(), Site(ELBOW)))
+    model = build_model(gap, make_nuisance(gap), delays)
+    assert model.strengths[-1] == pytest.approx(own, rel=0.2)
+    assert (delays[0].key in [choice.key for choice in refused(model)]) is undone
+
+
 @pytest.mark.parametrize("whole", [True, False])
 def test_a_delay_that_only_what_is_quicker_than_the_motion_knows_of_is_none(whole: bool, tmp_path: Path) -> None:
     # The arm shakes, at five times the frequency that it is moved at and above, and its drive answers late.

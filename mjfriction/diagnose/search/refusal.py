@@ -38,7 +38,7 @@ def refused(model: Model) -> list[Chosen]:
     it when slow and lower it when fast, or the other way round; and a spot along a stroke beside waves of friction.
     """
     unproved = [choice for choice in model.chosen if not proved(model, choice)]
-    rules = (_dissolved, _of_landings, _torn, _too_quick, _both_ways, _among_waves)
+    rules = (_dissolved, _of_landings, _torn, _undone, _too_quick, _both_ways, _among_waves)
     return [*unproved, *(choice for rule in rules for choice in rule(model))]
 
 
@@ -143,6 +143,18 @@ def _torn(model: Model) -> list[Chosen]:
         if 2 * np.count_nonzero(torn) > count:
             out.append(choice)
     return out
+
+
+def _undone(model: Model) -> list[Chosen]:
+    # A recorder that is late is late for every joint.  Where one joint's own delay undoes that of the whole log, it is
+    # none of the log's.
+    delays = [(choice, float(model.strengths[place][0])) for choice, place in _delays(model)]
+    own = [delay for choice, delay in delays if not choice.cause.whole_arm]
+    return [
+        choice
+        for choice, delay in delays
+        if choice.cause.whole_arm and any(abs(one + delay) < APART * abs(delay) for one in own)
+    ]
 
 
 def _too_quick(model: Model) -> list[Chosen]:
