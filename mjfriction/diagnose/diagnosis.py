@@ -10,6 +10,7 @@ from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.faults.mend import audited
 from mjfriction.diagnose.fit.exact import usual_nuisance
 from mjfriction.diagnose.fit.extend import adjustments, extend_robot
+from mjfriction.diagnose.fit.judged import judged
 from mjfriction.diagnose.fit.model import Model
 from mjfriction.diagnose.fit.nuisance import Nuisance
 from mjfriction.diagnose.search.field import make_field
@@ -22,7 +23,7 @@ from mjfriction.diagnose.tell.free_run import FreeRun, run_freely
 from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.diagnose.tell.seen_play import play_findings, see_play, unseen
 from mjfriction.diagnose.tell.untold import find_untold
-from mjfriction.diagnose.tell.verdict import judged, reach_verdict, summarize, unexplained, with_faults
+from mjfriction.diagnose.tell.verdict import reach_verdict, summarize, unexplained, with_faults
 from mjfriction.errors import InputError
 from mjfriction.identify.effort_bandwidth import find_bandwidths, with_bandwidths
 from mjfriction.identify.joint_error import joint_error

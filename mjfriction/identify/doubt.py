@@ -16,6 +16,7 @@ DOUBT_SPEED = 0.02
 DOUBT_PERIODS = 0.6  # periods of the position filter's cutoff over which a sign change is blurred
 YIELDING = 1e-3  # share of the stroke over which any contact yields before it slides
 LITTLE = 0.01  # share of the stroke: a joint that moves less between two turns rests, or settles
+CLEAR = 0.1  # a row is clear where less than this share of its window is in doubt
 WITHIN = 0.9  # a row lies within a rest where more than this share of its window is in doubt
 
 
@@ -39,18 +40,27 @@ def share_in_doubt(
     :func:`doubt_speeds`.  ``yielding`` is the share of its stroke that a joint has to move after a rest before its
     friction is known; where it is ``unsettled`` (n, joints), its friction is not known either.
     """
-    reach = int(np.ceil(DOUBT_PERIODS * motion.rate / motion.cutoff))
     out = []
     courses = zip(robot.table.joint, motion.position.T, motion.velocity.T, slow, unsettled.T, strict=True)
     for joint, position, velocity, speed, unknown in courses:
         turns = np.flatnonzero(np.diff(np.sign(velocity)) != 0)
-        near = (np.abs(velocity) < speed) | unknown | _yields(motion, position, turns, yielding)
-        for shift in range(-reach, reach + 1):
-            near[np.clip(turns + shift, 0, near.size - 1)] = True
+        near = near_turns(motion, velocity, speed) | unknown | _yields(motion, position, turns, yielding)
         late = round(joint.effort_sensor.delay * motion.rate)
         sample = np.clip(np.arange(near.size) - late, 0, near.size - 1)
         out.append(chain.touched(near[sample]))
     return np.column_stack(out)
+
+
+def near_turns(motion: Motion, velocity: Floats, slow: float) -> NDArray[np.bool_]:
+    """Return where a velocity (n,) is slower than ``slow``, or so near to a change of sign that the position filter
+    blurs it, (n,).
+    """
+    reach = int(np.ceil(DOUBT_PERIODS * motion.rate / motion.cutoff))
+    near = np.abs(velocity) < slow
+    turns = np.flatnonzero(np.diff(np.sign(velocity)) != 0)
+    for shift in range(-reach, reach + 1):
+        near[np.clip(turns + shift, 0, near.size - 1)] = True
+    return near
 
 
 def _yields(motion: Motion, position: Floats, turns: NDArray[np.intp], share: float) -> NDArray[np.bool_]:

@@ -11,7 +11,15 @@ from mjfriction.body.model import Body
 from mjfriction.errors import LogError
 from mjfriction.identify.blocks import cut_blocks
 from mjfriction.identify.blows import blows
-from mjfriction.identify.doubt import WITHIN, YIELDING, doubt_speeds, rows_of_rests, share_in_doubt, unusable_rows
+from mjfriction.identify.doubt import (
+    CLEAR,
+    WITHIN,
+    YIELDING,
+    doubt_speeds,
+    rows_of_rests,
+    share_in_doubt,
+    unusable_rows,
+)
 from mjfriction.identify.effort_band import filtered_from, whole_below
 from mjfriction.identify.gap import Gap, Known
 from mjfriction.identify.rows import Chain, make_chain
@@ -32,7 +40,6 @@ from mjfriction.robot.measured_motion import measured_motion
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import resting_level, unsettled_along
 
-CLEAR = 0.1  # a row is clear where less than this share of its window is in doubt
 # A joint that has both a smaller share of clear rows and fewer clear rows than these is judged on that share of its
 # rows, the least doubtful ones.
 FEWEST_CLEAR, ENOUGH_CLEAR = 0.2, 50

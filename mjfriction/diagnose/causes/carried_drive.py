@@ -13,9 +13,11 @@ from mjfriction.diagnose.causes.coupling import (
     INERTIA,
     SPEEDS,
     VISCOUS,
+    DifferenceAddedRotor,
     DifferenceDrive,
     DifferenceRotor,
     SharedDrive,
+    SumAddedRotor,
     SumDrive,
     SumRotor,
 )
@@ -42,7 +44,7 @@ class CarriedDrive(SharedDrive):
     """
 
     shape_parameters = (RATIO,)
-    besides: ClassVar[type[SharedDrive]]  # a drive that turns the same way, but whose friction no joint states
+    besides: ClassVar[tuple[type[SharedDrive], ...]]  # drives that turn the same way, whose friction no joint states
 
     def told_at(self, site: Site) -> int:
         """The joint whose drive it is."""
@@ -128,7 +130,7 @@ class SumCarriedRotor(_CarriedRotor):
     """The drive turns with v + ratio·vₖ, and its rotor with it."""
 
     way = 1.0
-    besides = SumRotor
+    besides = (SumRotor, SumAddedRotor)
 
 
 @final
@@ -136,7 +138,7 @@ class DifferenceCarriedRotor(_CarriedRotor):
     """The drive turns with v − ratio·vₖ, and its rotor with it."""
 
     way = -1.0
-    besides = DifferenceRotor
+    besides = (DifferenceRotor, DifferenceAddedRotor)
 
 
 @final
@@ -144,8 +146,8 @@ class SumCarried(CarriedDrive):
     """The drive turns with v + ratio·vₖ."""
 
     way = 1.0
-    besides = SumDrive
-    fuller = SumCarriedRotor
+    besides = (SumDrive,)
+    fuller = (SumCarriedRotor,)
 
 
 @final
@@ -153,5 +155,5 @@ class DifferenceCarried(CarriedDrive):
     """The drive turns with v − ratio·vₖ."""
 
     way = -1.0
-    besides = DifferenceDrive
-    fuller = DifferenceCarriedRotor
+    besides = (DifferenceDrive,)
+    fuller = (DifferenceCarriedRotor,)

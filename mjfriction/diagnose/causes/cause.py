@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
@@ -89,7 +90,7 @@ class Cause(ABC):
     # Names of causes that equal this one with some strengths at zero.  This one is then no rival of theirs, unless the
     # motion leaves its further strengths uncertain.
     contains: ClassVar[tuple[str, ...]] = ()
-    fuller: ClassVar[type[Cause] | None] = None  # the same cause with one more strength, tried once this is found
+    fuller: ClassVar[tuple[type[Cause], ...]] = ()  # the same cause with one more strength, tried once this is found
     # The same cause with fewer shapes, before this one in the catalog.  Where that gains nothing, this one is not
     # screened.
     simpler: ClassVar[type[Cause] | None] = None
@@ -122,6 +123,12 @@ class Cause(ABC):
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """Return whether fitted strengths are physical; by default all are."""
         return True
+
+    def known_where(self, gap: Gap, site: Site) -> dict[int, NDArray[np.bool_]]:
+        """Return, by joint, the rows (rows,) in which it is known what the cause brings; by default this is known
+        wherever the joint's own friction is.
+        """
+        return {}
 
     def told_at(self, site: Site) -> int:
         """Return the joint at which the cause is reported: by default its own."""

@@ -6,8 +6,10 @@ from dataclasses import replace
 from typing import ClassVar, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
+from mjfriction.identify.doubt import CLEAR, near_turns
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
@@ -69,6 +71,10 @@ class _SharedMotion(_Coupling):
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The other joint's direction, velocity and acceleration, as many as it brings, (n, strengths)."""
         return np.column_stack(self.courses(gap, site))
+
+    def known_where(self, gap: Gap, site: Site) -> dict[int, NDArray[np.bool_]]:
+        """Where the other joint moves: while it rests, its motion does not show how much of its friction it holds."""
+        return {site.joint: gap.clear[:, self.source(gap, site)]}
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The coefficient of each of them, per metre or radian of the other joint."""
@@ -196,9 +202,8 @@ class SharedDrive(_Coupling):
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """The drive's friction, stated plus found, opposes its own motion, slow and fast."""
-        motion, other = gap.motion, self.source(gap, site)
-        ratio = self.ratio(site)
-        turn = motion.velocity[:, other] + ratio * motion.velocity[:, site.joint]
+        other, ratio = self.source(gap, site), self.ratio(site)
+        turn = self.turn(gap, site)
         name, joint = gap.robot.joints[site.joint], gap.robot.table.joint[other]
         stated = [own for own in joint.common_drive if own.joint == name and abs(own.ratio - ratio) < NEARLY]
         coulomb = strengths[0] + sum(own.coulomb for own in stated)
@@ -210,9 +215,21 @@ class SharedDrive(_Coupling):
         (n, strengths).
         """
         motion, other, ratio = gap.motion, self.source(gap, site), self.ratio(site)
-        turn = motion.velocity[:, other] + ratio * motion.velocity[:, site.joint]
+        turn = self.turn(gap, site)
         sure = np.hypot(motion.sure_speed[:, other], ratio * motion.sure_speed[:, site.joint])
         return np.column_stack([2.0 * direction(turn, sure)[0] - 1.0, turn])
+
+    def turn(self, gap: Gap, site: Site) -> Floats:
+        """Return the velocity that the drive turns with, (n,)."""
+        velocity = gap.motion.velocity
+        return np.asarray(velocity[:, self.source(gap, site)] + self.ratio(site) * velocity[:, site.joint])
+
+    def known_where(self, gap: Gap, site: Site) -> dict[int, NDArray[np.bool_]]:
+        """Where the drive turns: both joints may move while it stands still, or turns about."""
+        other, slow = self.source(gap, site), gap.doubt_speed
+        slowly = float(np.hypot(slow[other], self.ratio(site) * slow[site.joint]))
+        known = gap.chain.touched(near_turns(gap.motion, self.turn(gap, site), slowly)) < CLEAR
+        return {site.joint: known, other: known}
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The drive's effort per unit strength, as the site's joint feels it, (n, strengths)."""
@@ -257,21 +274,23 @@ class SharedDrive(_Coupling):
         )
 
 
-class _SharedRotor(SharedDrive):
+class SharedRotor(SharedDrive):
     """C·sgn u + V·u + I·u̇: the rotor turns with both joints too.
 
     Where the robot file states a rotor at a joint, the inertia that follows this joint's own acceleration counts as
-    stated already: only the effect of the other joint's acceleration is new there.
+    stated already: only the effect of the other joint's acceleration is new there.  A drive besides those of both
+    joints ``adds`` its rotor instead.
     """
 
     takes = (COULOMB, VISCOUS, INERTIA)
+    adds: ClassVar[bool] = False
 
     def at_drive(self, gap: Gap, site: Site, joint: int) -> Floats:
         """The effort per unit of the friction's strengths and of the inertia, (n, 3)."""
         hard, other = gap.motion.acceleration, self.source(gap, site)
         ratio = self.ratio(site)
         takes = hard[:, other] + ratio * hard[:, site.joint]
-        if gap.robot.table.joint[joint].actuator.rotor_inertia > 0.0:
+        if gap.robot.table.joint[joint].actuator.rotor_inertia > 0.0 and not self.adds:
             takes = takes - (1.0 if joint == other else ratio) * hard[:, joint]
         return np.column_stack([super().at_drive(gap, site, joint), takes])
 
@@ -280,25 +299,44 @@ class _SharedRotor(SharedDrive):
         return bool(strengths[2] >= 0.0) and super().admissible(gap, site, strengths)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """State the common drive at the joint whose motor it is, and take its inertia from both joints' rotors."""
+        """State the common drive at the joint whose motor it is, and take an inertia that both joints' rotors state
+        from these.
+        """
         assert site.other is not None, "sites names another joint"
-        for joint, ratio in ((site.joint, self.ratio(site)), (site.other, 1.0)):
-            robot = without_rotor(robot, robot.joints[joint], ratio**2 * float(strengths[2]))
+        if not self.adds:
+            for joint, ratio in ((site.joint, self.ratio(site)), (site.other, 1.0)):
+                robot = without_rotor(robot, robot.joints[joint], ratio**2 * float(strengths[2]))
         return super().extend(robot, site, strengths)
 
 
 @final
-class SumRotor(_SharedRotor):
+class SumRotor(SharedRotor):
     """The drive turns with vₖ + ratio·v, and its rotor with it."""
 
     way = 1.0
 
 
 @final
-class DifferenceRotor(_SharedRotor):
+class DifferenceRotor(SharedRotor):
     """The drive turns with vₖ − ratio·v, and its rotor with it."""
 
     way = -1.0
+
+
+@final
+class SumAddedRotor(SharedRotor):
+    """The drive turns with vₖ + ratio·v, and a rotor besides those of both joints with it."""
+
+    way = 1.0
+    adds = True
+
+
+@final
+class DifferenceAddedRotor(SharedRotor):
+    """The drive turns with vₖ − ratio·v, and a rotor besides those of both joints with it."""
+
+    way = -1.0
+    adds = True
 
 
 @final
@@ -306,7 +344,7 @@ class SumDrive(SharedDrive):
     """The drive turns with vₖ + ratio·v."""
 
     way = 1.0
-    fuller = SumRotor
+    fuller = (SumRotor, SumAddedRotor)
 
 
 @final
@@ -314,7 +352,7 @@ class DifferenceDrive(SharedDrive):
     """The drive turns with vₖ − ratio·v."""
 
     way = -1.0
-    fuller = DifferenceRotor
+    fuller = (DifferenceRotor, DifferenceAddedRotor)
 
 
 def _coupled(robot: Robot, site: Site, **strengths: float) -> Robot:

@@ -73,8 +73,12 @@ def drives_besides(model: Model) -> Model:
         if isinstance(choice.cause, CarriedDrive):
             pair = sorted(cause_block(model.gap, choice)[0])
             off = _off(model, pair)
-            if off > LEAST_OFF and (there := _besides(model, choice, choice.cause.besides(), pair)) is not None:
-                model = there if _off(there, pair) < NEARER * off else model
+            if off > LEAST_OFF:
+                drives = [_besides(model, choice, drive(), pair) for drive in choice.cause.besides]
+                nearest = min(
+                    (one for one in drives if one is not None), key=lambda one: _off(one, pair), default=model
+                )
+                model = nearest if _off(nearest, pair) < NEARER * off else model
     return model
 
 

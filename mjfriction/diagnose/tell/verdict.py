@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
-from mjfriction.diagnose.causes.coupling import SharedFriction, SharedMotion
 from mjfriction.diagnose.faults.mend import Audited
 from mjfriction.diagnose.faults.which_log import logs_with
+from mjfriction.diagnose.fit.judged import judged
 from mjfriction.diagnose.fit.model import Model
 from mjfriction.diagnose.search.oscillations import told_oscillations
 from mjfriction.diagnose.search.stroke_curve import ALONG_STROKE, FRICTION_ALONG_STROKE, StrokeCurve, vague_friction
@@ -53,21 +52,6 @@ def unexplained(
             out += _followed(model, joint, after, heldout)
     told = {structure.joint for structure in out}
     return out + [structure for structure in vague_friction(model, heldout) if structure.joint not in told]
-
-
-def judged(model: Model) -> Gap:
-    """Return the gap in which rows of a joint are clear only if the other joint whose friction enters its effort is
-    clear too: while a joint rests, its motion does not reveal how much of its friction it holds.
-    """
-    gap = model.gap
-    clear = gap.clear.copy()
-    for choice in model.chosen:
-        other = choice.site.other
-        if isinstance(choice.cause, SharedFriction | SharedMotion) and other is not None:
-            both = clear[:, choice.site.joint] & gap.clear[:, other]
-            if np.any(both):
-                clear[:, choice.site.joint] = both
-    return gap if np.all(clear == gap.clear) else replace(gap, clear=clear)
 
 
 def beside_oscillations(model: Model, clean: Floats) -> dict[int, float]:
