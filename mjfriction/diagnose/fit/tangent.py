@@ -88,7 +88,7 @@ def _tangents(model: Model, strengths: list[Floats], drawn: list[Chosen]) -> tup
         others = [*straight, *curved[:i], *curved[i + 1 :]]
         before = punctual if len(others) == len(straight) else _predicted(gap, others)
         effects[choice.key] = whole - before + (held_late if choice.cause.of_sensor else 0.0)
-        slopes[choice.key] = _near(choice, own) or _slopes(gap, others, choice, own, whole)
+        slopes[choice.key] = _near(choice, own) or _slopes(gap, _lasting(others), choice, own)
     # The combined effect of all curved causes, beyond the sum of what each adds beside the others, is shared equally
     # among them.  If only a newcomer is linearised, it is left to the others.
     together = (whole - stated - sum(effects.values())) / len(curved) if len(drawn) == len(curved) else 0.0
@@ -128,10 +128,14 @@ def _near(choice: Chosen, own: Floats) -> tuple[Columns, Floats] | None:
     return old.columns, old.drawn_at
 
 
-def _slopes(
-    gap: Gap, others: list[tuple[Chosen, Floats]], choice: Chosen, own: Floats, whole: Floats
-) -> tuple[Columns, Floats]:
-    parts = []
+def _lasting(others: list[tuple[Chosen, Floats]]) -> list[tuple[Chosen, Floats]]:
+    # The other causes beside which a slope is drawn.  The moments at which a link lands after crossing its play jump as
+    # its load changes by ever so little, and a difference quotient would hold little else.
+    return [(other, own) for other, own in others if not other.cause.brief]
+
+
+def _slopes(gap: Gap, others: list[tuple[Chosen, Floats]], choice: Chosen, own: Floats) -> tuple[Columns, Floats]:
+    whole, parts = _predicted(gap, [*others, (choice, own)]), []
     for k in range(own.size):
         step = np.zeros(own.size)
         step[k] = choice.cause.tangent_step * max(abs(own[k]), 0.1 * float(np.linalg.norm(own)))
