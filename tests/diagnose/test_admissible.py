@@ -10,6 +10,7 @@ import pytest
 from mjfriction.body.regressor import tip_mass
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.coupling import DifferenceDrive, DifferenceRotor, SumDrive
+from mjfriction.diagnose.causes.elasticity import Elasticity
 from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.causes.varying import Step, WarmUpDrift
 from mjfriction.identify.gap import Gap
@@ -100,3 +101,9 @@ def test_a_load_that_is_stated_is_no_part_of_the_last_link_where_all_else_is_exa
     assert Payload().noteworthy(loaded, site, more)
     assert Payload().usual(loaded, site, 2.0 * more)
     assert not Payload().usual(gap, site, 2.0 * more)
+
+
+def test_a_series_elastic_joint_gives_by_a_quarter_of_a_radian(gap: Gap) -> None:
+    load = np.max(np.abs(Elasticity().load(gap, ELBOW)))
+    assert Elasticity().admissible(gap, Site(ELBOW), np.array([0.25 / load]))
+    assert not Elasticity().admissible(gap, Site(ELBOW), np.array([0.5 / load]))

@@ -5,14 +5,27 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 import pytest
 
 from mjfriction.diagnose import diagnosis
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.presliding import SLIPS, DampedPresliding, Presliding, SlippingElements
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.fit.model import Chosen, build_model
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.fit.shapes import best_shape
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.measure import measure_gap
+from mjfriction.plant.machine import simulate
+from mjfriction.plant.motions import excitation
+from mjfriction.plant.sensors import Recorder
 from mjfriction.record.readers import read_log
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.effort import predict_effort
 from mjfriction.robot.files import read_robot
+from mjfriction.robot.friction_tables import FrictionTerm
+from mjfriction.robot.robot import Robot
 from tests.hidden.machine import UR5_COULOMB, UR5_JOINTS, Instant, Machine, bristle, write_case
 
 PAN, TRAVEL, DAMPING = 0, 0.02, 20.0
@@ -59,3 +72,50 @@ def test_without_damping_the_travel_is_taken_for_shorter(tmp_path: Path, monkeyp
     plain = found(tmp_path)
     assert "dahl" in plain
     assert plain["presliding_travel"] < 0.7 * TRAVEL
+
+
+ELBOW, LEVEL = 2, 5.0
+STATED = {"coulomb": LEVEL, "static": 1.5 * LEVEL, "stribeck_velocity": 0.08, "stribeck_exponent": 2.0, "viscous": 3.0}
+
+
+def with_law(robot: Robot, law: str, **more: float) -> Robot:
+    term = FrictionTerm(law=law, parameters={**STATED, **more})
+    return robot.with_joint(robot.table.joint[ELBOW].model_copy(update={"friction": (term,)}))
+
+
+def stribeck_gap(machine: Robot, stated: Robot) -> Gap:
+    middle = np.array([0.0, -1.2, 1.2, -0.5, 0.5, 0.0])
+    motion = excitation(stated.joints, middle, np.full(6, 0.8), np.full(6, 1.2), 40.0, seed=3)
+    log = log_from_table(pa.table(simulate(machine, motion, recorder=Recorder(250.0), seed=1)), "elbow")
+    return measure_gap(log, stated)
+
+
+@pytest.mark.parametrize("cause", [Presliding(), DampedPresliding()])
+def test_a_stated_stribeck_curve_builds_up_with_the_level(cause: Presliding | DampedPresliding) -> None:
+    stated = with_law(read_robot("ur5"), "stribeck")
+    gap = stribeck_gap(stated, stated)
+    site = Site(ELBOW, (0.03,))
+    strengths = np.array([0.6 * LEVEL, 4.0])[: len(cause.quantities(gap, site))]
+    extended = cause.extend(stated, site, strengths)
+    before, after = (predict_effort(one, one.body(), gap.motion).total[:, ELBOW] for one in (stated, extended))
+    expected = cause.samples(gap, site) @ strengths
+    # How a law goes through zero within a sample is a matter of its own.
+    sliding = np.abs(gap.motion.velocity[:, ELBOW]) > 3.0 * gap.doubt_speed[ELBOW]
+    error = (after - before - expected)[sliding]
+    assert np.sqrt(np.mean(np.square(error))) < 0.01 * np.sqrt(np.mean(np.square(expected[sliding])))
+    kept, built = extended.table.joint[ELBOW].friction or ()
+    assert kept.value("static") - kept.value("coulomb") == pytest.approx(0.4 * 0.5 * LEVEL)
+    assert built.value("static") == pytest.approx(1.5 * 0.6 * LEVEL)
+
+
+def test_a_lugre_contact_whose_stribeck_curve_is_stated_is_told_with_its_own_values() -> None:
+    travel = 0.01
+    stated = with_law(read_robot("ur5"), "stribeck")
+    machine = with_law(stated, "lugre", bristle_stiffness=LEVEL / travel, bristle_damping=10.0)
+    gap = stribeck_gap(machine, stated)
+    bristle = best_shape(build_model(gap, make_nuisance(gap), ()), Chosen(DampedPresliding(), Site(ELBOW, (travel,))))
+    model = build_model(gap, make_nuisance(gap), (bristle,))
+    level, damping = model.strengths[model.places[0]]
+    assert bristle.site.shape[0] == pytest.approx(travel, rel=0.03)
+    assert level == pytest.approx(LEVEL, rel=0.02)
+    assert damping == pytest.approx(10.0, rel=0.05)

@@ -9,14 +9,7 @@ from typing import ClassVar, final
 import numpy as np
 
 from mjfriction.diagnose.causes.cause import Quantity, Site, near_around
-from mjfriction.diagnose.causes.moved_link import (
-    WIDEST,
-    MovedLink,
-    as_drawn,
-    changed,
-    felt_by_itself,
-    own_slopes,
-)
+from mjfriction.diagnose.causes.moved_link import MovedLink, as_drawn, changed, felt_by_itself, own_slopes
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
@@ -30,6 +23,7 @@ from mjfriction.sim.ringing import deflection
 
 COMPLIANCE = Parameter("compliance", "{length}/{force}", "how far the transmission gives per load", lower=0.0)
 DAMPING_RATIO = Parameter("damping_ratio", "1", "damping of the link on what gives, over the critical one", lower=0.0)
+FARTHEST = 0.35  # rad or m, largest deflection: series elastic joints give by as much
 RESONANCES = tuple(2.5 * 1.1**k for k in range(-12, 25))  # Hz: from 0.8 to 25 Hz
 RESONANCE_BAND = 0.5  # fraction of the position filter's cutoff below which a resonance is visible
 FINER_RESONANCE, NEIGHBOURS = 1.1, 5  # half a step of these, as a ratio of compliances, and how many are tried there
@@ -78,9 +72,9 @@ class _Elasticity(MovedLink):
         return (Quantity(COMPLIANCE, shift=gap.robot.table.joint[site.joint].transmission.compliance),)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """The total compliance is positive, and the added deflection stays below :data:`WIDEST`."""
+        """The total compliance is positive, and the added deflection stays below :data:`FARTHEST`."""
         stated = gap.robot.table.joint[site.joint].transmission.compliance
-        return bool(stated + strengths[0] > 0.0 and self.most(gap, site, float(strengths[0]))[0] < WIDEST)
+        return bool(stated + strengths[0] > 0.0 and self.most(gap, site, float(strengths[0]))[0] < FARTHEST)
 
     def most(self, gap: Gap, site: Site, compliance: float) -> tuple[float, float]:
         """Return how far the transmission gives under the largest load, and that load, N·m or N."""
@@ -185,13 +179,13 @@ class Swinging(_Elasticity):
     ranked_alone = True
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every examined joint, with the resonances in the visible band that deflect it by less than :data:`WIDEST`."""
+        """Every examined joint, with resonances in the visible band that deflect it by less than :data:`FARTHEST`."""
         out = []
         for joint in gap.examined:
             inertia = np.maximum(own_slopes(gap, joint)[2], LEAST_INERTIA)
             soft = [1.0 / (float(np.median(inertia)) * (2.0 * np.pi * frequency) ** 2) for frequency in RESONANCES]
             slow, most = gap.motion.cutoff * RESONANCE_BAND, float(np.max(np.abs(self.load(gap, joint))))
-            able = [c for f, c in zip(RESONANCES, soft, strict=True) if f < slow and 0.0 < c * most < WIDEST]
+            able = [c for f, c in zip(RESONANCES, soft, strict=True) if f < slow and 0.0 < c * most < FARTHEST]
             out += [Site(joint, (SCREENED_AT,), around=c) for c in able]
         return out
 
