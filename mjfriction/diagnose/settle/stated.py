@@ -33,6 +33,7 @@ from mjfriction.diagnose.search.allowed import as_allowed
 from mjfriction.diagnose.search.courses import as_courses
 from mjfriction.diagnose.search.field import Field, chances_in, in_place_of_levels
 from mjfriction.diagnose.search.short_list import contenders, passing
+from mjfriction.diagnose.settle.as_plain import as_plain
 from mjfriction.diagnose.settle.held_links import held_links
 from mjfriction.diagnose.settle.levels_kept import (
     CURVES,
@@ -83,8 +84,8 @@ def settle(model: Model, asked: Field) -> Settled:
     factor, a torque constant that is off by this factor takes their place.
 
     Refitted links are held as stated if one cause does as well and everything else is stated almost exactly.  A load at
-    the flange takes the place of a last link that is off.  Finally, curves along strokes take the place of causes that
-    only approximate them.
+    the flange takes the place of a last link that is off.  Finally, plainer causes take the place of those that contain
+    them and leave no less, and curves along strokes that of causes that only approximate them.
     """
     field_size = len(model.nuisance.levels)
     model = with_levels_as_stated(drives_besides(model))
@@ -126,7 +127,7 @@ def settle(model: Model, asked: Field) -> Settled:
     one_for_all = model is not with_links
     model = as_load(model, exact=one_for_all or stated_exactly(model))
     # Holding levels changes the residual, and with it which causes only approximate a curve along a stroke.
-    model = as_courses(as_allowed(model, asked))
+    model = as_courses(as_plain(as_allowed(model, asked), asked))
     findings = [level for level in findings if not _rising(model, level.site.joint)]
     return Settled(model, tuple(findings), alike, exact=one_for_all or stated_exactly(model))
 

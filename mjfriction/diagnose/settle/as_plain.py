@@ -1,0 +1,33 @@
+"""Causes that turn out to be plainer than they were chosen as, once all others and the stated values are settled."""
+
+from __future__ import annotations
+
+from mjfriction.diagnose.fit.as_little import leaves_as_little
+from mjfriction.diagnose.fit.model import Chosen, Model, build_model
+from mjfriction.diagnose.search.field import Field
+
+
+def as_plain(model: Model, asked: Field) -> Model:
+    """Return the model with causes replaced by plainer ones that they contain, where these leave as little everywhere.
+
+    A cause that contains another always fits at least as well: a spring that bends is chosen for what a refitted link
+    takes later, and an offset remains.
+    """
+    for choice in model.chosen:
+        rest = tuple(one for one in model.chosen if one.key != choice.key)
+        for plain in _plainer(choice, asked):
+            if plain.key in [one.key for one in rest]:
+                continue
+            there = build_model(model.gap, model.nuisance, (*rest, plain))
+            if there.admissible() is there and leaves_as_little(there, model):
+                model = there
+                break
+    return model
+
+
+def _plainer(choice: Chosen, asked: Field) -> list[Chosen]:
+    # The causes of the field that a choice contains, and then the form that it is the richer form of.
+    here = [entrant for entrant in asked if entrant.joint == choice.site.joint]
+    contained = [entrant for entrant in here if entrant.cause.name in choice.cause.contains]
+    straight = [entrant for entrant in here if choice.cause.contains and entrant.cause.richer is type(choice.cause)]
+    return [Chosen(entrant.cause, entrant.sites[0]) for entrant in (*contained, *straight)]
