@@ -10,13 +10,16 @@ import pytest
 
 from mjfriction.diagnose import diagnosis
 from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.lugre_presliding import DampedLuGrePresliding, LuGreBristle, LuGrePresliding
 from mjfriction.diagnose.causes.presliding import SLIPS, DampedPresliding, Presliding, SlippingElements
+from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.fit.model import Chosen, build_model
 from mjfriction.diagnose.fit.nuisance import make_nuisance
 from mjfriction.diagnose.fit.shapes import best_shape
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.measure import measure_gap
+from mjfriction.laws.catalog import find_law
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder
@@ -79,7 +82,8 @@ STATED = {"coulomb": LEVEL, "static": 1.5 * LEVEL, "stribeck_velocity": 0.08, "s
 
 
 def with_law(robot: Robot, law: str, **more: float) -> Robot:
-    term = FrictionTerm(law=law, parameters={**STATED, **more})
+    kept = {name: value for name, value in STATED.items() if name in {one.name for one in find_law(law).parameters}}
+    term = FrictionTerm(law=law, parameters={**kept, **more})
     return robot.with_joint(robot.table.joint[ELBOW].model_copy(update={"friction": (term,)}))
 
 
@@ -90,8 +94,8 @@ def stribeck_gap(machine: Robot, stated: Robot) -> Gap:
     return measure_gap(log, stated)
 
 
-@pytest.mark.parametrize("cause", [Presliding(), DampedPresliding()])
-def test_a_stated_stribeck_curve_builds_up_with_the_level(cause: Presliding | DampedPresliding) -> None:
+@pytest.mark.parametrize("cause", [LuGrePresliding(), DampedLuGrePresliding()])
+def test_a_stated_stribeck_curve_builds_up_with_the_level(cause: LuGreBristle) -> None:
     stated = with_law(read_robot("ur5"), "stribeck")
     gap = stribeck_gap(stated, stated)
     site = Site(ELBOW, (0.03,))
@@ -113,9 +117,34 @@ def test_a_lugre_contact_whose_stribeck_curve_is_stated_is_told_with_its_own_val
     stated = with_law(read_robot("ur5"), "stribeck")
     machine = with_law(stated, "lugre", bristle_stiffness=LEVEL / travel, bristle_damping=10.0)
     gap = stribeck_gap(machine, stated)
-    bristle = best_shape(build_model(gap, make_nuisance(gap), ()), Chosen(DampedPresliding(), Site(ELBOW, (travel,))))
+    bristle = best_shape(
+        build_model(gap, make_nuisance(gap), ()), Chosen(DampedLuGrePresliding(), Site(ELBOW, (travel,)))
+    )
     model = build_model(gap, make_nuisance(gap), (bristle,))
     level, damping = model.strengths[model.places[0]]
     assert bristle.site.shape[0] == pytest.approx(travel, rel=0.03)
     assert level == pytest.approx(LEVEL, rel=0.02)
     assert damping == pytest.approx(10.0, rel=0.05)
+
+
+def test_a_curve_that_was_found_stays_as_it_is_whichever_is_built_in_first() -> None:
+    stated = with_law(read_robot("ur5"), "stribeck")
+    found = Stribeck(), Site(ELBOW, (0.3, 1.0)), np.array([2.0])
+    built = LuGrePresliding(), Site(ELBOW, (0.02,)), np.array([0.6 * LEVEL])
+    robots = []
+    for order in ((found, built), (built, found)):
+        robot = stated
+        for cause, site, strengths in order:
+            robot = cause.extend(robot, site, strengths)
+        robots.append({(term.law, tuple(term.parameters.values())) for term in robot.table.joint[ELBOW].friction or ()})
+    assert robots[0] == robots[1]
+    assert len(robots[0]) == 3
+
+
+@pytest.mark.deep
+def test_a_curve_that_is_stated_and_not_there_is_told_beside_presliding() -> None:
+    stated = with_law(read_robot("ur5"), "stribeck")
+    machine = with_law(stated, "dahl", bristle_stiffness=LEVEL / 0.02, shape_exponent=1.0)
+    log = stribeck_gap(machine, stated).log
+    told = {(one.cause, one.joint) for one in diagnose_log(log, stated).findings}
+    assert told == {("friction.presliding", UR5_JOINTS[ELBOW]), ("friction.stribeck", UR5_JOINTS[ELBOW])}

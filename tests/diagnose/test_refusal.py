@@ -126,15 +126,15 @@ def test_friction_that_comes_farther_still_does_not_take_a_delay_away(sign: floa
 def test_when_friction_turns_is_known_no_better_than_position_tells(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # All of an effort comes late by two samples, and friction seems to by half of one.
+    # All of an effort comes late by four samples, and friction seems to by two.
     def hidden(instant: Instant) -> np.ndarray:
-        return late(instant.friction, instant, 0.0005) + late(instant.rigid, instant, 0.002)
+        return late(instant.friction, instant, 0.002) + late(instant.rigid, instant, 0.004)
 
     log, robot = write_case(tmp_path, Machine(noise=0.02, hidden={SHOULDER: hidden}), 1, seconds=30.0, rate=1000.0)
-    gap = measure_gap(read_log(log), read_robot(robot), highest=60.0)
+    gap = measure_gap(read_log(log), read_robot(robot), highest=40.0)
     delay = Chosen(JointDelay(), Site(SHOULDER))
     model = build_model(gap, make_nuisance(gap), (delay,))
-    assert model.strengths[-1] == pytest.approx(0.002, rel=0.1)
+    assert model.strengths[-1] == pytest.approx(0.004, rel=0.1)
     assert refused(model) == []
     monkeypatch.setattr(refusal, "BLURRED", 0.0)
     assert [choice.key for choice in refused(model)] == [delay.key]
@@ -227,3 +227,19 @@ def test_friction_that_builds_up_does_so_on_the_way_and_not_at_rest_alone(
     assert not refusal.proved(*held)
     monkeypatch.setattr(refusal, "ON_THE_WAY", -np.inf)
     assert refusal.proved(*held)
+
+
+def test_what_the_filter_of_any_drive_takes_is_no_delay(tmp_path: Path) -> None:
+    def noteworthy(seconds: float) -> list[str]:
+        def hidden(instant: Instant, joint: int) -> np.ndarray:
+            return late(instant.rigid + instant.friction, instant, seconds)
+
+        machine = Machine(noise=0.02, hidden={joint: partial(hidden, joint=joint) for joint in range(6)})
+        log, robot = write_case(tmp_path / f"{seconds}", machine, 1, seconds=20.0, rate=1000.0)
+        gap = measure_gap(read_log(log), read_robot(robot))
+        model = build_model(gap, make_nuisance(gap), (Chosen(LogDelay(), Site(SHOULDER)),))
+        assert model.strengths[-1] == pytest.approx(seconds, rel=0.2)
+        return [choice.cause.name for choice in model.noteworthy]
+
+    assert noteworthy(0.002) == []
+    assert noteworthy(0.005) == ["sensor.delay"]

@@ -122,7 +122,7 @@ def test_elements_that_all_slip_within_what_any_contact_yields_are_refitted_alon
 @pytest.mark.parametrize("levels", [(1.0, 0.0, 0.0), (0.0, 0.0, 2.0), (1.0, 2.0, 0.5), (3.0, -0.1, 1.0)])
 def test_their_travel_is_that_over_which_so_much_of_the_change_builds_up(levels: tuple[float, ...]) -> None:
     cause, site, strengths = SlippingElements(), Site(ELBOW, (0.2,)), np.array(levels)
-    law, values = cause.law(float(np.sum(np.maximum(strengths, 0.0))), 0.2, strengths, None)
+    law, values = cause.law(float(np.sum(np.maximum(strengths, 0.0))), 0.2, strengths)
     steps = 20000
     velocity = np.repeat([1.0, -1.0], steps)
     friction = law.follow(velocity, ambient(velocity.size), 1.0 / steps, law.pack(values))[0]

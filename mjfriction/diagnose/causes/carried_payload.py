@@ -9,7 +9,7 @@ import numpy as np
 
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.held_for_a_while import HeldForAWhile
-from mjfriction.diagnose.causes.payload import Payload, held_elsewhere
+from mjfriction.diagnose.causes.payload import held_elsewhere
 from mjfriction.identify.gap import Gap
 from mjfriction.parameter import Parameter
 from mjfriction.record.fault import moment
@@ -28,7 +28,6 @@ class CarriedPayload(HeldForAWhile):
     first_order = 3
     shape_parameters = (TAKEN_UP, PUT_DOWN)
     relative_shape = False
-    simpler = Payload
 
     def sites(self, gap: Gap) -> list[Site]:
         """From the beginning of each part of a log to the end of any, but not of the whole; of one log only."""

@@ -24,6 +24,7 @@ from mjfriction.diagnose.causes.gravity_direction import GravityDirection
 from mjfriction.diagnose.causes.landed_play import LandedPlay
 from mjfriction.diagnose.causes.links import LinkCentre, LinkMoments, LinkScale
 from mjfriction.diagnose.causes.load import DriveLoad, Load
+from mjfriction.diagnose.causes.lugre_presliding import DampedLuGrePresliding, LuGrePresliding
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.causes.payload_for_a_while import PayloadForAWhile
@@ -53,6 +54,8 @@ STRUCTURAL: tuple[Cause, ...] = (
     DriveLoad(),
     Presliding(),
     DampedPresliding(),
+    LuGrePresliding(),
+    DampedLuGrePresliding(),
     PositionFriction(),
     FrictionSpot(),
     Warming(),

@@ -19,16 +19,8 @@ from mjfriction.laws.maxwell_slip import MAXWELL_SLIP
 from mjfriction.laws.rules import Values
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
-from mjfriction.robot.friction import (
-    raised_levels,
-    stated_levels,
-    stribeck_excess,
-    stribeck_shapes,
-    with_less_stribeck,
-    with_term,
-)
+from mjfriction.robot.friction import raised_levels, stated_levels, stribeck_excess, with_term
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.schema import Joint
 
 LEVEL = Parameter("presliding_level", "{force}", "part of the Coulomb level that builds up over a travel", lower=0.0)
 DAMPING = LUGRE.parameter("bristle_damping")
@@ -53,9 +45,6 @@ MOST_OF_LEVEL = 3.0
 LEAST_LEVEL = 0.1  # floor for that level, as a fraction of the joint's RMS effort, where none is stated
 
 
-Curve = tuple[float, float, float]  # excess near rest, relative to the Coulomb level; Stribeck velocity; exponent
-
-
 def _usual_effort(gap: Gap, joint: int) -> float:
     return float(np.sqrt(np.mean(np.square(gap.measured[:, joint]))))
 
@@ -64,38 +53,14 @@ def _dahl(level: float, travel: float) -> dict[str, float]:
     return {"coulomb": level, "bristle_stiffness": level / travel, "shape_exponent": 1.0, "viscous": 0.0}
 
 
-def _lugre(level: float, travel: float, curve: Curve | None, damping: float) -> dict[str, float]:
-    share, velocity, exponent = curve or (0.0, 1.0, 2.0)
-    return {
-        "coulomb": level,
-        "static": level * (1.0 + share),
-        "stribeck_velocity": velocity,
-        "stribeck_exponent": exponent,
-        "bristle_stiffness": level / travel,
-        "bristle_damping": damping,
-        "viscous": 0.0,
-    }
-
-
-def stated_curve(joint: Joint) -> Curve | None:
-    """Return the Stribeck curve that a joint states: its excess near rest relative to the Coulomb level, its velocity
-    and its exponent; None where the joint states none, several, or no level.
-    """
-    shapes, level = stribeck_shapes(joint), stated_levels(joint)[0]
-    excess = stribeck_excess(joint)
-    return (excess / level, *shapes[0]) if len(shapes) == 1 and min(level, excess) > 0.0 else None
-
-
 def _elements(levels: Floats, travel: float) -> dict[str, float | list[float]]:
     stiffness, held = levels / (np.array(SLIPS) * travel), levels > 0.0
     return {"viscous": 0.0, "stiffness": stiffness[held].tolist(), "level": levels[held].tolist()}
 
 
 class Bristle(JointCause):
-    """A part E of the Coulomb level follows a bristle instead of the direction of motion: E·(z − s·sgn v), where
-    dz/dx = (1 − z·sgn v/s)/x₀.
-
-    The level s (1 away from rest) follows the Stribeck curve that the joint states: the same contact makes both.
+    """A part E of the Coulomb level follows a bristle instead of the direction of motion: E·(z − sgn v), where
+    dz/dx = (1 − z·sgn v)/x₀.
     """
 
     name = "friction.presliding"
@@ -103,7 +68,6 @@ class Bristle(JointCause):
     least_of_friction = 0.0  # not needed: admissible() asks more of the level that builds up
     shape_parameters = (TRAVEL,)
     longest: ClassVar[float] = LONGEST
-    with_curve: ClassVar[bool] = True  # whether a stated Stribeck curve builds up with the level
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every examined joint that reverses, with travels spaced logarithmically over what its motion can show."""
@@ -122,29 +86,18 @@ class Bristle(JointCause):
         return [(SHORTEST * blurred, self.longest * float(np.ptp(motion.position[:, joint])))]
 
     def bristle(self, gap: Gap, site: Site) -> Floats:
-        """Return z, how much of the level has built up, relative to the part of Coulomb's, (n,)."""
+        """Return z, the share of the level that has built up, −1 to 1, (n,)."""
         motion, joint = gap.motion, site.joint
-        curve = stated_curve(gap.robot.table.joint[joint])
 
         def made() -> Columns:
-            law = DAHL if curve is None else LUGRE
-            packed = law.pack(_dahl(1.0, site.shape[0]) if curve is None else _lugre(1.0, site.shape[0], curve, 0.0))
+            packed = DAHL.pack(_dahl(1.0, site.shape[0]))
             bristle = np.empty_like(motion.time)
             for own in motion.pieces:
                 velocity = motion.velocity[own, joint]
-                bristle[own] = law.follow(velocity, ambient(velocity.size), 1.0 / motion.rate, packed)[0]
+                bristle[own] = DAHL.follow(velocity, ambient(velocity.size), 1.0 / motion.rate, packed)[0]
             return {joint: bristle}
 
         return gap.kept.recall(f"bristle {joint} {site.shape}", made)[joint]
-
-    def level_at(self, gap: Gap, site: Site) -> Floats:
-        """Return s, the level at the present speed relative to the Coulomb level, (n,)."""
-        speed = np.abs(gap.motion.velocity[:, site.joint])
-        curve = stated_curve(gap.robot.table.joint[site.joint])
-        if curve is None:
-            return np.ones_like(speed)
-        share, velocity, exponent = curve
-        return np.asarray(1.0 + share * np.exp(-((speed / velocity) ** exponent)))
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """The level that builds up opposes the motion, and is neither a trace of the joint's level nor far above it."""
@@ -157,30 +110,28 @@ class Bristle(JointCause):
         return float(strengths[0])
 
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """A travel longer than every contact yields before it slides, whatever its law; else it is refitted along."""
-        return bool(site.shape[0] > YIELDING * np.ptp(gap.motion.position[:, site.joint]))
+        """A travel longer than every contact yields before it slides, whatever its law; else it is refitted along.
+
+        A gear does not yield less where its joint is turned by less than a radian.
+        """
+        stroke = float(np.ptp(gap.motion.position[:, site.joint]))
+        return bool(site.shape[0] > YIELDING * (stroke if gap.body.sliding[site.joint] else max(stroke, 1.0)))
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
-        """Move a part of the Coulomb level, and of its Stribeck curve, into a law that builds up; where no level is
-        stated, nothing moves.
-        """
+        """Move a part of the Coulomb level into a law that builds up; where no level is stated, nothing moves."""
         joint = robot.joints[site.joint]
-        curve = stated_curve(robot.joint(joint)) if self.with_curve else None
         level = min(self.taken_level(strengths), stated_levels(robot.joint(joint))[0])
         if level <= 0.0:
             return robot  # no level to move: refitted levels may not have been built in yet
-        law, values = self.law(level, site.shape[0], strengths, curve)
-        if curve is not None:
-            robot = with_less_stribeck(robot, joint, curve[0] * level)
-        return with_term(raised_levels(robot, joint, -level, 0.0), joint, law.name, values)
+        return self.moved(robot, joint, level, site.shape[0], strengths)
+
+    @abstractmethod
+    def moved(self, robot: Robot, joint: str, level: float, travel: float, strengths: Floats) -> Robot:
+        """Return the robot with a ``level`` moved into the law in which it builds up over a ``travel``."""
 
     def travel(self, site: Site, strengths: Floats) -> float:
         """The travel after a reversal over which 1 − 1/e of the change builds up."""
         return site.shape[0]
-
-    @abstractmethod
-    def law(self, level: float, travel: float, strengths: Floats, curve: Curve | None) -> tuple[Law, Values]:
-        """Return the law whose ``level`` and stated Stribeck ``curve`` build up over a ``travel``, and its values."""
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give the level and the travel."""
@@ -191,8 +142,21 @@ class Bristle(JointCause):
         )
 
 
+class LevelBristle(Bristle):
+    """The Coulomb level alone builds up."""
+
+    def moved(self, robot: Robot, joint: str, level: float, travel: float, strengths: Floats) -> Robot:
+        """Move the level into a law of its own."""
+        law, values = self.law(level, travel, strengths)
+        return with_term(raised_levels(robot, joint, -level, 0.0), joint, law.name, values)
+
+    @abstractmethod
+    def law(self, level: float, travel: float, strengths: Floats) -> tuple[Law, Values]:
+        """Return the law whose ``level`` builds up over a ``travel``, and its values."""
+
+
 @final
-class SlippingElements(Bristle):
+class SlippingElements(LevelBristle):
     """Springs that slip one after the other (Maxwell-slip): ΣEᵢ·(zᵢ − sgn v), where zᵢ follows x up to ±1 over a
     distance of dᵢ = :data:`SLIPS`·x₀.
 
@@ -201,7 +165,6 @@ class SlippingElements(Bristle):
     """
 
     longest = LONGEST_OF_ELEMENTS
-    with_curve = False
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """Each element's share minus the direction of motion, (n, elements)."""
@@ -238,33 +201,33 @@ class SlippingElements(Bristle):
         built = np.minimum(ends[:, None] / ends, 1.0) @ (held / np.sum(held))
         return site.shape[0] * float(np.interp(1.0 - 1.0 / np.e, np.append(0.0, built), np.append(0.0, ends)))
 
-    def law(self, level: float, travel: float, strengths: Floats, curve: Curve | None) -> tuple[Law, Values]:
+    def law(self, level: float, travel: float, strengths: Floats) -> tuple[Law, Values]:
         """The Maxwell-slip law with the elements of positive level."""
         levels = np.maximum(strengths, 0.0)
         return MAXWELL_SLIP, _elements(level * levels / np.sum(levels), travel)
 
 
 @final
-class Presliding(Bristle):
+class Presliding(LevelBristle):
     """A bristle without damping, as in Dahl's law."""
 
     richer = SlippingElements
 
     def samples(self, gap: Gap, site: Site) -> Floats:
-        """The bristle's share minus the level in the direction of motion, (n, 1)."""
-        return column(self.bristle(gap, site) - self.level_at(gap, site) * gap.forward(site.joint))
+        """The bristle's share minus the direction of motion, (n, 1)."""
+        return column(self.bristle(gap, site) - gap.forward(site.joint))
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The level that builds up."""
         return (Quantity(LEVEL),)
 
-    def law(self, level: float, travel: float, strengths: Floats, curve: Curve | None) -> tuple[Law, Values]:
-        """Dahl's law, or with a Stribeck curve the LuGre law without damping."""
-        return (DAHL, _dahl(level, travel)) if curve is None else (LUGRE, _lugre(level, travel, curve, 0.0))
+    def law(self, level: float, travel: float, strengths: Floats) -> tuple[Law, Values]:
+        """Dahl's law."""
+        return DAHL, _dahl(level, travel)
 
 
 @final
-class DampedPresliding(Bristle):
+class DampedPresliding(LevelBristle):
     """A bristle whose deflection is damped, as in the LuGre law: in addition σ₁·(1 − z·sgn v)·v.
 
     This damping acts after a reversal and fades as the bristle slides.  Without it the fitted travel is too short.
@@ -273,11 +236,9 @@ class DampedPresliding(Bristle):
     richer = SlippingElements
 
     def samples(self, gap: Gap, site: Site) -> Floats:
-        """The bristle's share minus the level in the direction of motion, and the rate of its deflection, (n, 2)."""
-        bristle, level = self.bristle(gap, site), self.level_at(gap, site)
-        velocity = gap.motion.velocity[:, site.joint]
-        rate = velocity - np.abs(velocity) * bristle / level
-        return np.column_stack([bristle - level * gap.forward(site.joint), rate])
+        """The bristle's share minus the direction of motion, and the rate of its deflection, (n, 2)."""
+        bristle, velocity = self.bristle(gap, site), gap.motion.velocity[:, site.joint]
+        return np.column_stack([bristle - gap.forward(site.joint), velocity - np.abs(velocity) * bristle])
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The level that builds up, and the damping."""
@@ -287,6 +248,8 @@ class DampedPresliding(Bristle):
         """Also, the deflection is damped, never driven."""
         return super().admissible(gap, site, strengths) and bool(strengths[1] > 0.0)
 
-    def law(self, level: float, travel: float, strengths: Floats, curve: Curve | None) -> tuple[Law, Values]:
-        """The LuGre law."""
-        return LUGRE, _lugre(level, travel, curve, float(strengths[1]))
+    def law(self, level: float, travel: float, strengths: Floats) -> tuple[Law, Values]:
+        """The LuGre law, without a Stribeck curve."""
+        curve = {"coulomb": level, "static": level, "stribeck_velocity": 1.0, "stribeck_exponent": 2.0}
+        stiff = {"bristle_stiffness": level / travel, "bristle_damping": float(strengths[1]), "viscous": 0.0}
+        return LUGRE, curve | stiff

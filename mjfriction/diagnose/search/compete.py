@@ -21,7 +21,7 @@ from mjfriction.diagnose.search.one_gear import geared
 from mjfriction.diagnose.search.one_transmission import leaning
 from mjfriction.diagnose.search.oscillations import new_oscillations
 from mjfriction.diagnose.search.refusal import proved, refused
-from mjfriction.diagnose.search.richer import enriched, in_richer_form
+from mjfriction.diagnose.search.richer import curves_apart, enriched, in_richer_form
 from mjfriction.diagnose.search.short_list import SHORT_LIST, all_tried, best_bent, fairly, passing, ranked
 from mjfriction.identify.gap import Gap
 from mjfriction.progress import Tell, silently
@@ -99,7 +99,7 @@ def compete(
 def _in_final_form(model: Model, field: Field, chances: Chances) -> Model:
     # Forms that do not compete replace those that did, where they do better; what they make needless is dropped.
     model = fulfilled(model)
-    model = enriched(model, field)
+    model = curves_apart(enriched(model, field))
     model = by_temperature(model, field)
     model = as_courses(model)
     model = geared(model)

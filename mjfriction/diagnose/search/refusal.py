@@ -179,7 +179,7 @@ def _too_quick(model: Model) -> list[Chosen]:
 
 
 def _delays(model: Model) -> list[tuple[Chosen, slice]]:
-    # A shift of less than one sample is only refitted along, and not checked.
+    # A shift that would be no finding is only refitted along, and not checked.
     return [
         (choice, place)
         for choice, place in zip(model.chosen, model.places, strict=True)

@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.lugre_presliding import LuGreBristle
+from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.fit.model import Chosen, Model
 from mjfriction.diagnose.fit.shapes import best_shape
 from mjfriction.diagnose.fit.trial import try_out
@@ -68,4 +71,24 @@ def enriched(model: Model, field: Field) -> Model:
         richer = in_richer_form(model, choice, choice)
         if richer is not None and richer.gain > PAYS:
             model = richer.model
+    return model
+
+
+def curves_apart(model: Model) -> Model:
+    """Return the model with a bristle that takes the stated Stribeck curve along replaced by one of the level alone,
+    beside a change of that curve, where the gain pays for the change: the curve that is stated is then not there.
+    """
+    for choice in model.chosen:
+        joint = choice.site.joint
+        at_joint = [one for one in model.chosen if one.site.joint == joint]
+        if not isinstance(choice.cause, LuGreBristle) or any(one.cause.name == Stribeck.name for one in at_joint):
+            continue
+        curve = Chosen(Stribeck(), Site(joint, choice.cause.curve(model.gap, choice.site)[1:]))
+        changed = model.without(choice).with_also(curve)
+        alone = best_shape(changed, Chosen(choice.cause.alone(), choice.site))
+        if try_out(changed, alone) is None:
+            continue
+        apart = changed.with_also(alone)
+        if apart.admissible() is apart and paid_gain(model, apart.chosen) > PAYS:
+            model = apart
     return model
