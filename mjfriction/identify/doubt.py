@@ -45,10 +45,13 @@ def share_in_doubt(
     for joint, position, velocity, speed, unknown in courses:
         turns = np.flatnonzero(np.diff(np.sign(velocity)) != 0)
         near = near_turns(motion, velocity, speed) | unknown | _yields(motion, position, turns, yielding)
-        late = round(joint.effort_sensor.delay * motion.rate)
-        sample = np.clip(np.arange(near.size) - late, 0, near.size - 1)
-        out.append(chain.touched(near[sample]))
+        out.append(chain.touched(heard(near, joint.effort_sensor.delay, motion)))
     return np.column_stack(out)
+
+
+def heard(mask: NDArray[np.bool_], late: float, motion: Motion) -> NDArray[np.bool_]:
+    """Return a mask (n,) of what a joint does where a sensor tells of it that is ``late`` (s), (n,)."""
+    return mask[np.clip(np.arange(mask.size) - round(late * motion.rate), 0, mask.size - 1)]
 
 
 def near_turns(motion: Motion, velocity: Floats, slow: float) -> NDArray[np.bool_]:

@@ -91,11 +91,6 @@ class Gap:
         return tuple(i for i in range(len(self.robot.joints)) if np.isfinite(self.residual[0, i]))
 
     @functools.cached_property
-    def row_time(self) -> float:
-        """The time from row to row, s."""
-        return float(np.median(np.diff(self.chain.time)))
-
-    @functools.cached_property
     def _kinematics(self) -> dict[str, Floats]:
         motion = self.motion
         forward = np.column_stack([self.forward(i) for i in range(len(motion.joints))])

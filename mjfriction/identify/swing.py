@@ -79,7 +79,7 @@ class Shown:
 
 def shown_swings(gap: Gap) -> Shown:
     """Return which swinging loads a log can show: those that swing often enough in it, within the rows' band."""
-    longest = float(np.max(np.diff(_starts(gap)))) * gap.row_time
+    longest = float(np.max(np.diff(_starts(gap)))) * gap.chain.step
     return Shown(max(SLOWEST, FEWEST_TURNS / longest), min(FASTEST, IN_BAND * gap.chain.band), gap.blocks.period)
 
 
@@ -92,7 +92,7 @@ def courses(gap: Gap, tried: list[Swing], every: int = 1) -> Floats:
     time = gap.chain.time
     acceleration = gap.motion.acceleration[:, [tried[0].joint]]
     pull = gap.reported(tried[0].joint, acceleration)[:, 0].astype(complex)
-    starts, step = _starts(gap), gap.row_time
+    starts, step = _starts(gap), gap.chain.step
     longest = np.sort(np.argsort(np.diff(starts))[::-1][:MOST_STRETCHES])
     out = np.zeros((-(-time.size // every), len(tried), 1 + 2 * longest.size))
     for k, swing in enumerate(tried):
@@ -117,5 +117,5 @@ def courses(gap: Gap, tried: list[Swing], every: int = 1) -> Floats:
 def _starts(gap: Gap) -> Integers:
     # Where stretches of rows without a gap begin, and the end of the last.
     time = gap.chain.time
-    breaks = np.flatnonzero(np.diff(time) > GAP * gap.row_time) + 1
+    breaks = np.flatnonzero(np.diff(time) > GAP * gap.chain.step) + 1
     return np.concatenate([[0], breaks, [time.size]])

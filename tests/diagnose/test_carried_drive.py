@@ -22,6 +22,7 @@ from mjfriction.diagnose.causes.carried_drive import (
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.coupling import SumDrive
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.fit.exact import level_changes
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model
 from mjfriction.diagnose.fit.nuisance import make_nuisance
 from mjfriction.diagnose.search import compete
@@ -252,3 +253,44 @@ def test_a_drive_whose_friction_no_joint_states_is_an_additional_one(
     assert isinstance(choice.cause, SumDrive if additional else SumCarried)
     if additional:
         assert found.strengths_of(choice) == pytest.approx([0.4, 0.5], rel=0.1)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 0.5])
+def test_its_ratio_is_the_one_beside_which_levels_are_near(ratio: float, tmp_path: Path) -> None:
+    """Beside free levels, the equal one fits as well, and leaves the joint's damping as far off as the carried one."""
+    neighbour = WRIST - 1
+
+    def rubs(instant: Instant) -> np.ndarray:
+        return 0.8 * (instant.velocities[:, WRIST] + ratio * instant.velocities[:, neighbour])
+
+    hidden: dict[int, Callable[[Instant], np.ndarray]] = {WRIST: rubs, neighbour: lambda one: ratio * rubs(one)}
+    log, robot = write_case(tmp_path, Machine(hidden=hidden), seed=1, seconds=20.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    found = drives_besides(
+        build_model(gap, make_nuisance(gap), (Chosen(SumCarried(), Site(neighbour, (0.5,), other=WRIST)),))
+    )
+    (choice,) = found.chosen
+    assert isinstance(choice.cause, SumDrive)
+    assert max(level_changes(found)[joint] for joint in (WRIST, neighbour)) < 0.02
+
+
+def test_a_neighbour_of_which_no_friction_is_stated_does_not_hide_it(tmp_path: Path) -> None:
+    neighbour = WRIST + 1
+
+    def rubs(instant: Instant) -> np.ndarray:
+        turn = instant.velocities[:, WRIST] + instant.velocities[:, neighbour]
+        return 0.4 * np.sign(turn) + 0.5 * turn
+
+    machine = Machine(
+        hidden={WRIST: rubs, neighbour: rubs},
+        coulomb=(*UR5_COULOMB[:neighbour], 0.0),
+        viscous=(*UR5_VISCOUS[:neighbour], 0.0),
+        noise=0.0,
+    )
+    log, path = write_case(tmp_path, machine, seed=3, seconds=20.0)
+    robot = read_robot(path)
+    robot = robot.with_joint(robot.table.joint[neighbour].model_copy(update={"friction": ()}))
+    gap = measure_gap(read_log(log), robot)
+    carried = Chosen(SumCarried(), Site(neighbour, (1.0,), other=WRIST))
+    (choice,) = drives_besides(build_model(gap, make_nuisance(gap), (carried,))).chosen
+    assert isinstance(choice.cause, SumDrive)

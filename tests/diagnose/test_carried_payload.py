@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import functools
+from dataclasses import replace
 
 import numpy as np
 import pyarrow as pa
 import pytest
 
 from mjfriction.diagnose.causes.carried_payload import CarriedPayload
+from mjfriction.diagnose.causes.payload import Payload as Held
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.fit.model import Chosen, build_model
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.search.field import make_field
+from mjfriction.diagnose.search.short_list import ranked
 from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.identify.measure import measure_gap
 from mjfriction.plant.machine import simulate
@@ -104,3 +110,20 @@ def test_its_columns_are_those_of_a_mass_that_is_held_from_begin_to_end() -> Non
         for joint, values in cause.columns(gap, site).items():
             np.testing.assert_allclose(values[apart], gap.reported(joint, torques[:, joint])[apart], atol=1e-3)
             np.testing.assert_array_equal(screened[joint][:, 10 * k], values[::7])
+
+
+def test_it_is_looked_for_although_links_have_taken_its_mean() -> None:
+    gap, strengths = measure_gap(recorded(arm()), arm()), np.array([1.2, 0.0, 0.0, 0.1])
+    whole = next(iter(Held().sites(gap)))
+    site = whole.shaped((BEGIN, END))
+    site = replace(site, begin=float(gap.motion.time[0]), end=float(gap.motion.time[-1]))
+    carried, throughout = CarriedPayload().columns(gap, site), Held().columns(gap, whole)
+    residual = gap.residual.copy()
+    for joint, values in carried.items():
+        residual[:, joint] += values @ strengths
+    left = build_model(replace(gap, residual=residual), make_nuisance(gap), (Chosen(Held(), whole),))
+    for joint, values in throughout.items():
+        residual[:, joint] -= values @ left.strengths[left.places[0]]
+    bare = build_model(replace(gap, residual=residual), make_nuisance(gap), ())
+    found = [type(choice.cause) for choice in ranked(bare, make_field(gap, (Held(), CarriedPayload())))]
+    assert found == [CarriedPayload]

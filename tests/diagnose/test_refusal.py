@@ -28,7 +28,7 @@ from mjfriction.identify.measure import measure_gap
 from mjfriction.progress import silently
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
-from tests.hidden.machine import UR5_COULOMB, Instant, Machine, write_case
+from tests.hidden.machine import UR5_COULOMB, UR5_VISCOUS, Instant, Machine, write_case
 
 SHOULDER, ELBOW = 1, 2
 
@@ -80,6 +80,21 @@ def test_a_delay_of_all_joints_is_none_where_friction_shows_another_at_most_of_t
     assert (delay.key in [choice.key for choice in refused(model)]) is (len(torn) > 3)
 
 
+def test_joints_that_cannot_tell_do_not_speak_for_a_delay(tmp_path: Path) -> None:
+    def hidden(instant: Instant) -> np.ndarray:
+        return late(instant.rigid, instant, 0.03)
+
+    bare = (*UR5_COULOMB[:3], 0.0, 0.0, 0.0)
+    machine = Machine(hidden=dict.fromkeys(range(6), hidden), coulomb=bare, viscous=(*UR5_VISCOUS[:3], 0.0, 0.0, 0.0))
+    log, path = write_case(tmp_path, machine, 1, seconds=30.0)
+    robot = read_robot(path)
+    for joint in range(3, 6):
+        robot = robot.with_joint(robot.table.joint[joint].model_copy(update={"friction": ()}))
+    gap = measure_gap(read_log(log), robot)
+    delay = Chosen(LogDelay(), Site(SHOULDER, around=0.03))
+    assert delay.key in [choice.key for choice in refused(build_model(gap, make_nuisance(gap), (delay,)))]
+
+
 @pytest.mark.parametrize(("own", "undone"), [(-0.01, True), (0.01, False)])
 def test_a_delay_of_all_joints_is_none_where_one_joint_is_on_time(own: float, undone: bool, tmp_path: Path) -> None:
     def hidden(instant: Instant, joint: int) -> np.ndarray:
@@ -126,12 +141,12 @@ def test_friction_that_comes_farther_still_does_not_take_a_delay_away(sign: floa
 def test_when_friction_turns_is_known_no_better_than_position_tells(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # All of an effort comes late by four samples, and friction seems to by two.
+    # All of an effort comes late by four samples, and friction seems to by one.
     def hidden(instant: Instant) -> np.ndarray:
-        return late(instant.friction, instant, 0.002) + late(instant.rigid, instant, 0.004)
+        return late(instant.friction, instant, 0.0012) + late(instant.rigid, instant, 0.004)
 
     log, robot = write_case(tmp_path, Machine(noise=0.02, hidden={SHOULDER: hidden}), 1, seconds=30.0, rate=1000.0)
-    gap = measure_gap(read_log(log), read_robot(robot), highest=40.0)
+    gap = measure_gap(read_log(log), read_robot(robot), highest=30.0)
     delay = Chosen(JointDelay(), Site(SHOULDER))
     model = build_model(gap, make_nuisance(gap), (delay,))
     assert model.strengths[-1] == pytest.approx(0.004, rel=0.1)

@@ -113,6 +113,23 @@ def test_a_shared_drive_is_not_judged_where_it_turns_about_although_both_joints_
     assert np.array_equal(np.delete(kept, (WRIST, WRIST + 1), axis=1), gap.clear[:, :WRIST])
 
 
+def test_where_a_drive_reports_late_it_is_not_judged_as_late(tmp_path: Path) -> None:
+    log, path = write_case(tmp_path, Machine(), seed=3, seconds=20.0)
+    prompt = read_robot(path)
+    table = prompt.table.joint[WRIST]
+    sensor = table.effort_sensor.model_copy(update={"delay": 0.1})
+    late = prompt.with_joint(table.model_copy(update={"effort_sensor": sensor}))
+    site = Site(WRIST, other=WRIST + 1)
+    known = []
+    for robot in (prompt, late):
+        gap = measure_gap(read_log(log), robot)
+        known.append(SumDrive().known_where(gap, site))
+    rows = round(0.1 / gap.chain.step)
+    assert np.mean(known[1][WRIST][rows:] == known[0][WRIST][:-rows]) > 0.98
+    assert np.mean(known[1][WRIST] == known[0][WRIST]) < 0.95
+    assert np.array_equal(known[1][WRIST + 1], known[0][WRIST + 1])
+
+
 @pytest.mark.deep
 @pytest.mark.parametrize(("first", "second", "told"), [(1.0, -0.6, 0), (-0.7, 1.0, 1)])
 def test_the_ratio_is_the_one_beside_which_damping_is_as_stated(

@@ -11,7 +11,7 @@ import pytest
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.offset import Offset
-from mjfriction.diagnose.causes.presliding import SLIPS, SlippingElements
+from mjfriction.diagnose.causes.presliding import SLIPS, Presliding, SlippingElements
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.fit.exact import usual_nuisance
 from mjfriction.diagnose.fit.model import Chosen, build_model
@@ -159,3 +159,12 @@ def test_beside_a_stribeck_curve_it_is_a_part_of_that_contact(tmp_path: Path, mo
     monkeypatch.setattr(contacts, "Stribeck", Offset)  # which none of its joints has
     found = {one.cause for one in diagnosed(tmp_path, machine).findings}
     assert found == {"friction.stribeck", "friction.presliding"}
+
+
+def test_a_gear_yields_as_far_where_its_joint_is_turned_by_little(tmp_path: Path) -> None:
+    short = gap(tmp_path, Machine(reach=(1.0, 0.3, *(1.0,) * 4)))
+    stroke = np.ptp(short.motion.position[:, LIFT])
+    assert stroke < 0.8
+    for travel, told in ((0.9e-3, False), (1.1e-3, True)):
+        assert travel > 1e-3 * stroke
+        assert Presliding().noteworthy(short, Site(LIFT, (travel,)), np.ones(1)) is told

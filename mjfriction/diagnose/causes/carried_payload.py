@@ -61,7 +61,7 @@ class CarriedPayload(HeldForAWhile):
 
     def shape_resolution(self, gap: Gap, site: Site) -> tuple[float, ...]:
         """The time from row to row."""
-        return (gap.row_time,) * 2
+        return (gap.chain.step,) * 2
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """It is also held for longer than a moment."""

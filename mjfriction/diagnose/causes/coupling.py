@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjfriction.diagnose.causes.cause import JointCause, Quantity, Site, column
-from mjfriction.identify.doubt import CLEAR, near_turns
+from mjfriction.identify.doubt import CLEAR, heard, near_turns
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
@@ -228,8 +228,13 @@ class SharedDrive(_Coupling):
         """Where the drive turns: both joints may move while it stands still, or turns about."""
         other, slow = self.source(gap, site), gap.doubt_speed
         slowly = float(np.hypot(slow[other], self.ratio(site) * slow[site.joint]))
-        known = gap.chain.touched(near_turns(gap.motion, self.turn(gap, site), slowly)) < CLEAR
-        return {site.joint: known, other: known}
+        near = near_turns(gap.motion, self.turn(gap, site), slowly)
+
+        def known(joint: int) -> NDArray[np.bool_]:
+            late = gap.robot.table.joint[joint].effort_sensor.delay + float(gap.late[joint])
+            return gap.chain.touched(heard(near, late, gap.motion)) < CLEAR
+
+        return {joint: known(joint) for joint in (site.joint, other)}
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The drive's effort per unit strength, as the site's joint feels it, (n, strengths)."""

@@ -23,7 +23,7 @@ from mjfriction.sim.ringing import deflection
 
 COMPLIANCE = Parameter("compliance", "{length}/{force}", "how far the transmission gives per load", lower=0.0)
 DAMPING_RATIO = Parameter("damping_ratio", "1", "damping of the link on what gives, over the critical one", lower=0.0)
-FARTHEST = 0.35  # rad or m, largest deflection: series elastic joints give by as much
+MOST_GIVEN, MOST_GIVEN_ALONG = 0.35, 0.2  # rad and m, largest deflection: series elastic joints give by as much
 RESONANCES = tuple(2.5 * 1.1**k for k in range(-12, 25))  # Hz: from 0.8 to 25 Hz
 RESONANCE_BAND = 0.5  # fraction of the position filter's cutoff below which a resonance is visible
 FINER_RESONANCE, NEIGHBOURS = 1.1, 5  # half a step of these, as a ratio of compliances, and how many are tried there
@@ -44,6 +44,10 @@ def _near_compliances(site: Site) -> list[float]:
     # Up to halfway to the neighbours on the grid.
     near = np.geomspace(site.around / FINER_RESONANCE, site.around * FINER_RESONANCE, NEIGHBOURS)
     return [float(compliance) for compliance in near]
+
+
+def _most_given(gap: Gap, joint: int) -> float:
+    return MOST_GIVEN_ALONG if gap.body.sliding[joint] else MOST_GIVEN
 
 
 class _Elasticity(MovedLink):
@@ -72,9 +76,11 @@ class _Elasticity(MovedLink):
         return (Quantity(COMPLIANCE, shift=gap.robot.table.joint[site.joint].transmission.compliance),)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """The total compliance is positive, and the added deflection stays below :data:`FARTHEST`."""
+        """The total compliance is positive, and the added deflection stays below :data:`MOST_GIVEN`."""
         stated = gap.robot.table.joint[site.joint].transmission.compliance
-        return bool(stated + strengths[0] > 0.0 and self.most(gap, site, float(strengths[0]))[0] < FARTHEST)
+        return bool(
+            stated + strengths[0] > 0.0 and self.most(gap, site, float(strengths[0]))[0] < _most_given(gap, site.joint)
+        )
 
     def most(self, gap: Gap, site: Site, compliance: float) -> tuple[float, float]:
         """Return how far the transmission gives under the largest load, and that load, N·m or N."""
@@ -179,13 +185,17 @@ class Swinging(_Elasticity):
     ranked_alone = True
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every examined joint, with resonances in the visible band that deflect it by less than :data:`FARTHEST`."""
+        """Every examined joint, with resonances in the visible band that deflect it by less than :data:`MOST_GIVEN`."""
         out = []
         for joint in gap.examined:
             inertia = np.maximum(own_slopes(gap, joint)[2], LEAST_INERTIA)
             soft = [1.0 / (float(np.median(inertia)) * (2.0 * np.pi * frequency) ** 2) for frequency in RESONANCES]
             slow, most = gap.motion.cutoff * RESONANCE_BAND, float(np.max(np.abs(self.load(gap, joint))))
-            able = [c for f, c in zip(RESONANCES, soft, strict=True) if f < slow and 0.0 < c * most < FARTHEST]
+            able = [
+                c
+                for f, c in zip(RESONANCES, soft, strict=True)
+                if f < slow and 0.0 < c * most < _most_given(gap, joint)
+            ]
             out += [Site(joint, (SCREENED_AT,), around=c) for c in able]
         return out
 

@@ -218,7 +218,7 @@ class Step(Varying):
 
     def shape_resolution(self, gap: Gap, site: Site) -> tuple[float, ...]:
         """The time from row to row: the low-pass of efforts smears a step by as much."""
-        return (gap.row_time,)
+        return (gap.chain.step,)
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
         """Direction and velocity at the rows, zero before each moment: the filter's effect on the edge is neglected."""

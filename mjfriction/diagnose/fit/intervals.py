@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -83,14 +84,26 @@ def _flat(model: Model, choice: Chosen, half: Floats, quantile: float) -> Floats
     left = (model.residual() * weight)[:, felt][model.gap.clear[:, felt]]
     wide, least = half.copy(), gain(shape) - quantile**2 * float(np.mean(np.square(left)))
     for k, (fine, (low, high)) in enumerate(zip(finest, bounds, strict=True)):
-        finely = fine * np.eye(shape.size)[k]
-        for step in (-finely, finely):
-            moved = shape + step
-            while low < moved[k] < high and gain(moved) > least:
-                moved = moved + step
-            place = half.size - shape.size + k
-            wide[place] = max(wide[place], abs(float(moved[k]) - choice.site.shape[k]))
+
+        def as_good(steps: int, k: int = k, fine: float = fine, low: float = low, high: float = high) -> bool:
+            moved = shape + steps * fine * np.eye(shape.size)[k]
+            return low < moved[k] < high and gain(moved) > least
+
+        place = half.size - shape.size + k
+        reach = max(_first_worse(as_good, 1), _first_worse(as_good, -1))
+        wide[place] = max(wide[place], reach * fine)
     return wide
+
+
+def _first_worse(as_good: Callable[[int], bool], way: int) -> int:
+    # The number of steps, to one side, after which it is no longer as good.
+    near, far = 0, 1
+    while as_good(way * far):
+        near, far = far, 2 * far
+    while far - near > 1:
+        middle = (near + far) // 2
+        near, far = (middle, far) if as_good(way * middle) else (near, middle)
+    return far
 
 
 def _with_shapes(model: Model) -> tuple[Normal, list[int]]:

@@ -120,8 +120,8 @@ def _torn(model: Model) -> list[Chosen]:
     # the effort, something else is wrong with one of the two.  But friction even later than a late rest is that of a
     # contact that yields, and friction even earlier than an early rest is that of a joint that its drive winds up
     # before it turns.  An effort that is earlier than a position filter can make it seem is a shift in time only if its
-    # friction is known to be as early.  Of a whole log, most joints have to show that: the friction of one that hardly
-    # turns knows no time.
+    # friction is known to be as early.  Of a whole log, most joints that can tell have to show that: the friction of
+    # one that hardly turns knows no time.
     gap, friction = model.gap, model.gap.known.effort.friction
     out = []
     for choice, place in _delays(model):
@@ -136,11 +136,13 @@ def _torn(model: Model) -> list[Chosen]:
         rest, beside = float(normal.fitted[place][0]), normal.fitted[-count:]
         deviation = np.sqrt(np.diag(normal.covariance(np.arange(gap.blocks.count)))[-count:])
         farther = (rest * delay > APART * delay**2) & (beside * delay > 0.0)
-        known = np.maximum(SURELY_APART * deviation, max(APART * abs(delay), BLURRED / gap.motion.cutoff))
-        torn = (np.abs(beside) > known) & ~farther
+        apart = max(APART * abs(delay), BLURRED / gap.motion.cutoff)
+        torn = (np.abs(beside) > np.maximum(SURELY_APART * deviation, apart)) & ~farther
         if not choice.cause.whole_arm and delay < -EARLY:
             torn |= np.abs(beside) + SURELY_APART * deviation > APART * abs(delay)
-        if 2 * np.count_nonzero(torn) > count:
+        shown = np.array([bool(np.any(columns)) for columns in own.values()])
+        telling = torn | (shown & (SURELY_APART * deviation < apart))
+        if 2 * np.count_nonzero(torn) > np.count_nonzero(telling):
             out.append(choice)
     return out
 
@@ -165,7 +167,7 @@ def _too_quick(model: Model) -> list[Chosen]:
     if not delays:
         return []
     quickest = quickest_motion(motion.position, motion.pieces, motion.rate, gap.body.sliding)
-    if quickest == 0.0 or (count := int(0.5 / (HARMONICS * quickest * gap.row_time))) < 2:
+    if quickest == 0.0 or (count := int(0.5 / (HARMONICS * quickest * gap.chain.step))) < 2:
         return []
     normal = model.system.averaged(count)
     covariances = normal.covariance(np.arange(gap.blocks.count)), normal.white_covariance(np.ones(normal.joints))

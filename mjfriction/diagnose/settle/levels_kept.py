@@ -74,20 +74,20 @@ def drives_besides(model: Model) -> Model:
             pair = sorted(cause_block(model.gap, choice)[0])
             off = _off(model, pair)
             if off > LEAST_OFF:
-                drives = [_besides(model, choice, drive(), pair) for drive in choice.cause.besides]
-                nearest = min(
-                    (one for one in drives if one is not None), key=lambda one: _off(one, pair), default=model
-                )
-                model = nearest if _off(nearest, pair) < NEARER * off else model
+                drives = [_besides(model, choice, drive(), pair, NEARER * off) for drive in choice.cause.besides]
+                found = [one for one in drives if one is not None]
+                model = min(found, key=lambda one: _off(one, pair), default=model)
     return model
 
 
 def _off(model: Model, joints: list[int]) -> float:
-    changes = level_changes(model)
-    return max(changes.get(joint, 0.0) for joint in joints)
+    # Where no friction is stated, any is infinitely far from it, which says nothing of a drive.
+    changes, table = level_changes(model), model.gap.robot.table.joint
+    return max((changes.get(joint, 0.0) for joint in joints if any(stated_levels(table[joint]))), default=0.0)
 
 
-def _besides(model: Model, choice: Chosen, drive: SharedDrive, pair: list[int]) -> Model | None:
+def _besides(model: Model, choice: Chosen, drive: SharedDrive, pair: list[int], most: float) -> Model | None:
+    # None where no ratio leaves as little, with the levels of the pair off by less than ``most``.
     gap, near, changes = model.gap, model.nuisance, level_changes(model)
     for joint in pair:
         stated = stated_levels(gap.robot.table.joint[joint])
@@ -98,7 +98,7 @@ def _besides(model: Model, choice: Chosen, drive: SharedDrive, pair: list[int]) 
     geared = best_shape(held, replace(equal, site=equal.site.shaped((1.0,))), [RATIOS])
     for own in (equal, geared):
         there = build_model(gap, model.nuisance, (*rest, own))
-        if there.admissible() is there and leaves_as_little(there, model, pair):
+        if _off(there, pair) < most and there.admissible() is there and leaves_as_little(there, model, pair):
             return there
     return None
 
