@@ -16,6 +16,7 @@ from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
+from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.simulation import robot_laws
 from tests.deep import deep
 from tests.diagnose.in_the_file import left_by_the_file
@@ -55,8 +56,11 @@ def test_diagnosing_the_extended_robot_finds_nothing_more(tmp_path: Path) -> Non
 
 
 def test_any_two_causes_on_one_joint_make_a_robot_that_can_be_simulated(tmp_path: Path) -> None:
-    log, robot = write_case(tmp_path, Machine(), seed=3, seconds=10.0)
-    gap = measure_gap(read_log(log), read_robot(robot))
+    log, path = write_case(tmp_path, Machine(), seed=3, seconds=10.0)
+    robot = read_robot(path)
+    curve = {"coulomb": 3.0, "static": 4.0, "stribeck_velocity": 0.05, "stribeck_exponent": 2.0, "viscous": 2.0}
+    term = FrictionTerm(law="stribeck", parameters=curve)
+    gap = measure_gap(read_log(log), robot.with_joint(robot.joint(JOINT).model_copy(update={"friction": (term,)})))
     extensions = []
     for cause in STRUCTURAL:
         sites = cause.sites(gap)
@@ -65,7 +69,9 @@ def test_any_two_causes_on_one_joint_make_a_robot_that_can_be_simulated(tmp_path
             continue  # its column is not in the log
         size = len(cause.quantities(gap, at))
         # A payload's moments go with its mass, and a play is drawn around its size.
-        tried = [np.full(size, one) for one in (0.3, 5.0, 1e-3, at.around)] + [np.append(0.3, np.full(size - 1, 0.01))]
+        tried = [np.full(size, one) for one in (0.3, 5.0, 1.0, 1e-3, at.around)] + [
+            np.append(0.3, np.full(size - 1, 0.01))
+        ]
         strengths = next(own for own in tried if cause.admissible(gap, at, own))
         extensions.append(functools.partial(cause.extend, site=at, strengths=strengths))
     # No temperature and no pressures are logged, this robot states no rotors that could load their gears and no offset,

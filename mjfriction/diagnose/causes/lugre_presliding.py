@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Mapping
 from typing import ClassVar, final
 
 import numpy as np
@@ -13,12 +14,12 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.laws.ambient import ambient
 from mjfriction.laws.lugre import LUGRE
+from mjfriction.laws.rules import scalar
 from mjfriction.laws.stribeck import STRIBECK
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import (
     coulomb_level,
     raised_levels,
-    reflection,
     stated_levels,
     stribeck_excess,
     stribeck_shapes,
@@ -30,18 +31,19 @@ from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Joint
 
 Curve = tuple[float, float, float]  # excess near rest, relative to the Coulomb level; Stribeck velocity; exponent
+NO_CURVE: Curve = (0.0, 1.0, 2.0)
 # Largest level that builds up, relative to the stated one: with more, the curve that is stated is none of its own.
 MOST_OF_STATED = 1.5
 
 
 def stated_curve(joint: Joint) -> Curve | None:
-    """Return the Stribeck curve of a joint's one law with such a curve; None where there is another one, where it has
-    no level, or where it differs between the directions.
+    """Return the Stribeck curve of a joint's one law with such a curve, averaged over the directions; None where there
+    is no such law or another one, or where it has no level or no excess.
 
     A curve that was found holds the excess alone.
     """
     whole = [term for term in terms(joint) if _has_level(term)]
-    if len(whole) != 1 or whole[0].negative is not None:
+    if len(whole) != 1:
         return None
     alone = joint.model_copy(update={"friction": tuple(whole)})
     excess, (shape,) = stribeck_excess(alone), stribeck_shapes(alone)
@@ -71,8 +73,12 @@ class LuGreBristle(Bristle):
     alone: ClassVar[type[Bristle]]  # the bristle of the level alone
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Joints as of any bristle that state such a curve."""
-        return [site for site in super().sites(gap) if stated_curve(gap.robot.table.joint[site.joint]) is not None]
+        """Joints as of any bristle that state such a curve, the same in both directions."""
+        table = gap.robot.table.joint
+        able = [
+            joint for joint, own in enumerate(table) if stated_curve(own) and not any(t.negative for t in terms(own))
+        ]
+        return [site for site in super().sites(gap) if site.joint in able]
 
     def curve(self, gap: Gap, site: Site) -> Curve:
         """Return the curve stated at the site's joint."""
@@ -111,10 +117,10 @@ class LuGreBristle(Bristle):
     def moved(self, robot: Robot, joint: str, level: float, travel: float, strengths: Floats) -> Robot:
         """Move the level, and as large a part of the curve, into the LuGre law."""
         curve = stated_curve(robot.joint(joint))
-        assert curve is not None, "sites names joints that state one"
-        values = _lugre(level, travel, curve, self.damping(strengths))
-        lowered = raised_levels(_with_less_of_curve(robot, joint, curve[0] * level), joint, -level, 0.0)
-        return with_term(lowered, joint, LUGRE.name, values)
+        values = _lugre(level, travel, curve or NO_CURVE, self.damping(strengths))
+        if curve is not None:
+            robot = _with_less_of_curve(robot, joint, level / stated_levels(robot.joint(joint))[0])
+        return with_term(raised_levels(robot, joint, -level, 0.0), joint, LUGRE.name, values)
 
     @abstractmethod
     def damping(self, strengths: Floats) -> float:
@@ -165,17 +171,21 @@ class DampedLuGrePresliding(LuGreBristle):
         return float(strengths[1])
 
 
-def _with_less_of_curve(robot: Robot, joint: str, excess: float) -> Robot:
-    # The curve that is stated, and none that was found, loses so much of its excess, at the joint.
+def _with_less_of_curve(robot: Robot, joint: str, share: float) -> Robot:
+    # The curve that is stated, and none that was found, loses this share of its excess.
     table = robot.joint(joint)
 
-    def less(term: FrictionTerm) -> FrictionTerm:
+    def less(values: Mapping[str, float | tuple[float, ...]]) -> dict[str, float | tuple[float, ...]]:
+        coulomb, static = scalar(values, "coulomb"), scalar(values, "static")
+        return {**values, "static": coulomb + (1.0 - share) * (static - coulomb)}
+
+    def lowered(term: FrictionTerm) -> FrictionTerm:
         if not _has_level(term):
             return term
-        static = max(term.value("coulomb"), term.value("static") - excess / reflection(term, table)[0])
-        return term.model_copy(update={"parameters": {**term.parameters, "static": static}})
+        negative = None if term.negative is None else less({**term.parameters, **term.negative})
+        return term.model_copy(update={"parameters": less(term.parameters), "negative": negative})
 
-    return robot.with_joint(table.model_copy(update={"friction": tuple(less(term) for term in terms(table))}))
+    return robot.with_joint(table.model_copy(update={"friction": tuple(map(lowered, terms(table)))}))
 
 
 def _has_level(term: FrictionTerm) -> bool:
