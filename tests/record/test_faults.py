@@ -486,7 +486,7 @@ def test_the_noise_of_a_held_joints_velocity_moves_nothing() -> None:
     assert not np.any(stuck(held, speed, course=np.cumsum(speed) / RATE))
 
 
-@pytest.mark.parametrize("hidden", [0.01, 0.0])
+@pytest.mark.parametrize("hidden", [0.01, 0.001, 0.0])  # fifty and five of the steps beside
 @pytest.mark.parametrize("rests", [False, True])
 def test_a_slow_joint_that_is_stuck_makes_a_step_like_no_other_beside_it(rests: bool, hidden: float) -> None:
     """Quick elsewhere in the log, so that neither its speed nor the size of the step tells; rests may be as long."""
@@ -505,4 +505,4 @@ def test_a_slow_joint_that_is_stuck_makes_a_step_like_no_other_beside_it(rests: 
     held[a:b] = held[a]
     held[b:] += held[a] + hidden - held[b]
     assert held[b] - held[a] < np.max(np.abs(np.diff(position)))
-    assert np.any(stuck(held, np.gradient(held, 1.0 / RATE))[a:b]) is np.bool_(hidden > 0.0)
+    assert np.any(stuck(held, np.gradient(held, 1.0 / RATE))[a:b]) is np.bool_(hidden > 0.005)
