@@ -15,6 +15,7 @@ from mjfriction.diagnose.causes.carried_drive import RATIOS as CARRIED
 from mjfriction.diagnose.causes.carried_drive import TRIED, WHOLE
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.coupling import RATIOS
+from mjfriction.diagnose.causes.delay import USUALLY_LATE
 from mjfriction.diagnose.causes.elasticity import RESONANCE_BAND, STIFFER
 from mjfriction.diagnose.causes.friction_at_place import PASSES
 from mjfriction.diagnose.causes.friction_edge import SHARPEST
@@ -54,6 +55,7 @@ from mjfriction.diagnose.search.exchange import MOST_EXCHANGED
 from mjfriction.diagnose.search.free_links import BAR, FEWEST_GAINING, LEAST_GAINED, MANY, STRAINED
 from mjfriction.diagnose.search.kin import FULLER_CHANCE, KIN_CHANCE, LEAST_KIN_EFFECT
 from mjfriction.diagnose.search.oscillations import INSTEAD, LEAST_TOLD, NEAR, QUIETER, RESONANT
+from mjfriction.diagnose.search.refusal import APART as UNDONE
 from mjfriction.diagnose.search.refusal import ON_THE_WAY
 from mjfriction.diagnose.search.richer import PAYS
 from mjfriction.diagnose.search.short_list import NEAR_BEST
@@ -71,7 +73,7 @@ from mjfriction.diagnose.tell.untold import BRISTLE_MISFIT, DROWNED, LEAST_SEEN,
 from mjfriction.diagnose.tell.verdict import FEWEST_SHOWN, LEAST_FRICTION, LEAST_SHOWN, MUCH_COLOURED
 from mjfriction.identify import choose, conclude, landings, measure, turning
 from mjfriction.identify.colour import AROUND, COLOURED, EVEN_BELOW, FEWEST_ALIKE, MOST_ALIKE
-from mjfriction.identify.doubt import WITHIN
+from mjfriction.identify.doubt import WITHIN, YIELDING
 from mjfriction.identify.measure import ENOUGH_CLEAR, ENOUGH_PER_PERIOD, FEWEST_CLEAR
 from mjfriction.identify.stroke_waves import STEPS_PER_LOBE
 from mjfriction.identify.swing import FASTEST, SLOWEST
@@ -145,6 +147,12 @@ def test_how_it_decides_tells_what_rows_and_waves_count() -> None:
     assert (FEWEST_CLEAR, ENOUGH_CLEAR, WITHIN) == (0.2, 50, 0.9), "in words"
     assert (MOST, MOST_OF_FEW) == (0.95, 0.995), "in words: one row in twenty, in two hundred"
     assert (carried_payload.PARTS, carried_payload.EDGE) == (12, 0.25), "in words: a twelfth, a quarter of it"
+
+
+def test_how_it_decides_tells_the_limits_of_delays_and_travels() -> None:
+    told = " ".join(text("docs/how_it_decides.md").split())
+    assert f"late by less than {1e3 * USUALLY_LATE:g} ms, which the filter of any drive takes" in told
+    assert (YIELDING, UNDONE) == (1e-3, 0.5), "the page says a thousandth, and half of a delay"
 
 
 def test_how_it_decides_tells_the_limits_that_it_uses() -> None:

@@ -23,7 +23,8 @@ from mjfriction.sim.ringing import deflection
 
 COMPLIANCE = Parameter("compliance", "{length}/{force}", "how far the transmission gives per load", lower=0.0)
 DAMPING_RATIO = Parameter("damping_ratio", "1", "damping of the link on what gives, over the critical one", lower=0.0)
-MOST_GIVEN, MOST_GIVEN_ALONG = 0.35, 0.2  # rad and m, largest deflection: series elastic joints give by as much
+MOST_GIVEN = 0.35  # rad, largest deflection under load: series elastic joints give by as much
+MOST_GIVEN_ALONG = 0.2  # m, the same of a sliding joint
 RESONANCES = tuple(2.5 * 1.1**k for k in range(-12, 25))  # Hz: from 0.8 to 25 Hz
 RESONANCE_BAND = 0.5  # fraction of the position filter's cutoff below which a resonance is visible
 FINER_RESONANCE, NEIGHBOURS = 1.1, 5  # half a step of these, as a ratio of compliances, and how many are tried there
@@ -76,7 +77,7 @@ class _Elasticity(MovedLink):
         return (Quantity(COMPLIANCE, shift=gap.robot.table.joint[site.joint].transmission.compliance),)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """The total compliance is positive, and the added deflection stays below :data:`MOST_GIVEN`."""
+        """The total compliance is positive, and the added deflection stays below the largest one."""
         stated = gap.robot.table.joint[site.joint].transmission.compliance
         return bool(
             stated + strengths[0] > 0.0 and self.most(gap, site, float(strengths[0]))[0] < _most_given(gap, site.joint)
@@ -185,7 +186,7 @@ class Swinging(_Elasticity):
     ranked_alone = True
 
     def sites(self, gap: Gap) -> list[Site]:
-        """Every examined joint, with resonances in the visible band that deflect it by less than :data:`MOST_GIVEN`."""
+        """Every examined joint, with resonances in the visible band that deflect it by less than the most."""
         out = []
         for joint in gap.examined:
             inertia = np.maximum(own_slopes(gap, joint)[2], LEAST_INERTIA)

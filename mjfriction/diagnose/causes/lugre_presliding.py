@@ -11,8 +11,6 @@ import numpy as np
 from mjfriction.diagnose.causes.cause import Quantity, Site, column
 from mjfriction.diagnose.causes.presliding import DAMPING, LEVEL, Bristle, DampedPresliding, Presliding
 from mjfriction.identify.gap import Gap
-from mjfriction.identify.regression import Columns
-from mjfriction.laws.ambient import ambient
 from mjfriction.laws.lugre import LUGRE
 from mjfriction.laws.rules import scalar
 from mjfriction.laws.stribeck import STRIBECK
@@ -88,17 +86,7 @@ class LuGreBristle(Bristle):
 
     def built_up(self, gap: Gap, site: Site) -> Floats:
         """Return z, how much of the level has built up, relative to Coulomb's, (n,)."""
-        motion, joint = gap.motion, site.joint
-
-        def made() -> Columns:
-            packed = LUGRE.pack(_lugre(1.0, site.shape[0], self.curve(gap, site), 0.0))
-            built = np.empty_like(motion.time)
-            for own in motion.pieces:
-                velocity = motion.velocity[own, joint]
-                built[own] = LUGRE.follow(velocity, ambient(velocity.size), 1.0 / motion.rate, packed)[0]
-            return {joint: built}
-
-        return gap.kept.recall(f"bristle with its curve {joint} {site.shape}", made)[joint]
+        return self.followed(gap, site, LUGRE, _lugre(1.0, site.shape[0], self.curve(gap, site), 0.0))
 
     def level_at_speed(self, gap: Gap, site: Site) -> Floats:
         """Return s, the level at the present speed relative to the Coulomb level, (n,)."""

@@ -85,19 +85,18 @@ class Bristle(JointCause):
         blurred = gap.doubt_speed[joint] * DOUBT_PERIODS / motion.cutoff
         return [(SHORTEST * blurred, self.longest * float(np.ptp(motion.position[:, joint])))]
 
-    def bristle(self, gap: Gap, site: Site) -> Floats:
-        """Return z, the share of the level that has built up, −1 to 1, (n,)."""
+    def followed(self, gap: Gap, site: Site, law: Law, values: Values) -> Floats:
+        """Return the friction of a law along the motion of the site's joint, which begins each piece at rest, (n,)."""
         motion, joint = gap.motion, site.joint
 
         def made() -> Columns:
-            packed = DAHL.pack(_dahl(1.0, site.shape[0]))
-            bristle = np.empty_like(motion.time)
+            packed, friction = law.pack(values), np.empty_like(motion.time)
             for own in motion.pieces:
                 velocity = motion.velocity[own, joint]
-                bristle[own] = DAHL.follow(velocity, ambient(velocity.size), 1.0 / motion.rate, packed)[0]
-            return {joint: bristle}
+                friction[own] = law.follow(velocity, ambient(velocity.size), 1.0 / motion.rate, packed)[0]
+            return {joint: friction}
 
-        return gap.kept.recall(f"bristle {joint} {site.shape}", made)[joint]
+        return gap.kept.recall(f"bristle {law.name} {joint} {site.shape}", made)[joint]
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """The level that builds up opposes the motion, and is neither a trace of the joint's level nor far above it."""
@@ -144,6 +143,10 @@ class Bristle(JointCause):
 
 class LevelBristle(Bristle):
     """The Coulomb level alone builds up."""
+
+    def bristle(self, gap: Gap, site: Site) -> Floats:
+        """Return z, the share of the level that has built up, −1 to 1, (n,)."""
+        return self.followed(gap, site, DAHL, _dahl(1.0, site.shape[0]))
 
     def moved(self, robot: Robot, joint: str, level: float, travel: float, strengths: Floats) -> Robot:
         """Move the level into a law of its own."""

@@ -34,8 +34,9 @@ def refused(model: Model) -> list[Chosen]:
 
     These are causes whose held-out gain may be zero while joints move; causes whose size cannot be told from zero
     beside another curve on their joint; efforts that seem early beside play; delays that friction does not share with
-    the rest of the effort, or that only what is quicker than the motion shows; courses of friction over time that raise
-    it when slow and lower it when fast, or the other way round; and a spot along a stroke beside waves of friction.
+    the rest of the effort, that one joint's own undoes, or that only what is quicker than the motion shows; courses of
+    friction over time that raise it when slow and lower it when fast, or the other way round; and a spot along a stroke
+    beside waves of friction.
     """
     unproved = [choice for choice in model.chosen if not proved(model, choice)]
     rules = (_dissolved, _of_landings, _torn, _undone, _too_quick, _both_ways, _among_waves)
