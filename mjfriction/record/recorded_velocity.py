@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.signal import coherence, welch
+from scipy.signal import stft
 
 from mjfriction.errors import LogError
 from mjfriction.record.log import POSITION, VELOCITY, Floats, Log
@@ -71,16 +71,22 @@ def _made_of_it(log: Log, joint: str, clock: Clock) -> bool:
     own = np.diff(onto_grid(position, log.time, grid, smooth=True), 2)
     other = np.diff(onto_grid(velocity, log.time, grid, smooth=True), 1)[1:]
     rate = 1.0 / clock.step
-    spell = {"fs": rate, "nperseg": max(16, int(SPELL * rate))}
-    if own.size < 4 * spell["nperseg"] or not (np.any(own) and np.any(other)):
+    spell = max(16, int(SPELL * rate))
+    if own.size < 4 * spell or not (np.any(own) and np.any(other)):
         return False
-    frequency, power = welch(own, **spell)
+    # Welch's method, whose own function takes twenty times as long as it goes from window to window.
+    frequency, _, (mine, its) = stft(
+        np.stack([own, other]), rate, nperseg=spell, detrend="constant", boundary=None, padded=False, scaling="psd"
+    )
+    power, its_power = (2.0 * np.mean(np.square(np.abs(spectrum)), axis=1) for spectrum in (mine, its))
+    cross = 2.0 * np.mean(np.conj(mine) * its, axis=1)
     highest = min(QUICKLY, MOST_QUICKLY * rate)
     band = (frequency >= 0.5 * highest) & (frequency <= highest)
     noise = 2.0 * raw_noise(log, POSITION, joint, clock) ** 2 / rate * (2.0 * np.sin(np.pi * frequency / rate)) ** 4
     if np.sum(power[band]) > NOISE_ALONE * np.sum(noise[band]):
         return False
-    return bool(np.mean(coherence(own, other, **spell)[1][band]) > COHERENT)
+    coherence = np.square(np.abs(cross[band])) / (power[band] * its_power[band])
+    return bool(np.mean(coherence) > COHERENT)
 
 
 def _compared_slowly(log: Log, joint: str, cutoff: float, clock: Clock) -> tuple[Floats, Floats, Floats] | None:
