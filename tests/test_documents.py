@@ -65,12 +65,12 @@ from mjfriction.diagnose.settle.held_links import NEARLY_ALL, NEARLY_EXACT
 from mjfriction.diagnose.settle.levels_kept import LEAST_OFF, NEARER
 from mjfriction.diagnose.settle.stated import FADED, LEFT, OUTLYING
 from mjfriction.diagnose.tell import free_run
-from mjfriction.diagnose.tell.alike import AT_THE_BAR, MOST_CONFIDENT, ROOM
+from mjfriction.diagnose.tell.alike import AT_THE_BAR, EVEN, MOST_CONFIDENT, ROOM
 from mjfriction.diagnose.tell.contacts import NO_CONTACT, RIGID
 from mjfriction.diagnose.tell.findings import FAINTEST, ONE_OF_MANY
 from mjfriction.diagnose.tell.link_finding import ALWAYS_NOTED, SURELY
 from mjfriction.diagnose.tell.untold import BRISTLE_MISFIT, DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
-from mjfriction.diagnose.tell.verdict import FEWEST_SHOWN, LEAST_FRICTION, LEAST_SHOWN, MUCH_COLOURED
+from mjfriction.diagnose.tell.verdict import FEWEST_SHOWN, LEAST_FRICTION, LEAST_SHOWN, MANY_AT_A_JOINT, MUCH_COLOURED
 from mjfriction.identify import choose, conclude, landings, measure, turning
 from mjfriction.identify.colour import AROUND, COLOURED, EVEN_BELOW, FEWEST_ALIKE, MOST_ALIKE
 from mjfriction.identify.doubt import WITHIN, YIELDING
@@ -206,6 +206,7 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert (BAR, FEWEST_GAINING, MANY, LEAST_GAINED) == (2.0, 2, 2, 0.1), "the page says two, two, two and a tenth"
     assert (MOST_CONFIDENT, AT_THE_BAR, TOLD_BY) == (0.9, 0.5, 2), "the page says 0.9, half, all but one"
     assert MUCH_COLOURED == 0.3, "the page says three tenths"
+    assert (MANY_AT_A_JOINT, FEWEST_JOINTS, EVEN) == (3, 3, 0.5), "the page says three causes, three joints and 0.5"
     assert (Cogging.times, PositionFriction.times) == (3, 2), "the page says three waves of cogging and two of friction"
 
 

@@ -9,17 +9,24 @@ import pyarrow as pa
 import pytest
 
 from mjfriction.benchmark.drawing import draw_case
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.stribeck import EXPONENTS, Stribeck
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.fit.exact import usual_nuisance
+from mjfriction.diagnose.fit.model import Chosen, build_model
+from mjfriction.diagnose.fit.shapes import own_shape
 from mjfriction.diagnose.settle import stated
 from mjfriction.diagnose.tell import alike
 from mjfriction.diagnose.tell.outcome import Finding
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
-from tests.hidden.machine import UR5_JOINTS, UR5_VISCOUS, Effect, Machine, write_case
+from tests.hidden.machine import UR5_JOINTS, UR5_VISCOUS, Effect, Instant, Machine, write_case
 
 WRIST = 5
 EXCESS, VELOCITY = 3.0, 1.5  # N·m; rad/s, of a joint that turns at 2.2 at most
+LATE = 0.25  # of the top speed: with an exponent of 1, a twentieth is left at three quarters of it
 
 
 def found(folder: Path, hidden: Effect) -> Finding:
@@ -59,3 +66,28 @@ def test_one_that_ends_late_is_no_bend() -> None:
     (finding,) = diagnose_log(log_from_table(pa.table(case.log), "case"), case.stated).findings
     assert [(finding.cause, finding.joint)] == [(hidden.cause, hidden.joint) for hidden in case.hidden]
     assert finding.cause == "friction.stribeck"
+
+
+def best_of_its_own(folder: Path, exponent: float) -> Chosen | None:
+    def fading(course: Instant) -> np.ndarray:
+        velocity = LATE * np.max(np.abs(course.v))
+        return np.asarray(EXCESS * np.exp(-((np.abs(course.v) / velocity) ** exponent)) * np.sign(course.v))
+
+    log, robot = write_case(folder, Machine(noise=0.1, hidden={WRIST: fading}), seed=6, seconds=25.0, rate=120.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    start = Site(WRIST, (LATE * float(gap.motion.top_speed[WRIST]), 1.0))
+    return own_shape(build_model(gap, usual_nuisance(gap), ()), Chosen(Stribeck(), start))
+
+
+def test_where_the_best_exponent_leaves_a_little_too_much_at_the_end_a_usual_one_is_taken(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    flat = 0.85 * min(EXPONENTS)
+    best = best_of_its_own(tmp_path / "late", flat)
+    assert best is not None and min(EXPONENTS) <= best.site.shape[1] <= max(EXPONENTS)
+    monkeypatch.setattr(Stribeck, "usual_bounds", lambda *_: [])
+    assert best_of_its_own(tmp_path / "refused", flat) is None
+
+
+def test_a_level_that_falls_like_a_step_has_no_usual_exponent(tmp_path: Path) -> None:
+    assert best_of_its_own(tmp_path, 8.0) is None

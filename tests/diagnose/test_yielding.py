@@ -25,7 +25,7 @@ from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_COULOMB, UR5_JOINTS, Instant, Machine, bristle, write_case
 
-LIFT = 1
+LIFT, ELBOW = 1, 2
 TRAVEL = 1e-3  # rad, over which friction builds up at every joint: half a thousandth of the strokes
 EXCESS, STRIBECK_VELOCITY = 9.0, 0.05
 
@@ -147,6 +147,21 @@ def test_elements_that_slip_soon_are_compared_by_the_travel_over_which_they_buil
     others = tuple(joint for joint in range(6) if joint != LIFT)
     assert told_beside(tmp_path, ()) == 1
     assert told_beside(tmp_path, others) == 0
+
+
+@pytest.mark.parametrize(
+    ("able", "alike", "told"), [((ELBOW,), (), 1), ((ELBOW,), (ELBOW,), 0), ((), (), 0), ((ELBOW, 0), (0,), 0)]
+)
+def test_those_joints_are_asked_whose_motion_would_show_it(
+    able: tuple[int, ...], alike: tuple[int, ...], told: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known = Presliding.shape_bounds
+
+    def bounds(cause: Presliding, gap: Gap, site: Site) -> list[tuple[float, float]]:
+        return known(cause, gap, site) if site.joint in (LIFT, *able) else [(0.1, 0.2)]
+
+    monkeypatch.setattr(Presliding, "shape_bounds", bounds)
+    assert told_beside(tmp_path, alike) == told
 
 
 @pytest.mark.deep

@@ -180,6 +180,12 @@ class Cause(ABC):
         """
         return True
 
+    def usual_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
+        """Return the range of each shape parameter that such causes usually have, which is searched where the site has
+        the best of all shapes and it does not belong to the cause: by default there is none.
+        """
+        return []
+
     def apart(self, gap: Gap, site: Site, other: Site) -> bool:
         """Return whether the motion can tell a site from that of another cause of the same name on the joint: by
         default it can.

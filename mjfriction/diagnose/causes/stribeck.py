@@ -63,6 +63,13 @@ class Stribeck(JointCause):
         top = float(gap.motion.top_speed[site.joint])
         return [(SLOWEST * gap.doubt_speed[site.joint], self.fastest * top), EXPONENT_RANGE]
 
+    def usual_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
+        """The published exponents, where a level falls over the whole range of speeds: these tell poorly how sharply it
+        does.
+        """
+        velocities, (_, highest) = self.shape_bounds(gap, site)
+        return [velocities, (min(EXPONENTS), max(EXPONENTS))] if site.shape[1] < OF_STEP * highest else []
+
     def own_shape(self, gap: Gap, site: Site) -> bool:
         """A level that neither stays and then falls like a step nor, where its end is seen, falls over the whole range
         of speeds.

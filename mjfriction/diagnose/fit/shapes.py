@@ -62,6 +62,19 @@ def best_shape(model: Model, choice: Chosen, bounds: Bounds | None = None) -> Ch
     return Chosen(choice.cause, choice.site.shaped(shape_at(found.x))) if found.fun < loss(start) else choice
 
 
+def own_shape(model: Model, choice: Chosen) -> Chosen | None:
+    """Return a cause, not part of the model, with the best shape that is its own; None where there is none.
+
+    Where the best of all shapes belongs to something else, the usual ones of the cause may nevertheless do as well.
+    """
+    best = best_shape(model, choice)
+    if choice.cause.own_shape(model.gap, best.site):
+        return best if apart(model, best) else None
+    usual = choice.cause.usual_bounds(model.gap, best.site)
+    best = best_shape(model, choice, usual) if usual else best
+    return best if choice.cause.own_shape(model.gap, best.site) and apart(model, best) else None
+
+
 def apart(model: Model, choice: Chosen) -> bool:
     """Return whether the motion tells a cause apart from the model's causes of the same kind on the same joint."""
     return all(
@@ -82,8 +95,7 @@ def reshaped(model: Model, joints: Collection[int] | None = None) -> Model:
         mine = joints is None or choice.site.joint in joints
         if (choice.site.shape or choice.site.around) and not choice.tangent and mine:
             without = model.without(choice)
-            better = best_shape(without, choice)
-            own = choice.cause.own_shape(model.gap, better.site) and apart(without, better)
-            if own and try_out(without, better) is not None:
+            better = own_shape(without, choice)
+            if better is not None and try_out(without, better) is not None:
                 model = build_model(model.gap, model.nuisance, (*model.chosen[:i], better, *model.chosen[i + 1 :]))
     return model

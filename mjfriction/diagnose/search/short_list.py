@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from mjfriction.diagnose.fit.model import Chosen, Model
-from mjfriction.diagnose.fit.shapes import apart, best_shape
+from mjfriction.diagnose.fit.shapes import own_shape
 from mjfriction.diagnose.fit.tangent import straightened
 from mjfriction.diagnose.fit.trial import Trial, try_out
 from mjfriction.diagnose.search.field import Chances, Entrant, Field, present
@@ -88,8 +88,8 @@ def ranked(model: Model, field: Field) -> list[Chosen]:
 
 
 def _tried(model: Model, choice: Chosen) -> Trial | None:
-    best = best_shape(model, choice)
-    if not choice.cause.own_shape(model.gap, best.site) or not apart(model, best):
+    best = own_shape(model, choice)
+    if best is None:
         return None
     # The shape that fits best may not be physical, while that of the grid may be.
     trial = try_out(model, best) or try_out(model, choice)

@@ -20,7 +20,7 @@ NO_CONTACT = 3.0
 # Another joint is rigid if the share of its level that builds up is below this fraction of this joint's share.
 RIGID = 0.3
 DEVIATIONS = 2.0  # standard deviations by which it must be below
-FEWEST_RIGID = 2  # other joints that must be rigid, or all where a machine has fewer
+FEWEST_RIGID = 2  # other joints that must be rigid, or all where fewer can tell
 
 
 def more_than_contacts(model: Model, before: Mapping[Key, Floats], after: Floats) -> set[Key]:
@@ -64,17 +64,19 @@ def _others_are_rigid(model: Model, choice: Chosen, bristle: Bristle) -> bool:
     own_travel = bristle.travel(choice.site, strengths)
     part = bristle.taken_level(strengths) / max(_level(model, joint), 1e-300)
     yielding = {own.site.joint for own in model.chosen if isinstance(own.cause, Bristle)}
-    others = [other for other in gap.examined if other != joint and _level(model, other) > 0.0]
-    rigid = 0
-    for other in others:
+    tell = rigid = 0
+    for other in gap.examined:
         travel = own_travel * float(stroke[other] / stroke[joint])
         alike = Chosen(Presliding(), replace(choice.site, joint=other, shape=(travel,)))
         ((least, most),) = alike.cause.shape_bounds(gap, alike.site)
-        if other not in yielding and least < travel < most:
+        if other == joint or _level(model, other) <= 0.0 or not least < travel < most:
+            continue
+        tell += 1
+        if other not in yielding:
             normal = model.with_candidate(alike)
             deviation = float(np.sqrt(normal.covariance(gap.blocks.group)[-1, -1]))
             rigid += normal.fitted[-1] + DEVIATIONS * deviation < RIGID * part * _level(model, other)
-    return bool(others) and rigid >= min(FEWEST_RIGID, len(others))
+    return rigid > 0 and rigid >= min(FEWEST_RIGID, tell)
 
 
 def _level(model: Model, joint: int) -> float:

@@ -12,6 +12,7 @@ from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.fit.intervals import widths_told
 from mjfriction.diagnose.fit.model import Chosen, Key, Model, build_model
+from mjfriction.diagnose.fit.refitted import FEWEST_JOINTS
 from mjfriction.diagnose.fit.trial import shown_at
 from mjfriction.diagnose.search.field import Field
 from mjfriction.diagnose.settle.one_factor import with_factor
@@ -67,6 +68,7 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
             continue
         instead = _instead(settled, choice, stands) if stands.alternatives else None
         unsure += [] if instead is None else [_Unsure(stands.confidence, choice, *instead)]
+        stands = _beside_left(choice, stands, untold)
         findings.append(_finding(model, entry, _beside_links(choice, stands) if links_off else stands, heldout, seed))
     findings.sort(key=lambda finding: -finding.gain.reduction)
     return Told(tuple(findings), _settling(model, unsure), untold.keys | of_many)
@@ -164,6 +166,14 @@ def _of_one_factor(choice: Chosen, stands: Standing) -> Standing:
         return stands
     alternatives = tuple(dict.fromkeys((*stands.alternatives, OF_ONE_FACTOR[choice.cause.name])))
     return replace(stands, alternatives=alternatives, confidence=min(stands.confidence, EVEN))
+
+
+def _beside_left(choice: Chosen, stands: Standing, untold: Untold) -> Standing:
+    # Where an error is left that no cause explains, what was found may be a part of it that a cause happens to fit.
+    # What is left at many joints comes from something that the whole arm feels, and its part may be at any joint.
+    if choice.site.joint not in untold.left and len(untold.left) < FEWEST_JOINTS:
+        return stands
+    return replace(stands, confidence=min(stands.confidence, EVEN))
 
 
 def _beside_links(choice: Chosen, stands: Standing) -> Standing:

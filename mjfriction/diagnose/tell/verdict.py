@@ -7,10 +7,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.faults.mend import Audited
 from mjfriction.diagnose.faults.which_log import logs_with
 from mjfriction.diagnose.fit.judged import judged
-from mjfriction.diagnose.fit.model import Model
+from mjfriction.diagnose.fit.model import Chosen, Model
 from mjfriction.diagnose.search.oscillations import told_oscillations
 from mjfriction.diagnose.search.stroke_curve import ALONG_STROKE, FRICTION_ALONG_STROKE, StrokeCurve, vague_friction
 from mjfriction.diagnose.tell.outcome import Finding, Verdict
@@ -25,6 +26,9 @@ OUTWEIGHED = 0.5  # the curve's RMS must also exceed this fraction of the RMS th
 OUTWEIGHED_COURSE = 0.25  # the same for a course that follows nothing that is known
 LEAST_EFFORT = 0.01  # fraction of a joint's RMS effort that either must exceed
 LEAST_FRICTION = 0.05  # and of its friction, on a machine as uneven as real ones
+# Causes found at one joint from which on what they leave counts as if nothing had been explained: so many together fit
+# many a course that is none of theirs.
+MANY_AT_A_JOINT = 3
 MUCH_LEFT = 0.1  # fraction of a joint's effort; a larger residual, far above the noise, need not meet these limits
 MUCH_COLOURED = 0.3  # share of such a residual that must stand above the noise in its spectrum
 FAR_ABOVE_NOISE = 5.0  # multiple of the sensor's noise
@@ -72,6 +76,8 @@ def _followed(model: Model, joint: int, after: Sequence[Structure], heldout: Flo
     left = gap.rms(heldout[:, joint], joint)
     effort = gap.rms(gap.measured[:, joint], joint)
     explained = np.sqrt(max(0.0, gap.rms(gap.residual[:, joint], joint) ** 2 - left**2))
+    if sum(_of_joint(choice, joint) for choice in model.noteworthy) >= MANY_AT_A_JOINT:
+        explained = 0.0
     # The stated friction limits the fitted one: a level that was fitted in place of something else is no measure of
     # friction.
     stated = float(np.sqrt(np.mean(np.square(gap.effort.friction[:, joint]))))
@@ -92,6 +98,11 @@ def _followed(model: Model, joint: int, after: Sequence[Structure], heldout: Flo
         # beyond the pass band.
         told = [entry for entry, least in ((curve, STRUCTURED), (course, MUCH_COLOURED)) if entry.share >= least]
     return [max(told, key=lambda entry: entry.share)] if told else []
+
+
+def _of_joint(choice: Chosen, joint: int) -> bool:
+    # Whether a cause is one of a joint's own; levels that are not as stated are off on many a machine.
+    return choice.site.joint == joint and not choice.cause.whole_arm and choice.cause is not STATED_LEVELS
 
 
 def reach_verdict(findings: Sequence[Finding], remaining: tuple[Structure, ...]) -> Verdict:
