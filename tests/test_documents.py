@@ -206,8 +206,13 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert (BAR, FEWEST_GAINING, MANY, LEAST_GAINED) == (2.0, 2, 2, 0.1), "the page says two, two, two and a tenth"
     assert (MOST_CONFIDENT, AT_THE_BAR, TOLD_BY) == (0.9, 0.5, 2), "the page says 0.9, half, all but one"
     assert MUCH_COLOURED == 0.3, "the page says three tenths"
-    assert (MANY_AT_A_JOINT, FEWEST_JOINTS, EVEN) == (3, 3, 0.5), "the page says three causes, three joints and 0.5"
     assert (Cogging.times, PositionFriction.times) == (3, 2), "the page says three waves of cogging and two of friction"
+
+
+def test_how_it_decides_tells_what_an_error_that_none_explains_says_of_what_was_found() -> None:
+    told = " ".join(text("docs/how_it_decides.md").split())
+    assert f"at most {EVEN:g} where something is left unexplained" in told
+    assert (MANY_AT_A_JOINT, FEWEST_JOINTS) == (3, 3), "the page says three causes and three joints"
 
 
 def test_how_it_decides_tells_how_long_the_travel_of_elements_may_be() -> None:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import ctypes
 import functools
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any
 
 import mujoco
@@ -34,22 +36,36 @@ def compiled_callback() -> Any:
     return numba.cfunc(types.void(types.intp, types.intp), cache=True, error_model="numpy")(_callback).ctypes
 
 
+@dataclass
+class _Use:
+    # Who needs the callback: open ``with`` blocks, and whoever installed it for good; and what was there before.
+    blocks: int = 0
+    for_good: bool = False
+    replaced: Any = None
+
+
+_use = _Use()  # the one global of the package: MuJoCo has one control callback
+_lock = threading.RLock()
+
+
 @contextmanager
 def friction_active() -> Iterator[None]:
-    """Install the friction callback for the duration of a ``with`` block; blocks may be nested.
+    """Install the friction callback for the duration of a ``with`` block.
 
-    A native callback that was installed before (a ctypes function) is called first in every step and is restored
-    afterwards.  A Python callback is refused with :class:`SimulationError`: it could not run in MuJoCo's thread pools.
+    Blocks may be nested or overlap, also in several threads: the callback is removed with the last of them.  A native
+    callback that was installed before (a ctypes function) is called first in every step and is restored afterwards.  A
+    Python callback is refused with :class:`SimulationError`: it could not run in MuJoCo's thread pools.
     """
-    installed = install()
+    with _lock:
+        _put_in()
+        _use.blocks += 1
     try:
         yield
     finally:
-        if installed:
-            remove()
-
-
-_replaced: Any = None
+        with _lock:
+            _use.blocks -= 1
+            if _use.blocks == 0 and not _use.for_good:
+                _take_out()
 
 
 def install() -> bool:
@@ -57,7 +73,20 @@ def install() -> bool:
 
     :func:`remove` removes it again.
     """
-    global _replaced  # noqa: PLW0603 the one global of the package: MuJoCo has one control callback
+    with _lock:
+        new = _put_in()
+        _use.for_good = True
+        return new
+
+
+def remove() -> None:
+    """Remove the callback and restore the one that was there before :func:`install`."""
+    with _lock:
+        _take_out()
+        _use.for_good = False
+
+
+def _put_in() -> bool:
     own = compiled_callback()
     table = offsets_table()
     there = mujoco.get_mjcb_control()
@@ -69,14 +98,12 @@ def install() -> bool:
             "call it. Remove it with mujoco.set_mjcb_control(None) and set the controls in your loop, or compile it"
         )
     table[PREVIOUS] = 0 if there is None else ctypes.cast(there, ctypes.c_void_p).value or 0
-    _replaced = there
+    _use.replaced = there
     mujoco.set_mjcb_control(own)
     return True
 
 
-def remove() -> None:
-    """Remove the callback and restore the one that was there before :func:`install`."""
-    global _replaced  # noqa: PLW0603
+def _take_out() -> None:
     there = mujoco.get_mjcb_control()
     if there is None:
         raise SimulationError("no control callback is installed; there is nothing to remove")
@@ -84,6 +111,6 @@ def remove() -> None:
         raise SimulationError(
             "another control callback was installed over the friction callback; remove that one first"
         )
-    mujoco.set_mjcb_control(_replaced)
+    mujoco.set_mjcb_control(_use.replaced)
     offsets_table()[PREVIOUS] = 0
-    _replaced = None
+    _use.replaced = None

@@ -84,7 +84,8 @@ def test_where_the_best_exponent_leaves_a_little_too_much_at_the_end_a_usual_one
 ) -> None:
     flat = 0.85 * min(EXPONENTS)
     best = best_of_its_own(tmp_path / "late", flat)
-    assert best is not None and min(EXPONENTS) <= best.site.shape[1] <= max(EXPONENTS)
+    assert best is not None
+    assert min(EXPONENTS) <= best.site.shape[1] <= max(EXPONENTS)
     monkeypatch.setattr(Stribeck, "usual_bounds", lambda *_: [])
     assert best_of_its_own(tmp_path / "refused", flat) is None
 

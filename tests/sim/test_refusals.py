@@ -5,6 +5,8 @@ from __future__ import annotations
 import ctypes
 import subprocess
 import sys
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 
 import mujoco
 import mujoco.rollout
@@ -187,6 +189,52 @@ def test_a_callback_installed_for_good_outlives_a_with_block() -> None:
         assert mujoco.get_mjcb_control() is compiled_callback()
     finally:
         remove()
+
+
+def test_blocks_that_overlap_keep_the_friction_until_the_last_of_them_ends() -> None:
+    model = attach(spec(ROTOR), {"rotor": lugre()})
+
+    def turned(steps: int) -> Iterator[float]:
+        data = mujoco.MjData(model)
+        data.ctrl[0] = 3.0
+        with friction_active():
+            for _ in range(steps):
+                mujoco.mj_step(model, data)
+                yield float(data.qvel[0])
+
+    alone = list(turned(20))
+    short, long = turned(3), turned(20)
+    beside = [next(long) for _ in zip(range(2), short, strict=False)]
+    assert list(short)[-1:] == alone[2:3]
+    assert beside + list(long) == alone
+    assert mujoco.get_mjcb_control() is None
+
+
+def test_blocks_of_several_threads_do_not_end_each_other() -> None:
+    def turned(steps: int) -> float:
+        model = attach(spec(ROTOR), {"rotor": lugre()})
+        data = mujoco.MjData(model)
+        data.ctrl[0] = 3.0
+        with friction_active():
+            for _ in range(steps):
+                mujoco.mj_step(model, data)
+        return float(data.qvel[0])
+
+    lengths = [1, 4000] * 4
+    alone = [turned(steps) for steps in lengths]
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(turned, lengths)) == alone
+    assert mujoco.get_mjcb_control() is None
+
+
+def test_a_callback_installed_for_good_within_a_block_outlives_it() -> None:
+    with friction_active():
+        assert not install()
+    try:
+        assert mujoco.get_mjcb_control() is compiled_callback()
+    finally:
+        remove()
+    assert mujoco.get_mjcb_control() is None
 
 
 def test_a_nan_is_an_error_naming_the_joint() -> None:

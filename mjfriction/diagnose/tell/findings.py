@@ -68,8 +68,8 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
             continue
         instead = _instead(settled, choice, stands) if stands.alternatives else None
         unsure += [] if instead is None else [_Unsure(stands.confidence, choice, *instead)]
-        stands = _beside_left(choice, stands, untold)
-        findings.append(_finding(model, entry, _beside_links(choice, stands) if links_off else stands, heldout, seed))
+        bounded = _beside_left(choice, stands, untold)
+        findings.append(_finding(model, entry, _beside_links(choice, bounded) if links_off else bounded, heldout, seed))
     findings.sort(key=lambda finding: -finding.gain.reduction)
     return Told(tuple(findings), _settling(model, unsure), untold.keys | of_many)
 
