@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from mjfriction.body.inertia import RigidLink
-from mjfriction.body.model_file import parse, slides
+from mjfriction.body.model_file import at_rest, parse, slides
 from mjfriction.errors import RobotError, suggestion
 from mjfriction.laws.law import Floats
 
@@ -34,7 +34,8 @@ class Body:
 
     ``links`` names the bodies in the order of the regressor's columns; ``sliding`` (joints,) is True for prismatic
     joints; ``damping`` and ``dry_friction`` (joints,) are the model file's own values; ``lower`` and ``upper`` are its
-    position limits and ``top_speed`` its velocity limits, infinite where it states none.
+    position limits and ``top_speed`` its velocity limits, infinite where it states none.  ``spring`` (joints, 4) is
+    what the model's own springs demand of the drives, as polynomials in position, constant first.
     """
 
     joints: tuple[str, ...]
@@ -45,6 +46,7 @@ class Body:
     lower: Floats
     upper: Floats
     top_speed: Floats
+    spring: Floats
     gravity: Floats
     model: pin.Model
     columns: tuple[int, ...]  # index of each requested joint in the model's velocity vector
@@ -100,7 +102,8 @@ def load_body(
     ``text`` is an MJCF in the expanded form that :func:`~mjfriction.sim.plain_tree.plain_tree` writes; it is required
     for an MJCF.
 
-    Joints of the model that are not requested (a gripper's fingers) are locked at their zero.  ``gravity`` (m/s²)
+    Joints of the model that are not requested (a gripper's fingers) are locked where the file has them: at their zero,
+    or an MJCF's ``ref``.  ``gravity`` (m/s²)
     replaces the model's own; ``link_inertia`` replaces a link's mass and inertia; ``link_scale`` multiplies the mass
     and inertia of the link that a joint moves, including its payload; ``link_shift`` moves its centre of mass (m, in
     the link's frame); ``rotor_inertia`` (kg·m² or kg at the joint, per requested joint) is added to the model's.
@@ -118,7 +121,8 @@ def load_body(
             )
     locked = [full.getJointId(name) for name in known if name not in joints]
     _tell_apart(full, {name for name in known if name not in joints})
-    model = pin.buildReducedModel(full, locked, pin.neutral(full)) if locked else full
+    references, springs = at_rest(text)
+    model = pin.buildReducedModel(full, locked, _placed(full, references)) if locked else full
     for joint in joints:
         axes = model.joints[model.getJointId(joint)].nv
         if axes != 1:
@@ -160,10 +164,26 @@ def load_body(
         lower=lower,
         upper=upper,
         top_speed=_top_speeds(model, columns),
+        spring=np.array([springs.get(joint, np.zeros(4)) for joint in joints]),
         gravity=np.array(model.gravity.linear),
         model=model,
         columns=columns,
     )
+
+
+def _placed(model: pin.Model, places: Mapping[str, float]) -> Floats:
+    # The neutral configuration with some joints elsewhere.
+    q = np.array(pin.neutral(model))
+    for name, place in places.items():
+        entry = model.joints[model.getJointId(name)]
+        q[entry.idx_q : entry.idx_q + entry.nq] = _as_configuration(entry, np.array([place]))[0]
+    return q
+
+
+def _as_configuration(entry: pin.JointModel, position: Floats) -> Floats:
+    # Positions (n,) of a joint of one axis as its part of the configuration vectors, (n, nq): Pinocchio stores a joint
+    # without limits as cosine and sine.
+    return np.column_stack([position] if entry.nq == 1 else [np.cos(position), np.sin(position)])
 
 
 def _tell_apart(model: pin.Model, joints: Collection[str]) -> None:
@@ -199,11 +219,7 @@ def configuration(body: Body, position: Floats) -> Floats:
     q = np.tile(pin.neutral(model), (position.shape[0], 1))
     for i, joint in enumerate(body.joints):
         entry = model.joints[model.getJointId(joint)]
-        if entry.nq == 1:
-            q[:, entry.idx_q] = position[:, i]
-        else:  # Pinocchio stores a joint without limits as cosine and sine
-            q[:, entry.idx_q] = np.cos(position[:, i])
-            q[:, entry.idx_q + 1] = np.sin(position[:, i])
+        q[:, entry.idx_q : entry.idx_q + entry.nq] = _as_configuration(entry, position[:, i])
     return q
 
 

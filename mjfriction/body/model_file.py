@@ -11,7 +11,9 @@ import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import numpy as np
 import pinocchio as pin
+from numpy.polynomial import Polynomial
 
 from mjfriction.errors import RobotError
 
@@ -63,6 +65,23 @@ def _parsed(path: Path, _changed: int, text: str | None) -> tuple[pin.Model, tup
     option = ET.fromstring(text).find("option")
     own = option.get("gravity") if option is not None else None
     return model, tuple(float(part) for part in own.split()) if own else STANDARD_GRAVITY
+
+
+def at_rest(text: str | None) -> tuple[dict[str, float], dict[str, np.ndarray]]:
+    """Return where the joints of an MJCF in expanded form have their reference (rad or m), and their springs, by joint.
+
+    Springs are the coefficients of the torque that they demand of a drive, as a polynomial in position, constant first,
+    (4,).  Pinocchio reads neither.  Both are empty without ``text``.
+    """
+    references, springs = dict[str, float](), dict[str, np.ndarray]()
+    for joint in ET.fromstring(text).iter("joint") if text else ():
+        name, rest = joint.get("name", ""), float(joint.get("springref", 0.0))
+        references[name] = float(joint.get("ref", 0.0))
+        stiffness = [float(part) for part in joint.get("stiffness", "0").split()]
+        if any(stiffness):
+            about_zero = Polynomial([0.0, *stiffness])(Polynomial([-rest, 1.0])).coef
+            springs[name] = np.pad(about_zero, (0, 4 - about_zero.size))
+    return {name: place for name, place in references.items() if place != 0.0}, springs
 
 
 def _read(reader: Callable[[str], pin.Model], path: Path, told_of: Path, kind: str) -> pin.Model:

@@ -125,7 +125,7 @@ def check_joints(log: Log, robot_name: str, robot_joints: tuple[str, ...]) -> No
             f"{log.source}: column 'position.{missing[0]}' is missing"
             f"{suggestion(f'position.{missing[0]}', foreign)} Found positions of {', '.join(log.joints)}. Every "
             f"joint that robot '{robot_name}' lists must be recorded, for its pose sets the load of the others; a "
-            "joint taken out of the robot file is held at zero"
+            "joint taken out of the robot file is held where the model has it"
         )
     if not any(log.torque_quantity(joint) for joint in robot_joints):
         raise LogError(

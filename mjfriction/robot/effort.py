@@ -16,6 +16,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 
 from mjfriction.body.inverse import inertia_along, motion_derivatives
 from mjfriction.body.model import Body
@@ -70,12 +71,13 @@ class Carried(Loads):
     """The torques of links and rotors along a motion, and the motions they are computed from.
 
     ``motor`` is the motion of the motors, ``linked`` that of the links, and ``rubbing`` that of the side on which
-    friction acts.
+    friction acts.  ``sprung`` (n, joints) is the torque of the springs that the model file has.
     """
 
     motor: Motion
     linked: Motion
     rubbing: Motion
+    sprung: Floats
 
 
 def predict_effort(robot: Robot, body: Body, motion: Motion) -> Effort:
@@ -90,10 +92,10 @@ def effort_of(robot: Robot, motion: Motion, carried: Carried) -> Effort:
     """Return the effort of a robot along a motion, given what its drives carry along it (:func:`carry`)."""
     motor, linked, rubbing, rigid = carried.motor, carried.linked, carried.rubbing, carried.rigid
     friction = friction_along(robot, rubbing, carried.load, carried.rotor)
-    total = np.empty_like(rigid)
+    total = rigid + friction + carried.sprung
     for i, joint in enumerate(robot.table.joint):
-        spring = spring_along(joint.spring, linked.position[:, i])
-        total[:, i] = rigid[:, i] + friction[:, i] + waves_along(joint.cogging, motor.position[:, i]) + spring
+        total[:, i] += waves_along(joint.cogging, motor.position[:, i])
+        total[:, i] += spring_along(joint.spring, linked.position[:, i])
     alone = total.copy()
     for i, joint in enumerate(robot.table.joint):
         for coupling in joint.coupling:
@@ -179,7 +181,13 @@ def carry(robot: Robot, body: Body, motion: Motion) -> Carried:
             turned = drive.inertia * (motor.acceleration[:, i] + drive.ratio * motor.acceleration[:, other])
             rigid[:, i] += turned
             rigid[:, other] += drive.ratio * turned
-    return Carried(rigid, rotor, motor, linked, _where_friction_acts(robot, motor, linked))
+    return Carried(rigid, rotor, motor, linked, _where_friction_acts(robot, motor, linked), sprung_of(body, linked))
+
+
+def sprung_of(body: Body, linked: Motion) -> Floats:
+    """Return the torque that the springs of the model file demand of the drives along a motion, (n, joints)."""
+    courses = zip(linked.position.T, body.spring, strict=True)
+    return np.column_stack([polyval(position, spring) for position, spring in courses])
 
 
 def as_reported(joint: Joint, torque: Floats, motion: Motion, position: Floats) -> Floats:

@@ -1,8 +1,9 @@
-"""MJCF files in the expanded, plain form that the rigid-body package reads."""
+"""Model files as the rigid-body package can read them: MJCF in an expanded, plain form, and nothing beside a tree."""
 
 from __future__ import annotations
 
 import functools
+from collections.abc import Collection
 from pathlib import Path
 
 from mjfriction.body.model_file import MOST_KEPT, changed, root_of
@@ -27,3 +28,31 @@ def _as_it_was(path: Path, _changed: int) -> str | None:
         return plain_tree(path)
     except SimulationError as error:
         raise RobotError(str(error)) from None
+
+
+def check_tree(path: Path, joints: Collection[str]) -> None:
+    """Raise :class:`RobotError` if a model file has forces on ``joints`` that no balance of its bodies has.
+
+    MuJoCo would simulate them, and whatever they make would look like an error of the model.
+    """
+    for what, acting, instead in _beside(path, changed(path), frozenset(joints)):
+        raise RobotError(
+            f"{path}: {what} acts on joint '{acting}', and predictions of efforts cannot include that; take it out of "
+            f"the model file ({instead})"
+        )
+
+
+@functools.lru_cache(MOST_KEPT)
+def _beside(path: Path, _changed: int, joints: frozenset[str]) -> tuple[tuple[str, str, str], ...]:
+    root = root_of(path)
+    if root.tag != "mujoco":
+        following = [str(one.get("name")) for one in root.findall("joint") if one.find("mimic") is not None]
+        instead = "leave joints that follow others out of the robot file"
+        return tuple((f"<mimic> of joint '{name}'", name, instead) for name in following if name in joints)
+    from mjfriction.sim.beside_the_tree import beside_the_tree  # noqa: PLC0415  (a URDF needs no MuJoCo)
+
+    try:
+        beside = beside_the_tree(path)
+    except SimulationError as error:
+        raise RobotError(str(error)) from None
+    return tuple((one.what, sorted(acts)[0], one.instead) for one in beside if (acts := one.acts_on(joints)))

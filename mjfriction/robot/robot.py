@@ -15,7 +15,7 @@ from mjfriction.body.model import Body, Load, load_body
 from mjfriction.errors import RobotError, suggestion
 from mjfriction.laws.coulomb_viscous import COULOMB_VISCOUS
 from mjfriction.robot.friction_tables import FrictionTerm
-from mjfriction.robot.plain_model import in_plain_words
+from mjfriction.robot.plain_model import check_tree, in_plain_words
 from mjfriction.robot.schema import Joint, RobotTable
 
 EXAMPLE_ROBOT_DATA = "package://example-robot-data/"
@@ -66,6 +66,7 @@ class Robot:
         """Read the rigid bodies: the model with this robot's gravity, payload, link changes, rotors and top speeds."""
         payload = self.table.payload
         try:
+            check_tree(self.model_path, self.joints)
             body = load_body(
                 self.model_path,
                 self.joints,

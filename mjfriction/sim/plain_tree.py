@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import mujoco
+import numpy as np
 
 from mjfriction.errors import SimulationError
 
@@ -25,10 +26,10 @@ TYPES = {
 def plain_tree(path: Path) -> str:
     """Return an equivalent MJCF file that states its bodies and joints in plain numbers.
 
-    It has every body's pose and inertia and every joint's axis, limits, damping, dry friction and armature, with angles
-    in radians and without shapes.  Bodies and joints without a name get one.  Raises :class:`SimulationError` when
-    MuJoCo cannot read the file, or cannot compile the parts that masses depend on: shapes of bodies whose inertia is
-    stated are ignored.
+    It has every body's pose and inertia and every joint's axis, limits, damping, dry friction, armature and spring,
+    with angles in radians and without shapes.  Bodies and joints without a name get one.  Raises
+    :class:`SimulationError` when MuJoCo cannot read the file, or cannot compile the parts that masses depend on: shapes
+    of bodies whose inertia is stated are ignored.
     """
     try:
         spec = mujoco.MjSpec.from_file(str(path))
@@ -63,7 +64,8 @@ def _delete(spec: mujoco.MjSpec, elements: Iterable[object]) -> None:
 def _in_words(model: mujoco.MjModel) -> str:
     root = ET.Element("mujoco")
     ET.SubElement(root, "compiler", angle="radian", autolimits="false")
-    ET.SubElement(root, "option", gravity=_words(model.opt.gravity))
+    weightless = bool(model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY)
+    ET.SubElement(root, "option", gravity=_words(np.zeros(3) if weightless else model.opt.gravity))
     nodes = {0: ET.SubElement(root, "worldbody")}
     for i in range(1, model.nbody):
         body = nodes[i] = ET.SubElement(
@@ -104,6 +106,11 @@ def _joint(model: mujoco.MjModel, j: int) -> dict[str, str]:
         if limited:
             out["range"] = _words(model.jnt_range[j])
         out |= {"axis": _words(model.jnt_axis[j]), "ref": _words([model.qpos0[model.jnt_qposadr[j]]])}
+        if not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_SPRING:
+            out |= {
+                "stiffness": _words([model.jnt_stiffness[j], *model.jnt_stiffnesspoly[j]]),
+                "springref": _words([model.qpos_spring[model.jnt_qposadr[j]]]),
+            }
     return out
 
 

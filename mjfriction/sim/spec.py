@@ -13,6 +13,8 @@ import numpy as np
 from mjfriction.errors import SimulationError, suggestion
 
 Spec = mujoco.MjSpec
+BY_JOINT = mujoco.mjtWrap.mjWRAP_JOINT
+COUPLES = (mujoco.mjtEq.mjEQ_JOINT, mujoco.mjtEq.mjEQ_TENDON)
 NO_MASS = 1e-12  # kg and kg·m²
 ROUNDED = 1e-4  # share of a body's largest moment of inertia that counts as rounding
 
@@ -55,8 +57,9 @@ def read_spec(
 ) -> mujoco.MjSpec:
     """Read a URDF or MJCF file and build the robot's own data into it.
 
-    Joints that are not in ``joints`` are held at zero.  ``gravity`` (m/s²) replaces the model's own.  ``loads`` are
-    masses held, each added as a body of that name.  ``link_inertia`` replaces the model's inertia of the link that a
+    Joints that are not in ``joints`` are held where the file has them (at zero, or an MJCF's ``ref``), and keyframes,
+    which state those too, are dropped.  ``gravity`` (m/s²) replaces the model's own.  ``loads`` are masses held, each
+    added as a body of that name.  ``link_inertia`` replaces the model's inertia of the link that a
     joint moves, ``link_shift`` moves that link's own centre of mass (m, in the body's frame), and ``link_scale``
     multiplies its mass and inertia, including its loads.  ``rotor_inertia`` (kg·m² or kg at the joint) is added as
     armature.  Shapes and meshes of a URDF are left out: they do not affect the motion.
@@ -67,6 +70,7 @@ def read_spec(
     spec.compiler.fusestatic = False
     if gravity is not None:
         spec.option.gravity = np.array(gravity)
+        spec.option.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_GRAVITY)
     names = [joint.name for joint in spec.joints]
     for name in joints:
         if name not in names:
@@ -115,11 +119,17 @@ def _link(spec: mujoco.MjSpec, name: str, path: Path, load: str) -> mujoco.MjsBo
 
 
 def _hold(spec: mujoco.MjSpec, names: set[str]) -> None:
-    # Delete the actuators of these joints too: one whose joint is gone would stop the compiler.
-    for actuator in [one for one in spec.actuators if one.target in names]:
-        spec.delete(actuator)
-    for joint in [one for one in spec.joints if one.name in names]:
-        spec.delete(joint)
+    # Delete what names these joints too, since it would stop the compiler: tendons along them, the equalities and
+    # actuators of both, and keyframes, which state all joints and actuators.
+    if not names:
+        return
+    along = [one for one in spec.tendons if names & {wrap.target.name for wrap in one.path if wrap.type == BY_JOINT}]
+    gone = names | {tendon.name for tendon in along}
+    coupled = [one for one in spec.equalities if one.type in COUPLES and gone & {one.name1, one.name2}]
+    driven = [one for one in spec.actuators if one.target in gone]
+    held = [one for one in spec.joints if one.name in names]
+    for element in (*spec.keys, *coupled, *driven, *along, *held):
+        spec.delete(element)
 
 
 def _make_sound(spec: mujoco.MjSpec) -> None:

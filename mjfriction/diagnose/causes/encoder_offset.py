@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import final
 
 import numpy as np
+from numpy.polynomial.polynomial import polyder, polyval
 
 from mjfriction.diagnose.causes.cause import Quantity, Site
 from mjfriction.diagnose.causes.moved_link import MovedLink, changed
@@ -41,6 +42,7 @@ class EncoderOffset(MovedLink):
         level = wave_slopes_along(joint.friction_waves, position)
         level += spot_slopes_along(joint.friction_spots, position) + edge_slopes_along(joint.friction_edges, position)
         along = spring_slope_along(joint.spring, position) + wave_slopes_along(joint.cogging, position)
+        along += polyval(position, polyder(gap.body.spring[site.joint]))
         return np.asarray(-along - gap.forward(site.joint) * level)
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:

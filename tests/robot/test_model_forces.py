@@ -1,0 +1,108 @@
+"""Forces of a model file beside its bodies: MuJoCo and the predicted effort agree on them, or the file is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from mjfriction.errors import RobotError
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.effort import predict_effort
+from mjfriction.robot.files import read_robot
+from mjfriction.robot.measured_motion import measured_motion
+from mjfriction.robot.robot import Robot
+from mjfriction.robot.simulation import robot_spec
+
+MASS = '<inertial pos="0.1 0 0.02" mass="2" fullinertia=".02 .03 .04 .001 .002 .003"/>'
+ARM = """<mujoco>{top}<worldbody><body name="l1" pos="0 0 0.3"><joint name="j1" axis="0 .3 1" pos=".01 .02 0"/>{mass}
+<body name="l2" pos="0.3 0 0" euler="10 20 30"><joint name="j2" axis="0 1 .2" {joint}/>{mass}{hand}</body></body>
+</worldbody>{more}</mujoco>"""
+FINGERS = "".join(
+    f'<body name="f{i}"><joint name="f{i}" type="slide" ref="0.3"/>{MASS}<site name="s{i}"/></body>' for i in (1, 2)
+)
+
+
+def robot(folder: Path, listed: tuple[str, ...] = ("j1", "j2"), **parts: str) -> Robot:
+    text = ARM.format(mass=MASS, **{"top": "", "joint": "", "hand": "", "more": ""} | parts)
+    (folder / "arm.xml").write_text(text, encoding="utf-8")
+    joints = "".join(f'[[joint]]\nname = "{name}"\n' for name in listed)
+    (folder / "robot.toml").write_text(f'name = "arm"\nmodel = "arm.xml"\n{joints}', encoding="utf-8")
+    return read_robot(folder / "robot.toml")
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        {"joint": 'stiffness="20" springref="30" ref="10"'},
+        {"joint": 'stiffness="20 -3 4" springref="-25"'},
+        {"joint": 'stiffness="20"', "top": '<option><flag spring="disable"/></option>'},
+        {"top": '<option gravity="1 2 -3"><flag gravity="disable"/></option>'},
+        {"hand": FINGERS, "more": '<keyframe><key name="home" qpos="0 0 0.1 0.2"/></keyframe>'},
+        {"hand": FINGERS, "more": '<equality><joint joint1="f1" joint2="f2"/></equality>'},
+        {"hand": FINGERS, "more": '<equality><joint joint1="j2" joint2="f2"/></equality>'},
+        {"more": '<tendon><fixed name="t"><joint joint="j1" coef="1"/></fixed></tendon>'},
+        {"more": '<equality><connect body1="l2" anchor="0 0 0" active="false"/></equality>'},
+        {
+            "hand": FINGERS,
+            "more": '<tendon><fixed name="grip"><joint joint="f1" coef="1"/><joint joint="f2" coef="1"/></fixed>'
+            '</tendon><equality><tendon tendon1="grip"/></equality><actuator><position tendon="grip"/></actuator>',
+        },
+    ],
+)
+def test_predicted_efforts_are_those_of_mujoco(parts: dict[str, str], tmp_path: Path) -> None:
+    own = robot(tmp_path, **parts)
+    time = np.arange(0.0, 3.0, 0.01)
+    columns = {"time": time} | {
+        f"{quantity}.{name}": size * np.sin(rate * time)
+        for quantity, size in (("position", 1.0), ("effort", 5.0))
+        for name, rate in (("j1", 2.0), ("j2", 3.0))
+    }
+    body = own.body()
+    motion = measured_motion(log_from_table(pa.table(columns), "log"), own, body, 10.0)
+    model = robot_spec(own).compile()
+    data, needed = mujoco.MjData(model), np.empty_like(motion.position)
+    for i, state in enumerate(zip(motion.position, motion.velocity, motion.acceleration, strict=True)):
+        data.qpos[:], data.qvel[:], data.qacc[:] = state
+        mujoco.mj_inverse(model, data)
+        needed[i] = data.qfrc_inverse
+    assert np.ptp(needed) > 1.0
+    assert predict_effort(own, body, motion).total == pytest.approx(needed, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("parts", "told"),
+    [
+        ({"hand": FINGERS, "more": '<equality><joint joint1="j1" joint2="j2"/></equality>'}, "the equality acts on"),
+        ({"hand": '<site name="s"/>', "more": '<equality><connect body1="l2" anchor="0 0 0"/></equality>'}, "equality"),
+        ({"more": '<tendon><fixed name="t" stiffness="1"><joint joint="j1" coef="1"/></fixed></tendon>'}, "tendon 't'"),
+        ({"hand": '<body gravcomp="1" name="tool">' + MASS + "</body>"}, "the gravcomp of body 'tool'"),
+        ({"top": '<option density="1000"/>'}, "the fluid"),
+        ({"joint": 'stiffness="2" springyield="1"'}, "the springyield of joint 'j2'"),
+    ],
+)
+def test_forces_that_no_balance_of_bodies_has_are_refused(parts: dict[str, str], told: str, tmp_path: Path) -> None:
+    with pytest.raises(RobotError, match=told):
+        robot(tmp_path, **parts).body()
+
+
+def test_a_joint_of_a_urdf_that_follows_another_is_refused_where_it_is_listed(tmp_path: Path) -> None:
+    link = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    links = "".join(f'<link name="l{i}">{link}</link>' for i in range(3))
+    joints = "".join(
+        f'<joint name="j{i}" type="continuous"><parent link="l{i - 1}"/><child link="l{i}"/>{more}</joint>'
+        for i, more in ((1, ""), (2, '<mimic joint="j1"/>'))
+    )
+    (tmp_path / "arm.urdf").write_text(f'<robot name="arm">{links}{joints}</robot>', encoding="utf-8")
+    for listed, refused in ((("j1",), False), (("j1", "j2"), True)):
+        names = "".join(f'[[joint]]\nname = "{name}"\n' for name in listed)
+        (tmp_path / "robot.toml").write_text(f'name = "arm"\nmodel = "arm.urdf"\n{names}', encoding="utf-8")
+        own = read_robot(tmp_path / "robot.toml")
+        if refused:
+            with pytest.raises(RobotError, match="<mimic> of joint 'j2'"):
+                own.body()
+        else:
+            assert own.body().joints == ("j1",)
