@@ -39,6 +39,8 @@ def new(model: Model, out: Out, log: LogOption = None, map_: MapSource = None) -
         robot = read_robot(draft)
     typer.echo(f"written: {out}, with {len(robot.joints)} joints: {', '.join(robot.joints)}")
     if log is None:
-        typer.echo("Take out of it the joints that your logs lack; like a gripper's, they are held where the model has them.")
+        typer.echo(
+            "Take out of it the joints that your logs lack; like a gripper's, they are held where the model has them."
+        )
     typer.echo("Next: fill in what you know of the drives, then")
     typer.echo(f"  mjfriction inspect {log or 'LOG'} --robot {out}")

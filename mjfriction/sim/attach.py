@@ -59,15 +59,15 @@ def attach(spec: mujoco.MjSpec, laws: Laws, *, keep_native: bool = False) -> muj
             )
     if any(numeric.name == at.NUMERIC_NAME for numeric in spec.numerics):
         raise SimulationError("the model already carries friction; attach to the model it was made from")
-    plain = compiled(spec)
-    refuse_integrator(plain)
-    for name in laws:
-        dof_of(plain, name)
     if not keep_native:
         for joint in spec.joints:
             if joint.name in laws:
                 joint.damping = np.zeros_like(joint.damping)
                 joint.frictionloss = 0.0
+    plain = compiled(spec)
+    refuse_integrator(plain)
+    for name in laws:
+        dof_of(plain, name)
     own = spec.nuserdata
     block = build_block(plain, laws, max(own, 0))
     spec.add_numeric(name=at.NUMERIC_NAME, data=block, size=block.size)
@@ -171,6 +171,7 @@ def build_block(model: mujoco.MjModel, laws: Laws, base: int) -> Floats:
     head[at.H_TERMS], head[at.H_STATES] = len(terms), sum(term.friction.state_count for term in terms)
     head[at.H_LOAD] = any(_reads_load(term.friction) for term in terms)
     head[at.H_ACTUATORS], head[at.H_DRIVEN] = model.nu if one_output else 0, model.nactuator > 0
+    head[at.H_FORESEEN] = _all_foreseen(model, one_output=one_output)
     head[at.H_DOF_LIST] = at.HEADER
     head[at.H_LOCAL] = at.HEADER + len(touched)
     head[at.H_POSITIONS] = at.HEADER + len(touched) + model.nv
@@ -185,6 +186,15 @@ def build_block(model: mujoco.MjModel, laws: Laws, base: int) -> Floats:
     positions = model.jnt_qposadr[joints]
     values = [term.friction.packed for term in terms]
     return np.concatenate([head, touched, local, positions, rows.ravel(), *values])
+
+
+def _all_foreseen(model: mujoco.MjModel, *, one_output: bool) -> bool:
+    # Whether the step predicts all that MuJoCo's integrators treat implicitly.
+    left_out = [model.opt.density, model.opt.viscosity, model.dof_dampingpoly]
+    left_out += [model.tendon_damping, model.tendon_dampingpoly, model.actuator_damping, model.actuator_dampingpoly]
+    gains = (model.actuator_biastype == mujoco.mjtBias.mjBIAS_AFFINE) & (model.actuator_biasprm[:, 2] != 0.0)
+    of_joints = bool(np.all(model.actuator_trntype[gains] == mujoco.mjtTrn.mjTRN_JOINT))
+    return not any(np.any(own) for own in left_out) and (not np.any(gains) or (one_output and of_joints))
 
 
 def _several(own: Friction | Sequence[Friction]) -> tuple[Friction, ...]:

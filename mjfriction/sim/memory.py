@@ -23,7 +23,7 @@ F_NNUMERIC, F_TIMESTEP, F_INTEGRATOR, F_DISABLE = (
     int(Field.INTEGRATOR),
     int(Field.DISABLEFLAGS),
 )
-F_NUSERDATA = int(Field.NUSERDATA)
+F_NUSERDATA, F_NEFC = int(Field.NUSERDATA), int(Field.NEFC)
 F_TIME, F_NUMERIC_ADR, F_NUMERIC_DATA = int(Field.TIME), int(Field.NUMERIC_ADR), int(Field.NUMERIC_DATA)
 F_ROWNNZ, F_ROWADR, F_COLIND = int(Field.M_ROWNNZ), int(Field.M_ROWADR), int(Field.M_COLIND)
 F_DAMPING, F_ARMATURE = int(Field.DOF_DAMPING), int(Field.DOF_ARMATURE)
@@ -49,6 +49,7 @@ class Block(NamedTuple):
     reads_load: bool
     actuators: int
     driven: bool
+    foreseen: bool
     terms: int
     dofs: Floats
     local: Floats
@@ -157,6 +158,7 @@ def open_block(address: int, nv: int, n: int, k: int) -> Block:
         head[at.H_LOAD] > 0.0,
         int(head[at.H_ACTUATORS]),
         head[at.H_DRIVEN] > 0.0,
+        head[at.H_FORESEEN] > 0.0,
         address + 8 * int(head[at.H_TERM_TABLE]),
         window_at(address + 8 * int(head[at.H_DOF_LIST]), n),
         window_at(address + 8 * int(head[at.H_LOCAL]), nv),

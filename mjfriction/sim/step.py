@@ -3,9 +3,10 @@
 MuJoCo calls it when the positions and velocities of a step are known but its forces are not.  The callback computes all
 smooth forces of the step, so the friction responds to this very step.  Forces that only the constraint solver knows
 (contacts, limits, equalities) are taken from the step before: they are the part of the last velocity change that was
-not predicted.  The load that a law reads takes gravity and velocity from this step and accelerations from the last one.
-The torque that accelerates a joint's armature, which is its drive's rotor, is kept apart.  The bristles advance with
-the velocity that actually came out, when the next step begins.
+not predicted.  Where no constraint was active there is no such force, and any other velocity than the predicted one was
+set by the user.  The load that a law reads takes gravity and velocity from this step and accelerations from the last
+one.  The torque that accelerates a joint's armature, which is its drive's rotor, is kept apart.  The bristles advance
+with the velocity that actually came out, when the next step begins.
 """
 
 from __future__ import annotations
@@ -52,12 +53,14 @@ BAD_FORCE = 6  # mjWARN_BADCTRL, the warning for a number that would have corrup
 
 
 @kernel
-def look_back(block: Block, kept: Kept, a: Floats, now: Floats, time: float, missed: Floats) -> bool:
+def look_back(block: Block, kept: Kept, a: Floats, now: Floats, time: float, free: bool, missed: Floats) -> bool:
     """Find out what happened since the last call, and return whether a step was made.
 
     After a step, the accelerations follow from the change of velocity.  The constraint force of that step is the
-    assumed one plus the part that the unpredicted velocity change shows.  After a jump in time both are reset to zero.
-    ``now`` (n,) are the velocities of the touched dofs; ``missed`` (n,) is work space.
+    assumed one plus the part that the unpredicted velocity change shows.  A step from a state without constraints ended
+    as predicted: a velocity that is another was set since.  In a state that is ``free`` of constraints there is no such
+    force.  After a jump in time both are reset to zero.  ``now`` (n,) are the velocities of the touched dofs;
+    ``missed`` (n,) is work space.
     """
     then, step = kept.stamp[at.U_TIME], kept.stamp[at.U_STEP]
     if time == then:
@@ -69,12 +72,16 @@ def look_back(block: Block, kept: Kept, a: Floats, now: Floats, time: float, mis
             for i in range(block.states):
                 kept.z[i] = 0.0
         return False
-    as_predicted, per_step = True, 1.0 / step
+    as_predicted, was_free, per_step = True, kept.stamp[at.U_FREE] > 0.0, 1.0 / step
     for p in range(block.touched):
-        missed[p] = now[p] - kept.predicted[p]
-        kept.moved[p] = (now[p] - kept.before[p]) * per_step
+        reached = kept.predicted[p] if was_free else now[p]
+        missed[p] = reached - kept.predicted[p]
+        kept.moved[p] = (reached - kept.before[p]) * per_step
         as_predicted &= abs(missed[p]) <= SAME * abs(now[p]) + STILL
-    if not as_predicted:
+    if free:
+        for p in range(block.touched):
+            kept.unknown[p] = 0.0
+    elif not as_predicted:
         for p in range(block.touched):
             kept.unknown[p] += symmetric(a, missed, p) * per_step
     return True
@@ -122,7 +129,7 @@ def commit(block: Block, kept: Kept, step: float, desk: Desk) -> None:
     first, as_predicted = block.touched - block.rubbing, kept.stamp[at.U_ROUNDS] > 0.0
     for i in range(block.rubbing):
         missed = abs(desk.start[i] - kept.predicted[first + i])
-        if not missed <= SAME * abs(desk.start[i]) + STILL:
+        if not (kept.stamp[at.U_FREE] > 0.0 or missed <= SAME * abs(desk.start[i]) + STILL):
             as_predicted = False
     if not as_predicted:
         rub(
@@ -188,14 +195,15 @@ def step_of_size(model: int, data: int, where: int, nv: int, n: int, k: int) -> 
     for p in range(block.touched):
         desk.now[p] = velocity[int(block.dofs[p])]
     gather_inertia(model, data, block.dofs, block.local, desk.a)
-    stepped = look_back(block, kept, desk.a, desk.now, time, desk.end_velocity)
+    free = block.foreseen and flag(data, mem.F_NEFC) == 0
+    stepped = look_back(block, kept, desk.a, desk.now, time, free, desk.end_velocity)
     look_around(model, data, block, kept, desk.a, desk.around)
     guess(block, kept, h, desk)
     if stepped:
         commit(block, kept, kept.stamp[at.U_STEP], desk)
     for i in range(block.rubbing):
         desk.around[i, SLIDING] = desk.start[i]
-    kept.stamp[at.U_TIME], kept.stamp[at.U_STEP] = time, h
+    kept.stamp[at.U_TIME], kept.stamp[at.U_STEP], kept.stamp[at.U_FREE] = time, h, 1.0 if free else 0.0
 
     add_known_forces(model, data, block, kept, desk.full, desk.f)
     add_implicit_damping(model, data, h, block.actuators, block.dofs, block.local, desk.a)

@@ -113,6 +113,90 @@ def test_a_stuck_joint_stays_for_a_minute() -> None:
     assert abs(data.qpos[0] - at) / 60.0 < 1e-9
 
 
+def rotor(integrator: str, level: float = 5.0) -> mujoco.MjModel:
+    made = spec(ROTOR)
+    made.option.integrator = getattr(mujoco.mjtIntegrator, integrator)
+    return attach(made, {"rotor": friction("coulomb", {"coulomb": level})})
+
+
+@pytest.mark.parametrize("refresh", [False, True], ids=["step", "forward"])
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_a_velocity_that_is_set_is_no_force(integrator: str, *, refresh: bool) -> None:
+    """A joint stopped by hand stays, and one that is nudged slows down and is not thrown back."""
+    model = rotor(integrator)
+    data = mujoco.MjData(model)
+    for before, after in ((20.0, 0.0), (0.0, 1e-3), (-20.0, 5.0)):
+        data.qvel[0] = before
+        for _ in range(5):
+            mujoco.mj_step(model, data)
+        data.qvel[0] = after
+        if refresh:
+            mujoco.mj_forward(model, data)
+        mujoco.mj_step(model, data)
+        lost = 5.0 / 0.01 * 1e-3
+        assert data.qvel[0] == pytest.approx(max(after - lost, 0.0), abs=1e-9)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_a_twin_whose_velocity_is_set_at_every_tick_carries_its_load(integrator: str) -> None:
+    model, rng, borne = rotor(integrator), np.random.default_rng(0), []
+    data = mujoco.MjData(model)
+    data.ctrl[0] = 2.5
+    for _ in range(500):
+        data.qvel[0] = 1e-3 * rng.normal()
+        mujoco.mj_step(model, data)
+        borne.append(torques(model, data)["rotor"])
+    assert np.mean(borne) == pytest.approx(2.5, abs=0.01)
+    assert np.std(borne) < 0.02  # N·m, of which 0.01 stop 1 mrad/s within the step
+
+
+@pytest.mark.parametrize(
+    ("option", "joint", "more", "foreseen"),
+    [
+        ("", 'damping="1"', '<actuator><position joint="j" kp="9" kv="1"/></actuator>', True),
+        ('density="9"', "", "", False),
+        ("", 'damping="1 2 0"', "", False),
+        ("", "", '<tendon><fixed damping="1"><joint joint="j" coef="1"/></fixed></tendon>', False),
+        ("", "", '<actuator><position joint="j" kp="9" kv="1" forcerange="-99 99"/></actuator>', False),
+    ],
+)
+def test_where_more_than_constraints_is_not_foreseen_a_difference_is_made_up_for(
+    option: str, joint: str, more: str, *, foreseen: bool
+) -> None:
+    """The joint arrives off what was predicted at every step, and what lacked is in the next step's balance."""
+    text = f"""<mujoco><option timestep="0.002" integrator="implicitfast" gravity="0 0 0" {option}/><worldbody>
+      <body><joint name="j" {joint}/><geom type="capsule" size=".05" fromto="0 0 0 .5 0 0"/></body></worldbody>{more}
+      </mujoco>"""
+    model = attach(mujoco.MjSpec.from_string(text), {"j": friction("coulomb", {"coulomb": 0.1})}, keep_native=True)
+    data = mujoco.MjData(model)
+    data.qvel[0] = 3.0
+    for _ in range(3):
+        mujoco.mj_step(model, data)
+    header = model.numeric("mjfriction").data
+    unknown = data.userdata[int(header[at.H_BASE]) + at.U_SCALARS + 2]
+    assert header[at.H_FORESEEN] == foreseen
+    assert bool(unknown == 0.0) is foreseen
+
+
+def test_a_velocity_that_is_set_is_no_load() -> None:
+    """Friction that reads the load takes the acceleration that the joint had, not the jump to the new velocity."""
+    values = {"coulomb": 0.5, "viscous": 0.0, "load": 0.2}
+    model = attach(spec(PENDULUM), {"swing": friction("load_dependent", values)})
+    reader = read_friction(model)
+
+    def load(jump: float) -> float:
+        data = mujoco.MjData(model)
+        data.qpos[0] = 1.0
+        for _ in range(20):
+            mujoco.mj_step(model, data)
+        data.qvel[0] += jump
+        mujoco.mj_step(model, data)
+        return float(data.userdata[reader.load][0])
+
+    assert 0.1 < abs(load(0.0)) < 1.0
+    assert load(0.5) == pytest.approx(load(0.0), rel=1e-3)
+
+
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_forward_twice_changes_nothing(integrator: str) -> None:
     model = arms(integrator)
