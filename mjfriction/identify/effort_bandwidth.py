@@ -28,7 +28,7 @@ def find_bandwidths(gap: Gap, robot: Robot) -> dict[str, float]:
         return {}
     reported = gap.motion.torque * gap.per_reported
     predicted = predict_effort(robot, robot.body(), gap.motion).reported
-    nearest = {j: _nearest(gap, reported[:, j], predicted[:, j], float(found[j])) for j in unstated}
+    nearest = {j: _nearest(gap, j, reported[:, j], predicted[:, j]) for j in unstated}
     return {robot.joints[j]: bandwidth for j, bandwidth in nearest.items() if bandwidth is not None}
 
 
@@ -41,15 +41,18 @@ def with_bandwidths(robot: Robot, bandwidths: Mapping[str, float]) -> Robot:
     return robot
 
 
-def _nearest(gap: Gap, reported: Floats, predicted: Floats, first: float) -> float | None:
-    motion = gap.motion
+def _nearest(gap: Gap, joint: int, reported: Floats, predicted: Floats) -> float | None:
+    # Compared where the joint surely moves.  At rest its friction is what its drive gives, which may turn over as slowly
+    # as if it were filtered; what a filter makes of a reversal lasts longer than that.
+    motion, first = gap.motion, float(gap.filtered[joint])
+    known = motion.settled & (np.abs(motion.velocity[:, joint]) > gap.doubt_speed[joint])
 
     def missed(logarithm: float) -> float:
         left = reported - motion.low_passed(predicted, float(np.exp(logarithm)))
-        return float(np.mean(np.square(left[motion.settled])))
+        return float(np.mean(np.square(left[known])))
 
     reach = float(np.log(WIDEST))
     bounds = (np.log(first) - reach, np.log(first) + reach)
     found = minimize_scalar(missed, bounds=bounds, method="bounded", options={"xatol": 0.01})
-    sharp = float(np.mean(np.square((reported - predicted)[motion.settled])))
+    sharp = float(np.mean(np.square((reported - predicted)[known])))
     return float(np.exp(found.x)) if found.fun < WORTH * sharp else None

@@ -93,3 +93,21 @@ def test_an_effort_that_holds_all_has_no_bandwidth(tmp_path: Path) -> None:
     found = identify_log(log, stated, law="coulomb_viscous")
     assert not found.bandwidths
     assert "low-passed" not in identified_html(found, make_identified_report(found))
+
+
+TWO = """<mujoco><worldbody><body pos="0 0 0.3"><joint name="j1" axis="0 0 1"/>
+  <inertial pos="0.1 0 0" mass="2" diaginertia=".01 .01 .01"/>
+  <body pos="0.3 0 0"><joint name="j2" axis="0 1 0"/><inertial pos="0.1 0 0.02" mass="1" diaginertia=".01 .01 .01"/>
+  </body></body></worldbody></mujoco>"""
+
+
+def test_a_joint_that_sticks_at_its_reversals_has_no_bandwidth(tmp_path: Path) -> None:
+    """Its friction turns over as slowly as its drive makes it, without noise to cover that up."""
+    (tmp_path / "two.xml").write_text(TWO)
+    laws = 'friction = { law = "coulomb_viscous", parameters = { coulomb = 1.0, viscous = 0.5 } }\n'
+    joints = "".join(f'[[joint]]\nname = "{name}"\n{laws}' for name in ("j1", "j2"))
+    (tmp_path / "robot.toml").write_text(f'name = "two"\nmodel = "two.xml"\n{joints}')
+    robot = read_robot(tmp_path / "robot.toml")
+    motion = excitation(("j1", "j2"), np.zeros(2), np.ones(2), np.full(2, 2.0), 20.0, seed=1)
+    log = log_from_table(pa.table(simulate(robot, motion, recorder=Recorder(500.0))), "two")
+    assert not identify_log(log, robot, law="coulomb_viscous").bandwidths
