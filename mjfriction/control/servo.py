@@ -14,7 +14,7 @@ from mjfriction.control.feedforward import Feedforward, FrictionFed, feedforward
 from mjfriction.control.observer import Observer, ObserverFor
 from mjfriction.control.sensing import Sensing
 from mjfriction.control.valve import ValveControl
-from mjfriction.errors import ControlError, suggestion
+from mjfriction.errors import ControlError, RobotError, suggestion
 from mjfriction.laws.law import Floats
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import waves_along
@@ -148,6 +148,12 @@ def _heaviest(masses: list[Floats]) -> Floats:
 def _gains(robot: Robot, control: Control, q: Floats, step: float) -> tuple[Floats, Floats]:
     masses = _masses(robot, q)
     inertia = _heaviest(masses)
+    for joint, own in zip(robot.joints, inertia, strict=True):
+        if own <= 0.0:
+            raise RobotError(
+                f"{robot.model_path}: nothing that joint '{joint}' moves has a mass; state its links' <inertial> in "
+                f"the model, or a rotor_inertia of '{joint}' in the robot file"
+            )
     # A joint's effective inertia while the others move freely: much less than its own, on an arm with light rotors.
     least = np.min([1.0 / np.diag(np.linalg.inv(mass)) for mass in masses], axis=0)
     damping = 2.0 * control.damping * inertia * 2.0 * np.pi * control.bandwidth

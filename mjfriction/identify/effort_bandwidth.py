@@ -42,8 +42,8 @@ def with_bandwidths(robot: Robot, bandwidths: Mapping[str, float]) -> Robot:
 
 
 def _nearest(gap: Gap, joint: int, reported: Floats, predicted: Floats) -> float | None:
-    # Compared where the joint surely moves.  At rest its friction is what its drive gives, which may turn over as slowly
-    # as if it were filtered; what a filter makes of a reversal lasts longer than that.
+    # Compared where the joint surely moves.  At rest its friction is what its drive gives, which may turn over as
+    # slowly as if it were filtered; what a filter makes of a reversal lasts longer than that.
     motion, first = gap.motion, float(gap.filtered[joint])
     known = motion.settled & (np.abs(motion.velocity[:, joint]) > gap.doubt_speed[joint])
 

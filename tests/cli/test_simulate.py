@@ -43,6 +43,24 @@ def test_csv_currents_and_velocities(swing: Path, tmp_path: Path) -> None:
     assert log.channel("velocity", "elbow_joint") is not None
 
 
+def test_a_joint_that_moves_no_mass_is_named(tmp_path: Path) -> None:
+    mass = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    links = "".join(f'<link name="l{i}">{mass if i < 2 else ""}</link>' for i in range(3))
+    joints = "".join(
+        f'<joint name="j{i}" type="continuous"><parent link="l{i - 1}"/><child link="l{i}"/></joint>' for i in (1, 2)
+    )
+    (tmp_path / "arm.urdf").write_text(f'<robot name="arm">{links}{joints}</robot>')
+    (tmp_path / "robot.toml").write_text(
+        'name = "arm"\nmodel = "arm.urdf"\n[[joint]]\nname = "j1"\n[[joint]]\nname = "j2"\n'
+    )
+    pyarrow.parquet.write_table(sine("j1", 0.5, 0.6, 0.3, 3.0).table(), tmp_path / "swing.parquet")
+    words = ("--trajectory", tmp_path / "swing.parquet", "--out", tmp_path / "x.csv")
+    done = mjfriction_here("simulate", "--robot", tmp_path / "robot.toml", *words)
+    assert done.returncode == 2
+    assert "nothing that joint 'j2' moves has a mass" in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
 def test_bad_input_is_one_line_and_leaves_nothing(swing: Path, tmp_path: Path) -> None:
     (tmp_path / "bad.csv").write_text("time,position.elbow\n0,0\n1,0\n2,0\n3,0\n")
     cases = [

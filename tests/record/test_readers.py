@@ -110,6 +110,20 @@ def test_a_misspelt_column_that_the_log_lacks_is_named(tmp_path: Path) -> None:
         check_joints(log, "robot", ("a",))
 
 
+@pytest.mark.parametrize(
+    ("head", "row", "message"),
+    [
+        ("time,position.a,effort.a, effort.a", "{t},0.1,1.0,2.0", "column 'effort.a' is there 2 times"),
+        ("time,position.a,effort.a", "{t},0.1,", "column 'effort.a' is empty"),
+    ],
+)
+def test_a_column_that_is_there_twice_or_empty_is_named(head: str, row: str, message: str, tmp_path: Path) -> None:
+    rows = [row.format(t=0.01 * k) for k in range(200)]
+    (tmp_path / "log.csv").write_text("\n".join([head, *rows]) + "\n")
+    with pytest.raises(LogError, match=message):
+        read_log(tmp_path / "log.csv")
+
+
 def test_a_wrong_file_is_named(tmp_path: Path) -> None:
     with pytest.raises(LogError, match="no such file"):
         read_log(tmp_path / "absent.csv")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+from collections import Counter
 from pathlib import Path
 
 import pyarrow as pa
@@ -37,7 +38,10 @@ def read_log(path: Path | str, mapping: Mapping | None = None) -> Log:
 
 
 def read_table(path: Path) -> pa.Table:
-    """Read a table from a file of any supported kind; :class:`LogError` when it cannot be parsed."""
+    """Read a table from a file of any supported kind, its columns' names without blanks around them.
+
+    Raises :class:`LogError` when it cannot be parsed, or has two columns of one name.
+    """
     if path.is_dir():
         kind = "mcap"
     elif path.suffix.lower() not in READERS:
@@ -48,4 +52,10 @@ def read_table(path: Path) -> pa.Table:
         kind = READERS[path.suffix.lower()]
     table = importlib.import_module(f"{__name__}.{kind}").read_table(path)
     assert isinstance(table, pa.Table)
-    return table
+    names = [name.strip() for name in table.schema.names]
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    if twice:
+        raise LogError(
+            f"{path}: column '{twice[0]}' is there {names.count(twice[0])} times; rename or delete all but one"
+        )
+    return table.rename_columns(names)

@@ -71,6 +71,8 @@ def _numbers(column: pa.ChunkedArray) -> Floats | None:
 
 def _wrong(column: pa.ChunkedArray, values: Floats | None, name: str) -> str:
     # What is wrong with a column of the format, "" where nothing is.
+    if pa.types.is_null(column.type):
+        return f"column '{name}' is empty; delete it if nothing was recorded"
     if values is None:
         text = next((value for value in column.to_pylist() if not _is_number(value)), None)
         return f"column '{name}' holds {text!r}, which is not a number"
