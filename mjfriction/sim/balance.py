@@ -21,11 +21,18 @@ BISECTIONS = 60
 TOLERANCE = 1e-5
 FLOOR = 1e-13  # rad/s or m/s
 BALANCED = 1e-7  # largest residual, as a fraction of the impulses in the balance
+# The same for the first guess: what is off by no more than rounding.  The end of the step would not depend on what a
+# guess that is taken is off by, and finite differences over small controls would be zero.
+GUESSED = 1e-13
 
 
 @kernel
-def lacking(s: Floats, b: Floats, start: Floats, h: float, v: Floats, torque: Floats, residual: Floats) -> bool:
-    """Write the residual of the balance into ``residual`` (k,) and return whether it needs another round."""
+def lacking(
+    s: Floats, b: Floats, start: Floats, h: float, v: Floats, torque: Floats, residual: Floats, least: float
+) -> bool:
+    """Write the residual of the balance into ``residual`` (k,) and return whether it needs another round, being more
+    than ``least`` of the impulses.
+    """
     found = False
     for i in range(v.shape[0]):
         missing = b[i] - h * torque[i]
@@ -34,7 +41,7 @@ def lacking(s: Floats, b: Floats, start: Floats, h: float, v: Floats, torque: Fl
             missing -= s[i, j] * (v[j] - start[j])
         residual[i] = missing
         # Balanced: small relative to the forces and too small to move the joint.  Written so that a NaN is not.
-        if not (abs(missing) <= BALANCED * size and abs(missing) <= s[i, i] * (BALANCED * abs(v[i]) + FLOOR)):
+        if not (abs(missing) <= least * size and abs(missing) <= s[i, i] * (least * abs(v[i]) + FLOOR)):
             found = True
     return found
 
@@ -74,7 +81,7 @@ def balance(
     settled = False
     for round_ in range(ROUNDS):
         rub(block, terms, count, 0, k, address(v, 0), around, z, h, z_next, near, address(torque, 0), address(slope, 0))
-        if not lacking(s, b, start, h, v, torque, change) or settled:
+        if not lacking(s, b, start, h, v, torque, change, GUESSED if round_ == 0 else BALANCED) or settled:
             return round_ + 1
         if round_ > 0:
             bend(s, h, v, torque, v_before, torque_before, slope)
@@ -149,6 +156,6 @@ def bracketed(
             v[i] = middle
         if settled or sweep == SWEEPS - 1:
             rub(block, terms, count, 0, k, address(v, 0), around, z, h, z_next, near, at_torque, at_slope)
-            lacking(s, b, start, h, v, torque, trial)
+            lacking(s, b, start, h, v, torque, trial, BALANCED)
             return ROUNDS + sweep + 1 if settled else -1
     return -1

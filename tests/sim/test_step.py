@@ -411,6 +411,21 @@ def test_the_torque_is_the_law_at_the_velocity_reached() -> None:
     assert data.userdata[reader.rounds][0] > 0
 
 
+@pytest.mark.parametrize("epsilon", [1e-8, 1e-6, 1e-4])
+def test_the_derivative_by_the_control_holds_in_steady_motion(epsilon: float) -> None:
+    """Where nothing changes from step to step, the guess is the end of the step but for what the control changes."""
+    viscous, inertia, step = 2.0, 0.01, 1e-3
+    model = attach(spec(ROTOR), {"rotor": friction("coulomb_viscous", {"coulomb": 1.0, "viscous": viscous})})
+    data = mujoco.MjData(model)
+    data.ctrl[0] = 3.0
+    for _ in range(3000):
+        mujoco.mj_step(model, data)
+    assert data.qvel[0] == pytest.approx((3.0 - 1.0) / viscous, rel=1e-9)
+    b = np.zeros((2, 1))
+    mujoco.mjd_transitionFD(model, data, epsilon, True, None, b, None, None)
+    assert b[1, 0] == pytest.approx(step / (inertia + step * viscous), rel=1e-4)
+
+
 def test_transition_derivatives_agree_with_steps_by_hand() -> None:
     model = arms()
     data = run(model, 200)
