@@ -27,7 +27,7 @@ from mjfriction.diagnose.causes.load import LEAST_ROTOR
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.presliding import LEAST_PART, LONGEST_OF_ELEMENTS, SLIPS
 from mjfriction.diagnose.causes.steepening_viscous import POWERS
-from mjfriction.diagnose.causes.stribeck import GONE_BY, UNFINISHED
+from mjfriction.diagnose.causes.stribeck import EXPONENTS, GONE_BY, UNFINISHED
 from mjfriction.diagnose.causes.varying import EDGE, Step
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.faults import mend, misplaced
@@ -213,6 +213,10 @@ def test_how_it_decides_tells_what_an_error_that_none_explains_says_of_what_was_
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"at most {EVEN:g} where something is left unexplained" in told
     assert (MANY_AT_A_JOINT, FEWEST_JOINTS) == (3, 3), "the page says three causes and three joints"
+
+
+def test_how_it_decides_tells_which_exponents_are_usual() -> None:
+    assert f"those from {min(EXPONENTS):g} to {max(EXPONENTS):g} are tried" in text("docs/how_it_decides.md")
 
 
 def test_how_it_decides_tells_how_long_the_travel_of_elements_may_be() -> None:

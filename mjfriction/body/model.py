@@ -103,10 +103,10 @@ def load_body(
     for an MJCF.
 
     Joints of the model that are not requested (a gripper's fingers) are locked where the file has them: at their zero,
-    or an MJCF's ``ref``.  ``gravity`` (m/s²)
-    replaces the model's own; ``link_inertia`` replaces a link's mass and inertia; ``link_scale`` multiplies the mass
-    and inertia of the link that a joint moves, including its payload; ``link_shift`` moves its centre of mass (m, in
-    the link's frame); ``rotor_inertia`` (kg·m² or kg at the joint, per requested joint) is added to the model's.
+    or an MJCF's ``ref``.  ``gravity`` (m/s²) replaces the model's own; ``link_inertia`` replaces a link's mass and
+    inertia; ``link_scale`` multiplies the mass and inertia of the link that a joint moves, including its payload;
+    ``link_shift`` moves its centre of mass (m, in the link's frame); ``rotor_inertia`` (kg·m² or kg at the joint, per
+    requested joint) is added to the model's.
 
     Raises :class:`RobotError` if the file is missing or does not parse, if a joint is unknown or has more than one
     axis, if the payload's parent is unknown, or if nothing that moves has a mass.

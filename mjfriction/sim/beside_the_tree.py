@@ -67,7 +67,7 @@ def _equalities(spec: mujoco.MjSpec) -> Iterator[Beside]:
 
 def _tendons(spec: mujoco.MjSpec) -> Iterator[Beside]:
     for one in spec.tendons:
-        limited = one.limited == mujoco.mjtLimited.mjLIMITED_TRUE or one.range[0] < one.range[1]
+        limited = one.limited != mujoco.mjtLimited.mjLIMITED_FALSE and one.range[0] < one.range[1]
         forces = (*np.atleast_1d(one.stiffness), *np.atleast_1d(one.damping), one.frictionloss, one.armature)
         if limited or np.any(forces):
             yield Beside(f"the tendon{_named(one.name)}", _wrapped(one), "state its spring or friction at the joints")
