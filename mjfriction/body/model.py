@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from mjfriction.body.inertia import RigidLink
-from mjfriction.body.model_file import at_rest, parse, slides
+from mjfriction.body.model_file import Unread, parse, slides, unread
 from mjfriction.errors import RobotError, suggestion
 from mjfriction.laws.law import Floats
 
@@ -34,8 +34,9 @@ class Body:
 
     ``links`` names the bodies in the order of the regressor's columns; ``sliding`` (joints,) is True for prismatic
     joints; ``damping`` and ``dry_friction`` (joints,) are the model file's own values; ``lower`` and ``upper`` are its
-    position limits and ``top_speed`` its velocity limits, infinite where it states none.  ``spring`` (joints, 4) is
-    what the model's own springs demand of the drives, as polynomials in position, constant first.
+    position limits and ``top_speed`` its velocity limits, infinite where it states none.  ``bent_damping``
+    (joints,) is True where its damping has terms of higher order.  ``spring`` (joints, 4) is what the model's own
+    springs demand of the drives, as polynomials in position, constant first.
     """
 
     joints: tuple[str, ...]
@@ -46,6 +47,7 @@ class Body:
     lower: Floats
     upper: Floats
     top_speed: Floats
+    bent_damping: tuple[bool, ...]
     spring: Floats
     gravity: Floats
     model: pin.Model
@@ -121,8 +123,8 @@ def load_body(
             )
     locked = [full.getJointId(name) for name in known if name not in joints]
     _tell_apart(full, {name for name in known if name not in joints})
-    references, springs = at_rest(text)
-    model = pin.buildReducedModel(full, locked, _placed(full, references)) if locked else full
+    stated = unread(text)
+    model = pin.buildReducedModel(full, locked, _placed(full, stated)) if locked else full
     for joint in joints:
         axes = model.joints[model.getJointId(joint)].nv
         if axes != 1:
@@ -164,19 +166,21 @@ def load_body(
         lower=lower,
         upper=upper,
         top_speed=_top_speeds(model, columns),
-        spring=np.array([springs.get(joint, np.zeros(4)) for joint in joints]),
+        bent_damping=tuple(joint in stated and stated[joint].bent_damping for joint in joints),
+        spring=np.array([stated[joint].spring if joint in stated else np.zeros(4) for joint in joints]),
         gravity=np.array(model.gravity.linear),
         model=model,
         columns=columns,
     )
 
 
-def _placed(model: pin.Model, places: Mapping[str, float]) -> Floats:
-    # The neutral configuration with some joints elsewhere.
+def _placed(model: pin.Model, stated: Mapping[str, Unread]) -> Floats:
+    # The neutral configuration, with the joints that have a reference at it.
     q = np.array(pin.neutral(model))
-    for name, place in places.items():
-        entry = model.joints[model.getJointId(name)]
-        q[entry.idx_q : entry.idx_q + entry.nq] = _as_configuration(entry, np.array([place]))[0]
+    for name, own in stated.items():
+        if own.reference != 0.0:
+            entry = model.joints[model.getJointId(name)]
+            q[entry.idx_q : entry.idx_q + entry.nq] = _as_configuration(entry, np.array([own.reference]))[0]
     return q
 
 

@@ -9,6 +9,7 @@ import sys
 import tempfile
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -67,21 +68,33 @@ def _parsed(path: Path, _changed: int, text: str | None) -> tuple[pin.Model, tup
     return model, tuple(float(part) for part in own.split()) if own else STANDARD_GRAVITY
 
 
-def at_rest(text: str | None) -> tuple[dict[str, float], dict[str, np.ndarray]]:
-    """Return where the joints of an MJCF in expanded form have their reference (rad or m), and their springs, by joint.
+@dataclass(frozen=True)
+class Unread:
+    """What an MJCF says of a joint that Pinocchio does not read.
 
-    Springs are the coefficients of the torque that they demand of a drive, as a polynomial in position, constant first,
-    (4,).  Pinocchio reads neither.  Both are empty without ``text``.
+    ``reference`` (rad or m) is where the file has the joint.  ``spring`` (4,) has the coefficients of the torque that
+    its spring demands of a drive, as a polynomial in position, constant first.  ``bent_damping`` says whether its
+    damping has terms of higher order than the first.
     """
-    references, springs = dict[str, float](), dict[str, np.ndarray]()
+
+    reference: float
+    spring: np.ndarray
+    bent_damping: bool
+
+
+def unread(text: str | None) -> dict[str, Unread]:
+    """Return what an MJCF in expanded form says of its joints that Pinocchio does not read; empty without ``text``."""
+    out = {}
     for joint in ET.fromstring(text).iter("joint") if text else ():
-        name, rest = joint.get("name", ""), float(joint.get("springref", 0.0))
-        references[name] = float(joint.get("ref", 0.0))
-        stiffness = [float(part) for part in joint.get("stiffness", "0").split()]
-        if any(stiffness):
-            about_zero = Polynomial([0.0, *stiffness])(Polynomial([-rest, 1.0])).coef
-            springs[name] = np.pad(about_zero, (0, 4 - about_zero.size))
-    return {name: place for name, place in references.items() if place != 0.0}, springs
+        stiffness, bent = (_numbers(joint.get(key, "0")) for key in ("stiffness", "bent"))
+        torque = Polynomial([0.0, *stiffness])(Polynomial([-float(joint.get("springref", 0.0)), 1.0])).coef
+        spring = np.pad(torque, (0, 4 - torque.size)) if any(stiffness) else np.zeros(4)
+        out[joint.get("name", "")] = Unread(float(joint.get("ref", 0.0)), spring, any(bent))
+    return out
+
+
+def _numbers(text: str) -> list[float]:
+    return [float(part) for part in text.split()]
 
 
 def _read(reader: Callable[[str], pin.Model], path: Path, told_of: Path, kind: str) -> pin.Model:

@@ -87,10 +87,18 @@ class Robot:
         return replace(body, top_speed=np.array(top))
 
     def with_stated_friction(self, body: Body) -> Robot:
-        """Return the robot with the model file's damping and dry friction as a law on each joint that states none."""
+        """Return the robot with the model file's damping and dry friction as a law on each joint that states none.
+
+        Raises :class:`RobotError` where that damping has terms of higher order.
+        """
         robot = self
         for i, joint in enumerate(self.table.joint):
             if joint.friction is None:
+                if body.bent_damping[i]:
+                    raise RobotError(
+                        f"robot '{self.name}': the model's damping of joint '{joint.name}' is no multiple of its "
+                        "speed; state it in the robot file as a friction law, such as quadratic_viscous"
+                    )
                 levels = {"coulomb": float(body.dry_friction[i]), "viscous": float(body.damping[i])}
                 term = FrictionTerm(law=COULOMB_VISCOUS.name, parameters=levels)
                 robot = robot.with_joint(joint.model_copy(update={"friction": (term,)}))

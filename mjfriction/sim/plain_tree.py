@@ -99,6 +99,7 @@ def _joint(model: mujoco.MjModel, j: int) -> dict[str, str]:
         "pos": _words(model.jnt_pos[j]),
         "limited": "true" if limited else "false",
         "damping": _words([model.dof_damping[dof]]),
+        "bent": _words(model.dof_dampingpoly[dof]),  # no attribute of MJCF: Pinocchio reads one number of damping
         "frictionloss": _words([model.dof_frictionloss[dof]]),
         "armature": _words([model.dof_armature[dof]]),
     }

@@ -13,6 +13,7 @@ from mjfriction.errors import RobotError
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.effort import predict_effort
 from mjfriction.robot.files import read_robot
+from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.measured_motion import measured_motion
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.simulation import robot_spec
@@ -87,6 +88,15 @@ def test_predicted_efforts_are_those_of_mujoco(parts: dict[str, str], tmp_path: 
 def test_forces_that_no_balance_of_bodies_has_are_refused(parts: dict[str, str], told: str, tmp_path: Path) -> None:
     with pytest.raises(RobotError, match=told):
         robot(tmp_path, **parts).body()
+
+
+def test_damping_that_bends_is_to_be_stated_as_a_law(tmp_path: Path) -> None:
+    own = robot(tmp_path, joint='damping="2 1.5"')
+    with pytest.raises(RobotError, match="the model's damping of joint 'j2' is no multiple of its speed"):
+        own.with_stated_friction(own.body())
+    term = FrictionTerm(law="quadratic_viscous", parameters={"coulomb": 0.0, "viscous": 2.0, "quadratic": 1.5})
+    stated = own.with_joint(own.joint("j2").model_copy(update={"friction": (term,)}))
+    assert stated.with_stated_friction(stated.body()).joint("j2").friction == (term,)
 
 
 def test_a_joint_of_a_urdf_that_follows_another_is_refused_where_it_is_listed(tmp_path: Path) -> None:
