@@ -181,8 +181,8 @@ class Cause(ABC):
         return True
 
     def usual_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
-        """Return the range of each shape parameter that such causes usually have, which is searched where the site has
-        the best of all shapes and it does not belong to the cause: by default there is none.
+        """Return the range of each shape parameter that such causes usually have, which is searched where the best of
+        all shapes does not belong to the cause: by default there is none.
         """
         return []
 

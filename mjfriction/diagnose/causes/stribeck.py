@@ -64,11 +64,8 @@ class Stribeck(JointCause):
         return [(SLOWEST * gap.doubt_speed[site.joint], self.fastest * top), EXPONENT_RANGE]
 
     def usual_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
-        """The published exponents, where a level falls over the whole range of speeds: these tell poorly how sharply it
-        does.
-        """
-        velocities, (_, highest) = self.shape_bounds(gap, site)
-        return [velocities, (min(EXPONENTS), max(EXPONENTS))] if site.shape[1] < OF_STEP * highest else []
+        """The published exponents: few rows at low speed tell poorly how sharply a level falls."""
+        return [self.shape_bounds(gap, site)[0], (min(EXPONENTS), max(EXPONENTS))]
 
     def own_shape(self, gap: Gap, site: Site) -> bool:
         """A level that neither stays and then falls like a step nor, where its end is seen, falls over the whole range

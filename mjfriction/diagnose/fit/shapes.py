@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import minimize
@@ -13,6 +14,8 @@ from mjfriction.diagnose.fit.trial import try_out
 from mjfriction.record.log import Floats
 
 Bounds = Sequence[tuple[float, float]]
+# Squared error, over the noise, by which the best of two shape parameters does better by chance, once in a hundred times.
+BY_CHANCE = 9.0
 
 
 def best_shape(model: Model, choice: Chosen, bounds: Bounds | None = None) -> Chosen:
@@ -22,9 +25,7 @@ def best_shape(model: Model, choice: Chosen, bounds: Bounds | None = None) -> Ch
     """
 
     def lost(site: Site) -> float:
-        columns = choice.cause.columns(model.gap, site)
-        strengths, gains = model.system.screen({joint: values[:, None, :] for joint, values in columns.items()})
-        return -float(gains[0]) if choice.cause.admissible(model.gap, site, strengths[0]) else 0.0
+        return -_taken_off(model, replace(choice, site=site))
 
     around, best = choice.cause.around_sites(model.gap, choice.site), choice.site
     if around:
@@ -65,14 +66,25 @@ def best_shape(model: Model, choice: Chosen, bounds: Bounds | None = None) -> Ch
 def own_shape(model: Model, choice: Chosen) -> Chosen | None:
     """Return a cause, not part of the model, with the best shape that is its own; None where there is none.
 
-    Where the best of all shapes belongs to something else, the usual ones of the cause may nevertheless do as well.
+    Where the best of all shapes belongs to something else, a usual one of the cause is its own if it does as well but
+    for chance.
     """
     best = best_shape(model, choice)
-    if choice.cause.own_shape(model.gap, best.site):
-        return best if apart(model, best) else None
-    usual = choice.cause.usual_bounds(model.gap, best.site)
-    best = best_shape(model, choice, usual) if usual else best
-    return best if choice.cause.own_shape(model.gap, best.site) and apart(model, best) else None
+    if not choice.cause.own_shape(model.gap, best.site):
+        usual = choice.cause.usual_bounds(model.gap, choice.site)
+        if not usual:
+            return None
+        most, best = _taken_off(model, best), best_shape(model, choice, usual)
+        if _taken_off(model, best) < most - BY_CHANCE or not choice.cause.own_shape(model.gap, best.site):
+            return None
+    return best if apart(model, best) else None
+
+
+def _taken_off(model: Model, choice: Chosen) -> float:
+    # The squared error, over the noise, that a cause takes off a model; none where it is not physical.
+    columns = choice.cause.columns(model.gap, choice.site)
+    strengths, gains = model.system.screen({joint: values[:, None, :] for joint, values in columns.items()})
+    return float(gains[0]) if choice.cause.admissible(model.gap, choice.site, strengths[0]) else 0.0
 
 
 def apart(model: Model, choice: Chosen) -> bool:
