@@ -14,7 +14,7 @@ from mjfriction.diagnose.fit.trial import try_out
 from mjfriction.record.log import Floats
 
 Bounds = Sequence[tuple[float, float]]
-# Squared error, over the noise, by which the best of two shape parameters does better by chance, once in a hundred times.
+# Squared error, over the noise, by which the best of two shape parameters does better by chance once in a hundred.
 BY_CHANCE = 9.0
 
 

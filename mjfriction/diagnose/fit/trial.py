@@ -17,6 +17,7 @@ from mjfriction.record.log import Floats, Integers
 FALSE_ALARM = 0.01  # target chance that noise alone yields a cause on a log without any
 LEAST_SHARE = 0.01  # share of the remaining held-out error that a cause must remove at the joints it touches
 LEAST_EFFECT = 0.005  # fraction of the joint's RMS effort that a cause's own effort must reach
+BRIEFLY = 0.5  # the same for a cause that shows in few rows, as a part of it: its RMS effort says little of its size
 UNEVEN = 0.015  # size of waves along the stroke, relative to friction, on a machine as uneven as real ones
 EVENEST = 0.25  # size required of a cause on the most even machine, relative to one that is as uneven as real ones
 # A wave must be STANDS_OUT times as large as the waves that half of the joints show.  Of those, no more than WAVIEST
@@ -188,9 +189,10 @@ def least_effect(model: Model, choice: Chosen, left: float = np.inf) -> float:
     """Return the share of a joint's RMS effort that a cause must make; ``left`` is as for :func:`least_of_friction`.
 
     So small an effect at a single joint may be anything.  One that all joints show may not, if the machine is even: a
-    cause of the whole arm may be smaller there.
+    cause of the whole arm may be smaller there, and so may one that shows in few rows.
     """
-    return LEAST_EFFECT * (_unevenness(model, choice, left) if choice.cause.whole_arm else 1.0)
+    least = LEAST_EFFECT * (BRIEFLY if choice.cause.brief else 1.0)
+    return least * (_unevenness(model, choice, left) if choice.cause.whole_arm else 1.0)
 
 
 def least_of_friction(model: Model, choice: Chosen, left: float = np.inf) -> float:
