@@ -40,6 +40,7 @@ from mjfriction.diagnose.fit.exact import EXACT, FEWEST_OTHERS, MOST_JOINTS
 from mjfriction.diagnose.fit.nuisance import FARTHEST, LET_GO
 from mjfriction.diagnose.fit.refitted import CONSTANT, FEWEST_JOINTS, LINK_SCALE, LINK_SHIFT, OUT_OF_CHANCE, ROTOR, ZERO
 from mjfriction.diagnose.fit.trial import (
+    BRIEFLY,
     EVENEST,
     FALSE_ALARM,
     LEAST_EFFECT,
@@ -215,7 +216,8 @@ def test_how_it_decides_tells_what_an_error_that_none_explains_says_of_what_was_
     assert (MANY_AT_A_JOINT, FEWEST_JOINTS) == (3, 3), "the page says three causes and three joints"
 
 
-def test_how_it_decides_tells_which_exponents_are_usual() -> None:
+def test_how_it_decides_tells_which_exponents_are_usual_and_what_suffices_for_play() -> None:
+    assert BRIEFLY == 0.5, "the page says half"
     assert f"those from {min(EXPONENTS):g} to {max(EXPONENTS):g} are tried" in text("docs/how_it_decides.md")
 
 

@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
+import pyarrow as pa
 import pytest
 from scipy.stats import f as fisher
 
+from mjfriction.benchmark.drawing import draw_case
+from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.waves import Cogging
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.fit import trial as trial_module
 from mjfriction.diagnose.fit.model import Chosen
-from mjfriction.diagnose.fit.trial import FALSE_ALARM, Trial
+from mjfriction.diagnose.fit.trial import BRIEFLY, FALSE_ALARM, LEAST_EFFECT, Trial, least_effect
 from mjfriction.diagnose.fit.wald import Wald
 from mjfriction.diagnose.search.compete import KEPT, _stays
 from mjfriction.diagnose.search.field import Chances
 from mjfriction.diagnose.tell.alike import AT_THE_BAR, _clearly
+from mjfriction.record.readers.table import log_from_table
 
 CANDIDATES, SPARE = 1000, 40
 
@@ -49,6 +56,22 @@ def test_the_larger_a_cause_is_over_what_it_has_to_be_the_surer_it_is() -> None:
     assert sure[3] > 0.9
     assert sure[4] == pytest.approx(1.0, abs=1e-3)
     assert _clearly(replace(trial(1e-9), least_told=0.0)) == 1.0
+
+
+def test_play_which_shows_in_few_rows_may_make_less_effort_than_others() -> None:
+    model = SimpleNamespace()  # of no matter for the causes of one joint
+    usual, brief = (least_effect(model, Chosen(cause, Site(0))) for cause in (Offset(), Backlash()))  # type: ignore[arg-type]
+    assert (usual, brief) == (LEAST_EFFECT, BRIEFLY * LEAST_EFFECT)
+
+
+@pytest.mark.deep
+def test_play_of_little_effort_that_takes_most_of_the_error_is_a_finding(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = draw_case(1010080).case()
+    log, hidden = log_from_table(pa.table(case.log), "case"), {(one.cause, one.joint) for one in case.hidden}
+    assert {(one.cause, one.joint) for one in diagnose_log(log, case.stated).findings} == hidden
+    monkeypatch.setattr(trial_module, "BRIEFLY", 1.0)
+    left = {(one.cause, one.joint) for one in diagnose_log(log, case.stated).findings}
+    assert hidden - left == {("drive.backlash", "joint_2")}
 
 
 def test_the_level_of_false_alarms_is_shared_out_whole_and_few_candidates_do_not_pay_for_many() -> None:

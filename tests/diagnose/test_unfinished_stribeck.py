@@ -68,6 +68,17 @@ def test_one_that_ends_late_is_no_bend() -> None:
     assert finding.cause == "friction.stribeck"
 
 
+@pytest.mark.deep
+def test_one_that_few_rows_show_is_no_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A wrist that is always fast: the best exponent is that of a step, and one of 2 does as well."""
+    case = draw_case(1010093).case()
+    log = log_from_table(pa.table(case.log), "case")
+    (finding,) = diagnose_log(log, case.stated).findings
+    assert [(finding.cause, finding.joint)] == [(hidden.cause, hidden.joint) for hidden in case.hidden]
+    monkeypatch.setattr(Stribeck, "usual_bounds", lambda *_: [])
+    assert not diagnose_log(log, case.stated).findings
+
+
 def best_of_its_own(folder: Path, exponent: float) -> Chosen | None:
     def fading(course: Instant) -> np.ndarray:
         velocity = LATE * np.max(np.abs(course.v))
