@@ -75,7 +75,8 @@ def install() -> bool:
     """
     with _lock:
         new = _put_in()
-        _use.for_good = True
+        # Put back within a block in which it was removed, it ends with the block.
+        _use.for_good |= not (new and _use.blocks)
         return new
 
 

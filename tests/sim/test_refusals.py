@@ -237,6 +237,14 @@ def test_a_callback_installed_for_good_within_a_block_outlives_it() -> None:
     assert mujoco.get_mjcb_control() is None
 
 
+def test_a_callback_that_was_removed_and_put_back_within_a_block_ends_with_it() -> None:
+    with friction_active():
+        remove()
+        assert mujoco.get_mjcb_control() is None
+        assert install()
+    assert mujoco.get_mjcb_control() is None
+
+
 def test_a_nan_is_an_error_naming_the_joint() -> None:
     model = attach(spec(TWO_ARMS), arm_laws())
     data = mujoco.MjData(model)
