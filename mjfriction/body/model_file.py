@@ -32,6 +32,11 @@ def root_of(path: Path) -> ET.Element:
         raise RobotError(f"{path}: not well-formed XML: {error}") from None
 
 
+def followers(path: Path) -> tuple[str, ...]:
+    """Return the joints of a URDF that follow others by ``<mimic>``; none of any other file."""
+    return tuple(str(joint.get("name")) for joint in root_of(path).findall("joint") if joint.find("mimic") is not None)
+
+
 def changed(path: Path) -> int:
     """Return the time of a file's last modification, ns; 0 if there is no such file."""
     return path.stat().st_mtime_ns if path.is_file() else 0

@@ -74,7 +74,7 @@ def _made_of_it(log: Log, joint: str, clock: Clock) -> bool:
     spell = max(16, int(SPELL * rate))
     if own.size < 4 * spell or not (np.any(own) and np.any(other)):
         return False
-    # Welch's method, whose own function takes twenty times as long as it goes from window to window.
+    # Welch's method; its own function goes from window to window in Python, and a log has hundreds.
     frequency, _, (mine, its) = stft(
         np.stack([own, other]), rate, nperseg=spell, detrend="constant", boundary=None, padded=False, scaling="psd"
     )

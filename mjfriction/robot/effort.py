@@ -16,7 +16,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.polynomial.polynomial import polyval
 
 from mjfriction.body.inverse import inertia_along, motion_derivatives
 from mjfriction.body.model import Body
@@ -28,7 +27,7 @@ from mjfriction.robot.links_torque import links_torque
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import forward_share, friction_along, states_along, waves_along
 from mjfriction.robot.schema import EffortSensor, Joint
-from mjfriction.robot.spring import spring_along
+from mjfriction.robot.spring import coefficients, spring_along
 from mjfriction.robot.transmission import Link, lag
 
 GIVING_ROUNDS = 2  # fixed-point rounds for the links' motion; enough if the deflection is a few percent of the motion
@@ -95,7 +94,7 @@ def effort_of(robot: Robot, motion: Motion, carried: Carried) -> Effort:
     total = rigid + friction + carried.sprung
     for i, joint in enumerate(robot.table.joint):
         total[:, i] += waves_along(joint.cogging, motor.position[:, i])
-        total[:, i] += spring_along(joint.spring, linked.position[:, i])
+        total[:, i] += spring_along(coefficients(joint.spring), linked.position[:, i])
     alone = total.copy()
     for i, joint in enumerate(robot.table.joint):
         for coupling in joint.coupling:
@@ -181,13 +180,9 @@ def carry(robot: Robot, body: Body, motion: Motion) -> Carried:
             turned = drive.inertia * (motor.acceleration[:, i] + drive.ratio * motor.acceleration[:, other])
             rigid[:, i] += turned
             rigid[:, other] += drive.ratio * turned
-    return Carried(rigid, rotor, motor, linked, _where_friction_acts(robot, motor, linked), sprung_of(body, linked))
-
-
-def sprung_of(body: Body, linked: Motion) -> Floats:
-    """Return the torque that the springs of the model file demand of the drives along a motion, (n, joints)."""
-    courses = zip(linked.position.T, body.spring, strict=True)
-    return np.column_stack([polyval(position, spring) for position, spring in courses])
+    courses = zip(body.spring, linked.position.T, strict=True)
+    sprung = np.column_stack([spring_along(powers, position) for powers, position in courses])
+    return Carried(rigid, rotor, motor, linked, _where_friction_acts(robot, motor, linked), sprung)
 
 
 def as_reported(joint: Joint, torque: Floats, motion: Motion, position: Floats) -> Floats:

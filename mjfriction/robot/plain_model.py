@@ -6,7 +6,7 @@ import functools
 from collections.abc import Collection
 from pathlib import Path
 
-from mjfriction.body.model_file import MOST_KEPT, changed, root_of
+from mjfriction.body.model_file import MOST_KEPT, changed, followers, root_of
 from mjfriction.errors import RobotError, SimulationError
 
 
@@ -37,18 +37,15 @@ def check_tree(path: Path, joints: Collection[str]) -> None:
     """
     for what, acting, instead in _beside(path, changed(path), frozenset(joints)):
         raise RobotError(
-            f"{path}: {what} acts on joint '{acting}', and predictions of efforts cannot include that; take it out of "
-            f"the model file ({instead})"
+            f"{path}: {what} acts on joint '{acting}', and predictions of efforts cannot include that; {instead}"
         )
 
 
 @functools.lru_cache(MOST_KEPT)
 def _beside(path: Path, _changed: int, joints: frozenset[str]) -> tuple[tuple[str, str, str], ...]:
-    root = root_of(path)
-    if root.tag != "mujoco":
-        following = [str(one.get("name")) for one in root.findall("joint") if one.find("mimic") is not None]
+    if root_of(path).tag != "mujoco":
         instead = "leave joints that follow others out of the robot file"
-        return tuple((f"<mimic> of joint '{name}'", name, instead) for name in following if name in joints)
+        return tuple(("<mimic>", name, instead) for name in followers(path) if name in joints)
     from mjfriction.sim.beside_the_tree import beside_the_tree  # noqa: PLC0415  (a URDF needs no MuJoCo)
 
     try:

@@ -22,11 +22,11 @@ def plus(spring: Spring, added: Floats) -> Spring:
     return spring.model_copy(update={name: float(own + more) for name, own, more in powers})
 
 
-def spring_along(spring: Spring, position: Floats) -> Floats:
-    """Return the torque, N·m or N, that the drive works against at positions (n,)."""
-    return np.asarray(polynomial.polyval(position, coefficients(spring)))
+def spring_along(powers: Floats, position: Floats) -> Floats:
+    """Return the torque, N·m or N, that the drive works against at positions (n,), by coefficients (4,)."""
+    return np.asarray(polynomial.polyval(position, powers))
 
 
-def spring_slope_along(spring: Spring, position: Floats) -> Floats:
+def spring_slope_along(powers: Floats, position: Floats) -> Floats:
     """Return the derivative of that torque with respect to position, at positions (n,)."""
-    return np.asarray(polynomial.polyval(position, polynomial.polyder(coefficients(spring))))
+    return np.asarray(polynomial.polyval(position, polynomial.polyder(powers)))

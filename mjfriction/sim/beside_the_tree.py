@@ -12,6 +12,7 @@ import numpy as np
 from mjfriction.errors import SimulationError
 from mjfriction.sim.spec import BY_JOINT, COUPLES
 
+INSTEAD = "take it out of the model, and state {} at the joints"
 HELD = (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
 
 
@@ -61,7 +62,7 @@ def _equalities(spec: mujoco.MjSpec) -> Iterator[Beside]:
             elif one.type in HELD:
                 of_site = one.objtype == mujoco.mjtObj.mjOBJ_SITE
                 joints |= _moving(spec.site(name).parent if of_site else spec.body(name))
-        instead = "leave joints that it couples out of the robot file"
+        instead = "leave joints that it couples out of the robot file, or take it out of the model"
         yield Beside(f"the equality{_named(one.name)}", joints, instead, together=one.type in COUPLES)
 
 
@@ -70,13 +71,13 @@ def _tendons(spec: mujoco.MjSpec) -> Iterator[Beside]:
         limited = one.limited != mujoco.mjtLimited.mjLIMITED_FALSE and one.range[0] < one.range[1]
         forces = (*np.atleast_1d(one.stiffness), *np.atleast_1d(one.damping), one.frictionloss, one.armature)
         if limited or np.any(forces):
-            yield Beside(f"the tendon{_named(one.name)}", _wrapped(one), "state its spring or friction at the joints")
+            yield Beside(f"the tendon{_named(one.name)}", _wrapped(one), INSTEAD.format("its spring or friction"))
 
 
 def _compensations(spec: mujoco.MjSpec) -> Iterator[Beside]:
     for body in spec.bodies[1:]:
         if body.gravcomp != 0.0:
-            instead = "drives report the efforts by which they hold gravity"
+            instead = "take it out of the model: drives report the efforts by which they hold gravity"
             yield Beside(f"the gravcomp of body{_named(body.name)}", _moving(body), instead)
 
 
@@ -84,13 +85,13 @@ def _fluid(spec: mujoco.MjSpec) -> Iterator[Beside]:
     option = spec.option
     if option.density != 0.0 or option.viscosity != 0.0 or np.any(option.wind):
         joints = frozenset(joint.name for joint in spec.joints)
-        yield Beside("the fluid (density, viscosity or wind)", joints, "state its drag as friction of the joints")
+        yield Beside("the fluid (density, viscosity or wind)", joints, INSTEAD.format("its drag"))
 
 
 def _yielding(spec: mujoco.MjSpec) -> Iterator[Beside]:
     for joint in spec.joints:
         if np.any(np.asarray(joint.springyield)) and np.any(np.asarray(joint.stiffness)):
-            instead = "state it as the law maxwell_slip"
+            instead = "take it out of the model, and state it in the robot file as the law maxwell_slip"
             yield Beside(f"the springyield of joint{_named(joint.name)}", frozenset({joint.name}), instead)
 
 

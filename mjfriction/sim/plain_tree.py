@@ -15,6 +15,7 @@ import numpy as np
 
 from mjfriction.errors import SimulationError
 
+Disable = mujoco.mjtDisableBit
 TYPES = {
     int(mujoco.mjtJoint.mjJNT_FREE): "free",
     int(mujoco.mjtJoint.mjJNT_BALL): "ball",
@@ -64,8 +65,8 @@ def _delete(spec: mujoco.MjSpec, elements: Iterable[object]) -> None:
 def _in_words(model: mujoco.MjModel) -> str:
     root = ET.Element("mujoco")
     ET.SubElement(root, "compiler", angle="radian", autolimits="false")
-    weightless = bool(model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY)
-    ET.SubElement(root, "option", gravity=_words(np.zeros(3) if weightless else model.opt.gravity))
+    gravity = np.zeros(3) if _disabled(model, Disable.mjDSBL_GRAVITY) else model.opt.gravity
+    ET.SubElement(root, "option", gravity=_words(gravity))
     nodes = {0: ET.SubElement(root, "worldbody")}
     for i in range(1, model.nbody):
         body = nodes[i] = ET.SubElement(
@@ -93,26 +94,34 @@ def _in_words(model: mujoco.MjModel) -> str:
 def _joint(model: mujoco.MjModel, j: int) -> dict[str, str]:
     kind, dof = TYPES[int(model.jnt_type[j])], int(model.jnt_dofadr[j])
     limited = bool(model.jnt_limited[j])
+    damped = not _disabled(model, Disable.mjDSBL_DAMPER)
+    rubs = not _disabled(model, Disable.mjDSBL_FRICTIONLOSS)
     out = {
         "name": model.joint(j).name or f"joint {j}",
         "type": kind,
         "pos": _words(model.jnt_pos[j]),
         "limited": "true" if limited else "false",
-        "damping": _words([model.dof_damping[dof]]),
-        "bent": _words(model.dof_dampingpoly[dof]),  # no attribute of MJCF: Pinocchio reads one number of damping
-        "frictionloss": _words([model.dof_frictionloss[dof]]),
+        "damping": _words([damped * model.dof_damping[dof]]),
+        "bent": _words(
+            damped * model.dof_dampingpoly[dof]
+        ),  # no attribute of MJCF: Pinocchio reads one number of damping
+        "frictionloss": _words([rubs * model.dof_frictionloss[dof]]),
         "armature": _words([model.dof_armature[dof]]),
     }
     if kind in ("slide", "hinge"):
         if limited:
             out["range"] = _words(model.jnt_range[j])
         out |= {"axis": _words(model.jnt_axis[j]), "ref": _words([model.qpos0[model.jnt_qposadr[j]]])}
-        if not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_SPRING:
+        if not _disabled(model, Disable.mjDSBL_SPRING):
             out |= {
                 "stiffness": _words([model.jnt_stiffness[j], *model.jnt_stiffnesspoly[j]]),
                 "springref": _words([model.qpos_spring[model.jnt_qposadr[j]]]),
             }
     return out
+
+
+def _disabled(model: mujoco.MjModel, what: mujoco.mjtDisableBit) -> bool:
+    return bool(model.opt.disableflags & what)
 
 
 def _words(values: Iterable[float]) -> str:

@@ -18,7 +18,7 @@ from mjfriction.diagnose.settle import stated
 from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
-from mjfriction.robot.spring import spring_along
+from mjfriction.robot.spring import coefficients, spring_along
 from tests.hidden.machine import Effect, Instant, Machine, write_case
 
 PAN = 0
@@ -88,7 +88,7 @@ def test_a_torque_that_bends_along_the_whole_stroke_is_one_spring(tmp_path: Path
     assert pan.rms_heldout_after < 1.1 * pan.noise_floor
     position = diagnosis.gap.motion.position[:, PAN]
     instant = Instant(position, position, position, position, position, position, position[:, None])
-    change = spring_along(diagnosis.robot.joint("shoulder_pan_joint").spring, position) - effect(instant)
+    change = spring_along(coefficients(diagnosis.robot.joint("shoulder_pan_joint").spring), position) - effect(instant)
     assert np.sqrt(np.mean(np.square(change))) < 0.03 * np.std(effect(instant))
 
 

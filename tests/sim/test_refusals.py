@@ -191,17 +191,18 @@ def test_a_callback_installed_for_good_outlives_a_with_block() -> None:
         remove()
 
 
-def test_blocks_that_overlap_keep_the_friction_until_the_last_of_them_ends() -> None:
+def turned(steps: int) -> Iterator[float]:
+    """The velocities of a rotor that is driven within a block of its own."""
     model = attach(spec(ROTOR), {"rotor": lugre()})
+    data = mujoco.MjData(model)
+    data.ctrl[0] = 3.0
+    with friction_active():
+        for _ in range(steps):
+            mujoco.mj_step(model, data)
+            yield float(data.qvel[0])
 
-    def turned(steps: int) -> Iterator[float]:
-        data = mujoco.MjData(model)
-        data.ctrl[0] = 3.0
-        with friction_active():
-            for _ in range(steps):
-                mujoco.mj_step(model, data)
-                yield float(data.qvel[0])
 
+def test_blocks_that_overlap_keep_the_friction_until_the_last_of_them_ends() -> None:
     alone = list(turned(20))
     short, long = turned(3), turned(20)
     beside = [next(long) for _ in zip(range(2), short, strict=False)]
@@ -211,19 +212,10 @@ def test_blocks_that_overlap_keep_the_friction_until_the_last_of_them_ends() -> 
 
 
 def test_blocks_of_several_threads_do_not_end_each_other() -> None:
-    def turned(steps: int) -> float:
-        model = attach(spec(ROTOR), {"rotor": lugre()})
-        data = mujoco.MjData(model)
-        data.ctrl[0] = 3.0
-        with friction_active():
-            for _ in range(steps):
-                mujoco.mj_step(model, data)
-        return float(data.qvel[0])
-
     lengths = [1, 4000] * 4
-    alone = [turned(steps) for steps in lengths]
+    alone = [list(turned(steps)) for steps in lengths]
     with ThreadPoolExecutor(4) as pool:
-        assert list(pool.map(turned, lengths)) == alone
+        assert list(pool.map(lambda steps: list(turned(steps)), lengths)) == alone
     assert mujoco.get_mjcb_control() is None
 
 

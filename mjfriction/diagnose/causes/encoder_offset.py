@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import final
 
 import numpy as np
-from numpy.polynomial.polynomial import polyder, polyval
 
 from mjfriction.diagnose.causes.cause import Quantity, Site
 from mjfriction.diagnose.causes.moved_link import MovedLink, changed
@@ -16,7 +15,7 @@ from mjfriction.robot.edges import edge_slopes_along
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import wave_slopes_along
 from mjfriction.robot.spots import spot_slopes_along
-from mjfriction.robot.spring import spring_slope_along
+from mjfriction.robot.spring import coefficients, spring_slope_along
 
 OFFSET = Parameter("offset", "{length}", "what the sensor reads where the joint is at zero")
 FARTHEST = 0.5  # rad or m, largest error of a zero
@@ -41,8 +40,8 @@ class EncoderOffset(MovedLink):
         joint, position = gap.robot.table.joint[site.joint], gap.linked.position[:, site.joint]
         level = wave_slopes_along(joint.friction_waves, position)
         level += spot_slopes_along(joint.friction_spots, position) + edge_slopes_along(joint.friction_edges, position)
-        along = spring_slope_along(joint.spring, position) + wave_slopes_along(joint.cogging, position)
-        along += polyval(position, polyder(gap.body.spring[site.joint]))
+        springs = coefficients(joint.spring) + gap.body.spring[site.joint]
+        along = spring_slope_along(springs, position) + wave_slopes_along(joint.cogging, position)
         return np.asarray(-along - gap.forward(site.joint) * level)
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
