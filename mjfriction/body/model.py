@@ -111,7 +111,8 @@ def load_body(
     requested joint) is added to the model's.
 
     Raises :class:`RobotError` if the file is missing or does not parse, if a joint is unknown or has more than one
-    axis, if the payload's parent is unknown, or if nothing that moves has a mass.
+    axis, if the payload's parent is unknown, if a link is named by a joint that is not the last of its body, or if
+    nothing that moves has a mass.
     """
     full, own_gravity = parse(path, text)
     known = [name for name in full.names if name != "universe"]
@@ -124,6 +125,10 @@ def load_body(
     locked = [full.getJointId(name) for name in known if name not in joints]
     _tell_apart(full, {name for name in known if name not in joints})
     stated = unread(text)
+    given = {"link_inertia": link_inertia, "link_shift": link_shift, "link_scale": link_scale}
+    by_key = {key: list(named) for key, named in given.items() if named}
+    for key, named in (by_key | ({"payload": [payload.parent]} if payload else {})).items():
+        _check_last(path, key, named, stated)
     model = pin.buildReducedModel(full, locked, _placed(full, stated)) if locked else full
     for joint in joints:
         axes = model.joints[model.getJointId(joint)].nv
@@ -172,6 +177,16 @@ def load_body(
         model=model,
         columns=columns,
     )
+
+
+def _check_last(path: Path, key: str, named: Collection[str], stated: Mapping[str, Unread]) -> None:
+    # Of several joints of one body, the last one moves its mass; the others move nothing that could be changed.
+    for joint in named:
+        last = stated[joint].before if joint in stated else None
+        if last is not None:
+            raise RobotError(
+                f"{path}: {key}: joint '{joint}' shares its body with joint '{last}'; name '{last}' instead"
+            )
 
 
 def _placed(model: pin.Model, stated: Mapping[str, Unread]) -> Floats:

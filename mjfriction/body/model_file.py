@@ -79,12 +79,14 @@ class Unread:
 
     ``reference`` (rad or m) is where the file has the joint.  ``spring`` (4,) has the coefficients of the torque that
     its spring demands of a drive, as a polynomial in position, constant first.  ``bent_damping`` says whether its
-    damping has terms of higher order than the first.
+    damping has terms of higher order than the first.  ``before`` is the last joint of its body, if that is another
+    one: that joint moves the body's mass.
     """
 
     reference: float
     spring: np.ndarray
     bent_damping: bool
+    before: str | None
 
 
 def unread(text: str | None) -> dict[str, Unread]:
@@ -94,7 +96,8 @@ def unread(text: str | None) -> dict[str, Unread]:
         stiffness, bent = (_numbers(joint.get(key, "0")) for key in ("stiffness", "bent"))
         torque = Polynomial([0.0, *stiffness])(Polynomial([-float(joint.get("springref", 0.0)), 1.0])).coef
         spring = np.pad(torque, (0, 4 - torque.size)) if any(stiffness) else np.zeros(4)
-        out[joint.get("name", "")] = Unread(float(joint.get("ref", 0.0)), spring, any(bent))
+        reference = float(joint.get("ref", 0.0))
+        out[joint.get("name", "")] = Unread(reference, spring, any(bent), joint.get("before"))
     return out
 
 

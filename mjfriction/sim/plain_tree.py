@@ -28,7 +28,8 @@ def plain_tree(path: Path) -> str:
     """Return an equivalent MJCF file that states its bodies and joints in plain numbers.
 
     It has every body's pose and inertia and every joint's axis, limits, damping, dry friction, armature and spring,
-    with angles in radians and without shapes.  Bodies and joints without a name get one.  Raises
+    with angles in radians and without shapes.  Bodies and joints without a name get one.  A body with several joints
+    becomes a chain of bodies with one joint each, of which the last has its mass.  Raises
     :class:`SimulationError` when MuJoCo cannot read the file, or cannot compile the parts that masses depend on: shapes
     of bodies whose inertia is stated are ignored.
     """
@@ -69,13 +70,14 @@ def _in_words(model: mujoco.MjModel) -> str:
     ET.SubElement(root, "option", gravity=_words(gravity))
     nodes = {0: ET.SubElement(root, "worldbody")}
     for i in range(1, model.nbody):
-        body = nodes[i] = ET.SubElement(
-            nodes[int(model.body_parentid[i])],
-            "body",
-            name=model.body(i).name or f"body {i}",
-            pos=_words(model.body_pos[i]),
-            quat=_words(model.body_quat[i]),
-        )
+        first, name = int(model.body_jntadr[i]), model.body(i).name or f"body {i}"
+        joints = [_joint(model, j) for j in range(first, first + int(model.body_jntnum[i]))]
+        parent, placed = nodes[int(model.body_parentid[i])], {"pos": _words(model.body_pos[i])}
+        placed["quat"] = _words(model.body_quat[i])
+        for joint in joints[:-1]:
+            parent, placed = ET.SubElement(parent, "body", placed, name=f"{name} behind {joint['name']}"), {}
+            ET.SubElement(parent, "joint", joint, before=joints[-1]["name"])  # no attribute of MJCF
+        body = nodes[i] = ET.SubElement(parent, "body", placed, name=name)
         if model.body_mass[i] > 0.0:
             ET.SubElement(
                 body,
@@ -85,9 +87,8 @@ def _in_words(model: mujoco.MjModel) -> str:
                 mass=_words([model.body_mass[i]]),
                 diaginertia=_words(model.body_inertia[i]),
             )
-        first = int(model.body_jntadr[i])
-        for j in range(first, first + int(model.body_jntnum[i])):
-            ET.SubElement(body, "joint", _joint(model, j))
+        for joint in joints[-1:]:
+            ET.SubElement(body, "joint", joint)
     return ET.tostring(root, encoding="unicode")
 
 

@@ -26,6 +26,9 @@ ARM = """<mujoco>{top}<worldbody><body name="l1" pos="0 0 0.3"><joint name="j1" 
 FINGERS = "".join(
     f'<body name="f{i}"><joint name="f{i}" type="slide" ref="0.3"/>{MASS}<site name="s{i}"/></body>' for i in (1, 2)
 )
+# Two joints of one body: x moves y, and y the mass.
+TWO = '<body name="xy" pos=".1 0 .2" euler="0 30 0"><joint name="x" type="slide" ref=".1"/>'
+TWO += f'<joint name="y" axis="1 0 1" pos="0 .1 0" stiffness="3"/>{MASS}</body>'
 
 
 def robot(folder: Path, listed: tuple[str, ...] = ("j1", "j2"), **parts: str) -> Robot:
@@ -48,6 +51,7 @@ def robot(folder: Path, listed: tuple[str, ...] = ("j1", "j2"), **parts: str) ->
         {"hand": FINGERS, "more": '<keyframe><key name="home" qpos="0 0 0.1 0.2"/></keyframe>'},
         {"hand": FINGERS, "more": '<equality><joint joint1="f1" joint2="f2"/></equality>'},
         {"hand": FINGERS, "more": '<equality><joint joint1="j2" joint2="f2"/></equality>'},
+        {"hand": TWO},
         {"more": '<tendon><fixed name="t"><joint joint="j1" coef="1"/></fixed></tendon>'},
         {"more": '<equality><connect body1="l2" anchor="0 0 0" active="false"/></equality>'},
         {
@@ -58,13 +62,13 @@ def robot(folder: Path, listed: tuple[str, ...] = ("j1", "j2"), **parts: str) ->
     ],
 )
 def test_predicted_efforts_are_those_of_mujoco(parts: dict[str, str], tmp_path: Path) -> None:
-    own = robot(tmp_path, **parts)
+    own = robot(tmp_path, ("j1", "j2", "x", "y") if parts.get("hand") == TWO else ("j1", "j2"), **parts)
     own = own.with_stated_friction(own.body())
     time = np.arange(0.0, 3.0, 0.01)
     columns = {"time": time} | {
         f"{quantity}.{name}": size * np.sin(rate * time)
         for quantity, size in (("position", 1.0), ("effort", 5.0))
-        for name, rate in (("j1", 2.0), ("j2", 3.0))
+        for name, rate in zip(own.joints, (2.0, 3.0, 5.0, 7.0), strict=False)
     }
     body = own.body()
     motion = measured_motion(log_from_table(pa.table(columns), "log"), own, body, 10.0)
@@ -130,3 +134,12 @@ def test_a_joint_of_a_urdf_that_follows_another_is_refused_where_it_is_listed(tm
             assert own.body().joints == ("j1",)
     (tmp_path / "robot.toml").write_text(draft_robot(str(tmp_path / "arm.urdf"), tmp_path), encoding="utf-8")
     assert read_robot(tmp_path / "robot.toml").joints == ("j1",)
+
+
+@pytest.mark.parametrize("key", ["[link_scale]\nx = 1.1", "[payload]\nmass = 1.0\ncom = [0.0, 0.0, 0.1]\nparent = 'x'"])
+def test_mass_is_stated_of_the_joint_that_moves_it(key: str, tmp_path: Path) -> None:
+    robot(tmp_path, ("x", "y"), hand=TWO)
+    path = tmp_path / "robot.toml"
+    path.write_text(f"{path.read_text(encoding='utf-8')}{key}\n", encoding="utf-8")
+    with pytest.raises(RobotError, match="joint 'x' shares its body with joint 'y'; name 'y' instead"):
+        read_robot(path).body()
