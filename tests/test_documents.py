@@ -65,14 +65,14 @@ from mjfriction.diagnose.search.unevenness import TOLD_BY
 from mjfriction.diagnose.settle.held_links import NEARLY_ALL, NEARLY_EXACT
 from mjfriction.diagnose.settle.levels_kept import LEAST_OFF, NEARER
 from mjfriction.diagnose.settle.stated import FADED, LEFT, OUTLYING
-from mjfriction.diagnose.tell import free_run
+from mjfriction.diagnose.tell import free_run, heard_blows
 from mjfriction.diagnose.tell.alike import AT_THE_BAR, EVEN, MOST_CONFIDENT, ROOM
 from mjfriction.diagnose.tell.contacts import NO_CONTACT, RIGID
 from mjfriction.diagnose.tell.findings import FAINTEST, ONE_OF_MANY
 from mjfriction.diagnose.tell.link_finding import ALWAYS_NOTED, SURELY
 from mjfriction.diagnose.tell.untold import BRISTLE_MISFIT, DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
 from mjfriction.diagnose.tell.verdict import FEWEST_SHOWN, LEAST_FRICTION, LEAST_SHOWN, MANY_AT_A_JOINT, MUCH_COLOURED
-from mjfriction.identify import choose, conclude, landings, measure, turning
+from mjfriction.identify import bursts, choose, conclude, landings, measure, turning
 from mjfriction.identify.colour import AROUND, COLOURED, EVEN_BELOW, FEWEST_ALIKE, MOST_ALIKE
 from mjfriction.identify.doubt import WITHIN, YIELDING
 from mjfriction.identify.measure import ENOUGH_CLEAR, ENOUGH_PER_PERIOD, FEWEST_CLEAR
@@ -154,6 +154,15 @@ def test_how_it_decides_tells_the_limits_of_delays_and_travels() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"late by less than {1e3 * USUALLY_LATE:g} ms, which the filter of any drive takes" in told
     assert (YIELDING, UNDONE) == (1e-3, 0.5), "the page says a thousandth, and half of a delay"
+
+
+def test_how_it_decides_tells_which_blows_and_bursts_count() -> None:
+    told = " ".join(text("docs/how_it_decides.md").split())
+    assert f"at least {bursts.FEWEST_BURSTS} bursts of few rows" in told
+    assert f"if it is {bursts.FAR_OUT:g} times as large as the sensor's noise" in told
+    assert (bursts.BURST_SHARE, heard_blows.HALVED) == (0.5, 0.5), "the page says half"
+    assert f"{heard_blows.LOUD:g} times as large as without, and {heard_blows.ABOVE_NOISE:g} times the sensor's" in told
+    assert f"that has at least {landings.FEWEST} of its own and no play" in told
 
 
 def test_how_it_decides_tells_the_limits_that_it_uses() -> None:

@@ -13,19 +13,21 @@ from mjfriction.diagnose.fit.extend import adjustments, extend_robot
 from mjfriction.diagnose.fit.judged import judged
 from mjfriction.diagnose.fit.model import Model
 from mjfriction.diagnose.fit.nuisance import Nuisance
-from mjfriction.diagnose.search.field import make_field
+from mjfriction.diagnose.search.field import Field, make_field
 from mjfriction.diagnose.search.second_look import compete_twice
 from mjfriction.diagnose.search.stroke_curve import stroke_curves
 from mjfriction.diagnose.search.unevenness import as_uneven, with_unevenness
-from mjfriction.diagnose.settle.stated import settle
+from mjfriction.diagnose.settle.stated import Settled, settle
 from mjfriction.diagnose.tell.findings import make_findings
 from mjfriction.diagnose.tell.free_run import FreeRun, run_freely
+from mjfriction.diagnose.tell.heard_blows import accounts_for, asked_of, hear_blows, left_in_blows
 from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.diagnose.tell.seen_play import play_findings, see_play, unseen
 from mjfriction.diagnose.tell.untold import find_untold
 from mjfriction.diagnose.tell.verdict import reach_verdict, summarize, unexplained, with_faults
 from mjfriction.errors import InputError
 from mjfriction.identify.effort_bandwidth import find_bandwidths, with_bandwidths
+from mjfriction.identify.gap import Gap
 from mjfriction.identify.joint_error import joint_error
 from mjfriction.identify.structure import find_structure
 from mjfriction.progress import Tell, silently
@@ -46,11 +48,14 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     audit = audited(log, robot, highest=HIGHEST)
     refused = audit.refused
     seen = unseen(audit.gap) if refused else see_play(audit.gap, HIGHEST)
-    gap = seen.gap
-    field = make_field(gap, () if refused else STRUCTURAL)
-    nuisance = Nuisance((), (), ()) if refused else with_unevenness(gap, usual_nuisance(gap))
-    found, asked = compete_twice(gap, nuisance, field, tell)
-    settled = settle(as_uneven(found), asked)
+    field = make_field(seen.gap, () if refused else STRUCTURAL)
+    settled = _searched(seen.gap, field, tell)
+    heard = None if refused else hear_blows(seen, settled.model, HIGHEST)
+    if heard is not None:
+        anew = make_field(heard.seen.gap, STRUCTURAL)
+        again = _searched(heard.seen.gap, asked_of(heard, anew, settled.model), tell)
+        if accounts_for(heard, again.model, settled.model):
+            settled, field, seen, heard = again, anew, heard.seen, None
     tell("proving what was found", PROVING)
     model, gap = settled.model, settled.model.gap
     left, heldout = model.residual(oscillations=True, built=True), model.heldout_residual(oscillations=True)
@@ -59,6 +64,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     curves = stroke_curves(model, clean)
     remaining = tuple(unexplained(model, after, heldout, curves))
     untold = find_untold(settled, remaining, curves, clean)
+    remaining += () if heard is None else tuple(left_in_blows(heard, model))
     told = make_findings(settled, untold, field, seed)
     findings = sorted((*play_findings(seen, heldout, seed), *told.findings), key=lambda one: -one.gain.reduction)
     joints = tuple(joint_error(gap, joint, left, heldout, seed, stated=seen.stated) for joint in gap.examined)
@@ -88,6 +94,13 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
         free_run=driven,
         not_run=not_run,
     )
+
+
+def _searched(gap: Gap, field: Field, tell: Tell) -> Settled:
+    # What a search of a field finds; a log of which nothing is asked was refused.
+    nuisance = with_unevenness(gap, usual_nuisance(gap)) if field else Nuisance((), (), ())
+    found, asked = compete_twice(gap, nuisance, field, tell)
+    return settle(as_uneven(found), asked)
 
 
 def _driven(

@@ -60,10 +60,10 @@ class Gap:
     is unknown.  ``clear`` (rows, joints): the rows on which a joint's errors are judged.  ``blocks``: the stretches of
     motion that the rows fall into.  ``per_reported`` (joints,): effort per unit of what the drive reports, 1 or N·m/A.
     ``filtered`` (joints,): the frequency (Hz) above which a drive has filtered its effort away, infinite where none
-    did.  ``yielding``: the share of its stroke over which a joint's contact may yield after a rest.  ``late``
-    (joints,): by how much (s) more than stated the drives are taken to report late, in the columns set beside the
-    residual.  ``known``: what those columns are computed with: the stated robot, or one whose link masses and positions
-    are those found so far.
+    did.  ``yielding``: the share of its stroke over which a joint's contact may yield after a rest.  ``heeding``:
+    whether rows with blows count.  ``late`` (joints,): by how much (s) more than stated the drives are taken to report
+    late, in the columns set beside the residual.  ``known``: what those columns are computed with: the stated robot, or
+    one whose link masses and positions are those found so far.
     """
 
     robot: Robot
@@ -82,6 +82,7 @@ class Gap:
     per_reported: Floats
     filtered: Floats
     yielding: float
+    heeding: bool
     late: Floats
     known: Known
 

@@ -48,12 +48,14 @@ HOPELESS = 1e6  # times the joint's largest effort: the doubt given to a row tha
 ENOUGH_PER_PERIOD = 4.0  # samples per period of the position filter's cutoff that leave the rows unchanged
 
 
-def measure_gap(log: Log, robot: Robot, *, yielding: float = YIELDING, highest: float = HIGHEST) -> Gap:
+def measure_gap(
+    log: Log, robot: Robot, *, yielding: float = YIELDING, highest: float = HIGHEST, heeding: bool = False
+) -> Gap:
     """Compare a log with a robot.
 
     ``yielding`` is the share of its stroke within which a joint's friction is in doubt after it has rested, or while it
     settles; 0 where laws are fitted that say how friction builds up.  ``highest`` is the upper limit of the position
-    filter's cutoff (Hz).
+    filter's cutoff (Hz).  With ``heeding``, rows with blows count like any other.
 
     Raises :class:`LogError` when the log is not of this robot, nothing moves or nothing that moves reports a usable
     effort, or the log is too short; :class:`~mjfriction.errors.RobotError` when the robot's model cannot be read.
@@ -66,7 +68,7 @@ def measure_gap(log: Log, robot: Robot, *, yielding: float = YIELDING, highest: 
     torque = motion.torque * _per_reported(robot, motion)
     filtered = filtered_from(motion, effort, torque)
     chain = make_chain(motion, log.source, whole_below(filtered))
-    gap = _judging(_held_against(log, robot, body, motion, effort, chain, filtered, yielding))
+    gap = _judging(_held_against(log, robot, body, motion, effort, chain, filtered, yielding, heeding))
     if not gap.examined:
         raise LogError(
             f"{log.source}: no joint moves for a while and reports an effort or a current that changes meanwhile; "
@@ -82,7 +84,9 @@ def thinned(gap: Gap) -> Gap:
         return gap
     effort = predict_effort(gap.robot, gap.body, motion)
     chain = make_chain(motion, gap.log.source, whole_below(gap.filtered))
-    return _judging(_held_against(gap.log, gap.robot, gap.body, motion, effort, chain, gap.filtered, gap.yielding))
+    return _judging(
+        _held_against(gap.log, gap.robot, gap.body, motion, effort, chain, gap.filtered, gap.yielding, gap.heeding)
+    )
 
 
 def thinning(motion: Motion) -> int:
@@ -101,7 +105,9 @@ def gap_along(robot: Robot, motion: Motion, along: Gap) -> Gap:
     body = robot.body()
     robot = robot.with_stated_friction(body)
     effort = predict_effort(robot, body, motion)
-    gap = _held_against(along.log, robot, body, motion, effort, along.chain, along.filtered, along.yielding)
+    gap = _held_against(
+        along.log, robot, body, motion, effort, along.chain, along.filtered, along.yielding, along.heeding
+    )
     # Examine the same joints: where no row of a joint is clear with this robot (or none was before), the joint keeps
     # the clear rows of ``along``.
     both = np.any(gap.clear, axis=0) & np.any(along.clear, axis=0)
@@ -147,6 +153,7 @@ def _held_against(
     chain: Chain,
     filtered: Floats,
     yielding: float,
+    heeding: bool,
 ) -> Gap:
     per_reported = _per_reported(robot, motion)
     # Leave out drives that say nothing.  One that reports a constant has measured nothing.  One that holds its joint
@@ -178,6 +185,8 @@ def _held_against(
     doubt = touched * np.maximum(level, np.sqrt(np.mean(np.square(np.nan_to_num(residual)), axis=0)))
     doubt *= np.sqrt(rows_of_rests(touched, chain))
     felt, struck = blows(body, motion, chain, slow)
+    if heeding:
+        felt, struck = np.zeros_like(felt), np.zeros_like(struck)
     doubt = doubt + felt
     spoilt = unusable | struck
     doubt = np.where(spoilt, HOPELESS * np.max(np.abs(np.nan_to_num(measured))), doubt)
@@ -204,6 +213,7 @@ def _held_against(
         per_reported=per_reported,
         filtered=filtered,
         yielding=yielding,
+        heeding=heeding,
         late=np.zeros(len(motion.joints)),
         known=Known(robot, body, effort),
     )

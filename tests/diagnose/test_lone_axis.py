@@ -16,6 +16,7 @@ from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
+from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.robot import Robot
 from tests.diagnose.test_planar_arm import JOINT, LINK
 
@@ -153,3 +154,17 @@ def test_play_is_told_though_it_shows_in_few_rows(tmp_path: Path) -> None:
     (finding,) = diagnose_log(log_from_table(pa.table(columns), "swing"), stated).findings
     assert finding.cause == "drive.backlash"
     assert finding.parameters[0].value == pytest.approx(0.01, rel=0.2)
+
+
+def test_friction_that_builds_up_within_a_short_travel_is_told_of_a_joint_alone(tmp_path: Path) -> None:
+    """On an arm, where other joints would show it too, it is what any contact yields."""
+    stated = pendulum(tmp_path, "stated", inertia=0.08, rotor=6e-5, coulomb=COULOMB, noise=0.2)
+    swing = stated.table.joint[0]
+    values = {"coulomb": COULOMB, "bristle_stiffness": COULOMB / 1e-4, "shape_exponent": 1.0, "viscous": 0.2}
+    level = FrictionTerm(law="dahl", parameters=values)
+    motion = excitation(("swing",), np.zeros(1), np.full(1, 0.02), np.full(1, 0.2), 30.0, seed=3, band=(0.5, 2.0))
+    machine = stated.with_joint(swing.model_copy(update={"friction": (level,)}))
+    columns = simulate(machine, motion, recorder=Recorder(500.0), controller_robot=stated, seed=1)
+    (finding,) = diagnose_log(log_from_table(pa.table(columns), "swing"), stated).findings
+    assert finding.cause == "friction.presliding"
+    assert finding.parameters[1].value == pytest.approx(1e-4, rel=0.1)

@@ -53,7 +53,9 @@ def told_of(
     )
     nuisance = SimpleNamespace(uneven=1.0)
     model = SimpleNamespace(gap=gap, friction={0: 20.0}, nuisance=nuisance, chosen=found, noteworthy=found)
-    monkeypatch.setattr(verdict, "coloured_share", lambda *_: 0.0)
+    for share in ("coloured_share", "burst_share"):
+        monkeypatch.setattr(verdict, share, lambda *_: 0.0)
+    monkeypatch.setattr(verdict, "with_play", lambda _: set())
     after = [Structure("swing", "velocity", 0.5)]
     return bool(verdict._followed(model, 0, after, np.full((9, 1), 0.6)))  # type: ignore[arg-type]
 

@@ -13,6 +13,7 @@ from mjfriction.diagnose.causes.moved_link import as_drawn, felt_by_itself, own_
 from mjfriction.diagnose.causes.play import Play
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
+from mjfriction.record.load_turns import load_turns
 from mjfriction.record.log import Floats
 from mjfriction.record.motion import smooth_derivatives
 from mjfriction.robot.robot import Robot
@@ -73,6 +74,6 @@ class Backlash(Play):
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give the play and how often it was crossed."""
-        crossed = np.count_nonzero(np.diff(np.sign(gap.known.effort.load[:, site.joint])))
+        crossed = load_turns(gap.motion, gap.known.effort.load[:, site.joint]).count
         often = f"crossed {crossed} times" if crossed else "never crossed"
         return f"{self.gap_found(gap, site, strengths)} that the load {often}"

@@ -10,6 +10,7 @@ from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.play import Play
 from mjfriction.identify.gap import Gap
 from mjfriction.parameter import Parameter
+from mjfriction.record.load_turns import load_turns
 from mjfriction.record.log import Floats
 from mjfriction.record.motion import smooth_derivatives
 from mjfriction.robot.robot import Robot
@@ -61,6 +62,6 @@ class CrossedPlay(Play):
 
     def evidence(self, gap: Gap, site: Site, strengths: Floats) -> str:
         """Give the play, how often the load crossed it, and the crossing load."""
-        crossed = np.count_nonzero(np.diff(np.sign(self._load(gap, site.joint))))
+        crossed = load_turns(gap.motion, self._load(gap, site.joint)).count
         within = f"{site.shape[0]:.3g} {'N' if gap.body.sliding[site.joint] else 'N·m'}"
         return f"{self.gap_found(gap, site, strengths)} that the load crossed {crossed} times, within {within} of none"

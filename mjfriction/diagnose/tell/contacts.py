@@ -28,7 +28,8 @@ def more_than_contacts(model: Model, before: Mapping[Key, Floats], after: Floats
 
     They are findings only on a machine that does not yield so throughout: where presliding is by far the largest error
     at its joint, or where other joints would show as short a travel and do not. A contact that sticks also yields, so
-    beside a Stribeck curve the other joints are no measure.
+    beside a Stribeck curve the other joints are no measure. Of a joint alone, nothing says that it yields no more than
+    any, and it is a finding.
 
     ``before`` and ``after`` (rows, joints) are held-out residuals, without each cause and with all.
     """
@@ -40,6 +41,8 @@ def more_than_contacts(model: Model, before: Mapping[Key, Floats], after: Floats
     ]
     if len(short) >= FEWEST_JOINTS:
         return set()
+    if len(gap.examined) == 1:
+        return {choice.key for choice, _ in short}
 
     def gained(choice: Chosen) -> float:
         joint = choice.site.joint

@@ -14,7 +14,9 @@ from mjfriction.diagnose.fit.judged import judged
 from mjfriction.diagnose.fit.model import Chosen, Model
 from mjfriction.diagnose.search.oscillations import told_oscillations
 from mjfriction.diagnose.search.stroke_curve import ALONG_STROKE, FRICTION_ALONG_STROKE, StrokeCurve, vague_friction
+from mjfriction.diagnose.tell.heard_blows import BLOWS, with_play
 from mjfriction.diagnose.tell.outcome import Finding, Verdict
+from mjfriction.identify.bursts import BURST_SHARE, BURSTS, burst_share
 from mjfriction.identify.colour import COLOURED, NOTHING, coloured_share
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.joint_error import JointError
@@ -73,6 +75,8 @@ def _followed(model: Model, joint: int, after: Sequence[Structure], heldout: Flo
     name = gap.robot.joints[joint]
     curve = max((entry for entry in after if entry.joint == name), key=lambda entry: entry.share)
     course = Structure(name, NOTHING, coloured_share(gap, joint, heldout))
+    # Where a link lands after play, some of each landing is always left, at all joints.
+    bursts = Structure(name, BURSTS, 0.0 if with_play(model) else burst_share(gap, joint, heldout))
     left = gap.rms(heldout[:, joint], joint)
     effort = gap.rms(gap.measured[:, joint], joint)
     explained = np.sqrt(max(0.0, gap.rms(gap.residual[:, joint], joint) ** 2 - left**2))
@@ -84,7 +88,11 @@ def _followed(model: Model, joint: int, after: Sequence[Structure], heldout: Flo
     friction = min(model.friction[joint], stated) if stated > 0.0 else model.friction[joint]
     told = [
         entry
-        for entry, least, outweighed in ((curve, STRUCTURED, OUTWEIGHED), (course, COLOURED, OUTWEIGHED_COURSE))
+        for entry, least, outweighed in (
+            (curve, STRUCTURED, OUTWEIGHED),
+            (course, COLOURED, OUTWEIGHED_COURSE),
+            (bursts, BURST_SHARE, OUTWEIGHED_COURSE),
+        )
         if entry.share >= least
         and np.sqrt(entry.share) * left
         > max(
@@ -188,9 +196,13 @@ def _left(entry: Structure, joints: tuple[JointError, ...]) -> str:
     share = f"{100 * entry.share:.0f} %"
     if entry.covariate == ALONG_STROKE:
         return f"{share} of the error at {entry.joint} is {ALONG_STROKE}, as a soft stop or a cable makes"
+    if entry.covariate == BLOWS:
+        return f"{share} of the error at {entry.joint} is in {BLOWS}, as something makes that lands or knocks"
     if entry.covariate == FRICTION_ALONG_STROKE:
         return f"{share} of the error at {entry.joint} is {FRICTION_ALONG_STROKE}, in a form that is not clear"
     course = f", of which {share} follow {entry.covariate}" if entry.share > STRUCTURED else ""
     if course and entry.covariate == NOTHING:
         course = f", of which {share} are no noise, but follow {NOTHING}"
+    if entry.covariate == BURSTS:
+        course = f", of which {share} are in {BURSTS}, each soon over"
     return f"{error.rms_heldout_after:.3g} {error.unit} at {entry.joint}{course}"

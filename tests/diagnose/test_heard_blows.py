@@ -1,0 +1,121 @@
+"""Blows: play that a link crosses in no time shows in nothing else, and knocks are an error that no cause explains."""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+import pyarrow as pa
+import pytest
+
+import mjfriction.diagnose.diagnosis as whole
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.tell import verdict
+from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
+from mjfriction.identify.bursts import burst_share
+from mjfriction.identify.measure import measure_gap
+from mjfriction.plant.motions import forward_backward
+from mjfriction.record.log import Floats, Log
+from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot.files import read_robot
+
+ROTOR, CARRIAGE = 6.0e-5 * 628.3185307**2, 60.0  # kg
+COULOMB, VISCOUS = 25.0, 180.0
+PLAY = 1e-3
+# N/m, N·s/m, of the flanks: the carriage swings on them at 92, 36 or 25 Hz.
+RIGID, STIFFNESS, SOFT, DAMPING = 2e7, 3e6, 1.5e6, 1.5e3
+RATE = 500.0
+STEP = 2e-5  # s
+FINE = round(1.0 / (RATE * STEP))
+
+
+@numba.njit(cache=True)
+def _two_masses(
+    aim: Floats, speed: Floats, push: Floats, play: float, stiffness: float, damping: float
+) -> tuple[Floats, Floats]:
+    """Return the sensor's position and the drive's force of a motor and a carriage with play between them.
+
+    Motor: m₁·dv/dt = u − F_c·tanh(v/v₀) − F_v·v − f; carriage: m₂·dw/dt = f + push, with f = k·e + d·ė beyond either
+    flank and 0 between them. u follows an aim by a stiff servo.
+    """
+    position, force = np.empty(aim.size // FINE), np.empty(aim.size // FINE)
+    x, v, y, w = aim[0], 0.0, aim[0], 0.0
+    for i in range(FINE * position.size):
+        u = 4e5 * (aim[i] - x) + 8e3 * (speed[i] - v)
+        apart, between = x - y, 0.0
+        if abs(apart) > 0.5 * play:
+            beyond = apart - np.sign(apart) * 0.5 * play
+            between = stiffness * beyond + damping * (v - w)
+            between = max(between, 0.0) if apart > 0.0 else min(between, 0.0)
+        v += STEP * (u - COULOMB * np.tanh(v / 2e-4) - VISCOUS * v - between) / ROTOR
+        w += STEP * (between + push[i]) / CARRIAGE
+        x, y = x + STEP * v, y + STEP * w
+        if i % FINE == 0:
+            position[i // FINE], force[i // FINE] = x, u
+    return position, force
+
+
+def moves(play: float, knocks: int = 0, stiffness: float = STIFFNESS) -> Log:
+    """Return a log of short moves, with some knocks against the carriage while it moves."""
+    speeds, rng = [0.1, 0.25, 0.4] * 4, np.random.default_rng(5)
+    course = forward_backward("axis", -0.2, 0.25, speeds, 2.0, dwell=0.4)
+    fine = np.arange(0.0, course.time[-1], STEP)
+    aim = np.interp(fine, course.time, course.position[:, 0])
+    aim = np.convolve(np.pad(aim, (1000, 1000), mode="edge"), np.full(2001, 1.0 / 2001), mode="valid")  # 40 ms
+    speed, push = np.gradient(aim, STEP), np.zeros_like(aim)
+    if knocks:
+        moving = np.flatnonzero(np.abs(speed) > 0.09)
+        for at in rng.choice(moving[:-200], knocks, replace=False):
+            push[at : at + 200] = 1500.0 * rng.choice([-1.0, 1.0])  # for 4 ms
+    position, force = _two_masses(aim, speed, push, play, stiffness, DAMPING)
+    columns = {
+        "time": np.arange(position.size) / RATE,
+        "position.axis": position + 2e-7 * rng.standard_normal(position.size),
+        "effort.axis": force + 2.5 * rng.standard_normal(position.size),
+    }
+    return log_from_table(pa.table(columns), "moves")
+
+
+def found(diagnosis: Diagnosis) -> list[tuple[str, str | None]]:
+    return [(finding.cause, finding.joint) for finding in diagnosis.findings]
+
+
+def test_play_that_shows_in_blows_alone_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The flanks give, by up to a tenth of the play."""
+    log, robot = moves(PLAY), read_robot("linear_axis")
+    diagnosis = diagnose_log(log, robot)
+    assert found(diagnosis) == [("drive.backlash", "axis")]
+    assert diagnosis.findings[0].parameters[0].value == pytest.approx(PLAY, rel=0.2)
+    monkeypatch.setattr(whole, "hear_blows", lambda *_: None)
+    deaf = diagnose_log(log, robot)
+    assert not found(deaf)
+    assert deaf.joints[0].rms_heldout_before < 0.5 * diagnosis.joints[0].rms_heldout_before
+
+
+def test_knocks_are_left_as_an_error_and_a_quiet_machine_has_none() -> None:
+    robot = read_robot("linear_axis")
+    knocked, quiet = (diagnose_log(moves(0.0, knocks, RIGID), robot) for knocks in (12, 0))
+    assert (knocked.verdict, quiet.verdict) == (Verdict.UNEXPLAINED, Verdict.CONSISTENT)
+    assert not found(knocked)
+    assert "in blows, as something makes that lands or knocks" in knocked.summary
+
+
+def test_bursts_that_no_cause_follows_are_left_as_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Flanks so soft that the carriage swings between them: neither play nor compliance follows that."""
+    log, robot = moves(6e-4, stiffness=SOFT), read_robot("linear_axis")
+    diagnosis = diagnose_log(log, robot)
+    assert not found(diagnosis)
+    assert diagnosis.verdict is Verdict.UNEXPLAINED
+    assert "are in bursts, each soon over" in diagnosis.summary
+    monkeypatch.setattr(verdict, "burst_share", lambda *_: 0.0)
+    assert diagnose_log(log, robot).verdict is Verdict.CONSISTENT
+
+
+def test_bursts_are_what_no_noise_has() -> None:
+    gap, rng = measure_gap(moves(0.0), read_robot("linear_axis")), np.random.default_rng(0)
+    noise = gap.noise_floor * rng.standard_normal(gap.residual.shape)
+    assert burst_share(gap, 0, 1.5 * noise) == 0.0
+    rows = np.flatnonzero(gap.clear[:, 0])[::60]
+    noise[rows] = 20.0 * gap.noise_floor
+    assert burst_share(gap, 0, noise) == pytest.approx(20.0**2 / (20.0**2 + 59.0), rel=0.1)
+    noise[rows[4:]] = 0.0
+    assert burst_share(gap, 0, noise) == 0.0  # accidents
