@@ -26,6 +26,7 @@ from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOMENTS, LEAST_M
 from mjfriction.diagnose.causes.load import LEAST_ROTOR
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.presliding import LEAST_PART, LONGEST_OF_ELEMENTS, SLIPS
+from mjfriction.diagnose.causes.springy_play import FEWER_PLAYS, FLANKS
 from mjfriction.diagnose.causes.steepening_viscous import POWERS
 from mjfriction.diagnose.causes.stribeck import EXPONENTS, GONE_BY, UNFINISHED
 from mjfriction.diagnose.causes.varying import EDGE, Step
@@ -65,7 +66,7 @@ from mjfriction.diagnose.search.unevenness import TOLD_BY
 from mjfriction.diagnose.settle.held_links import NEARLY_ALL, NEARLY_EXACT
 from mjfriction.diagnose.settle.levels_kept import LEAST_OFF, NEARER
 from mjfriction.diagnose.settle.stated import FADED, LEFT, OUTLYING
-from mjfriction.diagnose.tell import free_run, heard_blows
+from mjfriction.diagnose.tell import free_run, what_gives
 from mjfriction.diagnose.tell.alike import AT_THE_BAR, EVEN, MOST_CONFIDENT, ROOM
 from mjfriction.diagnose.tell.contacts import NO_CONTACT, RIGID
 from mjfriction.diagnose.tell.findings import FAINTEST, ONE_OF_MANY
@@ -160,8 +161,11 @@ def test_how_it_decides_tells_which_blows_and_bursts_count() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"at least {bursts.FEWEST_BURSTS} bursts of few rows" in told
     assert f"if it is {bursts.FAR_OUT:g} times as large as the sensor's noise" in told
-    assert (bursts.BURST_SHARE, heard_blows.HALVED) == (0.5, 0.5), "the page says half"
-    assert f"{heard_blows.LOUD:g} times as large as without, and {heard_blows.ABOVE_NOISE:g} times the sensor's" in told
+    assert (bursts.BURST_SHARE, what_gives.HALVED) == (0.5, 0.5), "the page says half"
+    assert f"{what_gives.LOUD:g} times as large as without, and {what_gives.ABOVE_NOISE:g} times the sensor's" in told
+    assert f"leaves more than {what_gives.ABOVE_NOISE:g} times the sensor's noise at a joint" in told
+    assert (len(FEWER_PLAYS), len(FLANKS)) == (10, 19), "the page says ten and nineteen"
+    assert f"from {FLANKS[0]:g} to {FLANKS[-1]:.0f} Hz, and then refined" in told
     assert f"that has at least {landings.FEWEST} of its own and no play" in told
 
 

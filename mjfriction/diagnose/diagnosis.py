@@ -20,11 +20,11 @@ from mjfriction.diagnose.search.unevenness import as_uneven, with_unevenness
 from mjfriction.diagnose.settle.stated import Settled, settle
 from mjfriction.diagnose.tell.findings import make_findings
 from mjfriction.diagnose.tell.free_run import FreeRun, run_freely
-from mjfriction.diagnose.tell.heard_blows import accounts_for, asked_of, hear_blows, left_in_blows
 from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.diagnose.tell.seen_play import play_findings, see_play, unseen
 from mjfriction.diagnose.tell.untold import find_untold
 from mjfriction.diagnose.tell.verdict import reach_verdict, summarize, unexplained, with_faults
+from mjfriction.diagnose.tell.what_gives import asked_of, doubt, gives_more, left_in_blows
 from mjfriction.errors import InputError
 from mjfriction.identify.effort_bandwidth import find_bandwidths, with_bandwidths
 from mjfriction.identify.gap import Gap
@@ -50,12 +50,12 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     seen = unseen(audit.gap) if refused else see_play(audit.gap, HIGHEST)
     field = make_field(seen.gap, () if refused else STRUCTURAL)
     settled = _searched(seen.gap, field, tell)
-    heard = None if refused else hear_blows(seen, settled.model, HIGHEST)
-    if heard is not None:
-        anew = make_field(heard.seen.gap, STRUCTURAL)
-        again = _searched(heard.seen.gap, asked_of(heard, anew, settled.model), tell)
-        if accounts_for(heard, again.model, settled.model):
-            settled, field, seen, heard = again, anew, heard.seen, None
+    doubted = None if refused else doubt(seen, settled.model, HIGHEST)
+    if doubted is not None:
+        anew = make_field(doubted.seen.gap, STRUCTURAL)
+        again = _searched(doubted.seen.gap, asked_of(doubted, anew, settled.model), tell)
+        if gives_more(doubted, again.model, settled.model):
+            settled, field, seen, doubted = again, anew, doubted.seen, None
     tell("proving what was found", PROVING)
     model, gap = settled.model, settled.model.gap
     left, heldout = model.residual(oscillations=True, built=True), model.heldout_residual(oscillations=True)
@@ -64,7 +64,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     curves = stroke_curves(model, clean)
     remaining = tuple(unexplained(model, after, heldout, curves))
     untold = find_untold(settled, remaining, curves, clean)
-    remaining += () if heard is None else tuple(left_in_blows(heard, model))
+    remaining += () if doubted is None else tuple(left_in_blows(doubted, model))
     told = make_findings(settled, untold, field, seed)
     findings = sorted((*play_findings(seen, heldout, seed), *told.findings), key=lambda one: -one.gain.reduction)
     joints = tuple(joint_error(gap, joint, left, heldout, seed, stated=seen.stated) for joint in gap.examined)

@@ -9,6 +9,7 @@ import numpy as np
 from mjfriction.laws.law import Floats
 from mjfriction.record.motion import Motion, smooth_derivatives
 from mjfriction.robot.schema import Transmission
+from mjfriction.sim.flanks import between_flanks
 from mjfriction.sim.ringing import deflection, ringing
 from mjfriction.sim.stops import between_stops
 
@@ -43,6 +44,9 @@ class Link:
 def lag(own: Transmission, motion: Motion, link: Link) -> Floats:
     """Return how far the motor's sensor is ahead of a link along a motion, (n,), by compliance and play."""
     if own.compliance > 0.0 and own.damping_ratio is not None:
+        if own.backlash > 0.0 and own.coasting:
+            half = 0.5 * own.backlash
+            return flying(motion, link.following, link.inertia, own.compliance, own.damping_ratio, half)
         out = swinging(motion, link.following, link.inertia, own.compliance, own.damping_ratio, own.hardening)
     else:
         straight = own.compliance * smooth_derivatives(motion, link.carried, LOAD_BAND)[0]
@@ -101,6 +105,27 @@ def swinging(
         aim = compliance * following[own]
         out[own] = ringing(aim, frequency[own], damping_ratio, step, finer, compliance * hardening)
     return out
+
+
+def flying(
+    motion: Motion,
+    following: Floats,
+    inertia: Floats,
+    compliance: float | Floats,
+    damping_ratio: float,
+    half: float | Floats,
+) -> Floats:
+    """Return how far a link is behind the motor that flies within its play and swings on flanks that give, (n,).
+
+    As :func:`swinging` for a link on a straight spring, but the spring acts beyond ±``half`` the play only.
+    """
+    following, frequency = np.broadcast_arrays(following, natural_frequency(inertia, compliance))
+    aim, rate = ((compliance * following).reshape(following.shape[0], -1), frequency.reshape(following.shape[0], -1))
+    halves = np.array(np.broadcast_to(half, aim.shape[1:]), dtype=np.float64)
+    out, finer = np.empty_like(aim), int(np.ceil(FLIGHT_RATE / motion.rate))
+    for own in motion.pieces:
+        out[own] = between_flanks(aim[own], rate[own], halves, damping_ratio, 1.0 / (finer * motion.rate), finer)
+    return out.reshape(following.shape)
 
 
 def coasting(motion: Motion, at_motor: Floats, inertia: Floats, stiffness: Floats, backlash: float) -> Floats:

@@ -161,3 +161,25 @@ def test_a_link_on_a_spring_that_hardens_is_where_the_machine_has_it() -> None:
     )
     assert np.max(straight / given) > 2.0
     np.testing.assert_allclose(given / still.compliance + still.hardening * given**3, straight / still.compliance)
+
+
+def test_a_link_between_flanks_that_give_is_where_the_machine_has_it() -> None:
+    robot, i = read_robot("ur5"), 0
+    flanks = Transmission(compliance=1e-4, damping_ratio=0.3, backlash=0.006)
+    loose = robot.with_joint(robot.table.joint[i].model_copy(update={"transmission": flanks}))
+    course = excitation(robot.joints, HOME, np.full(6, 0.5), np.full(6, 2.0), 8.0, seed=3)
+    recorder = Recorder(500.0)
+    run = run_machine(loose, course, recorder.rate, Control())
+    log = log_from_table(pa.table(log_columns(loose, course, recorder, run, 0)), "log")
+    motion = estimate_motion(log, loose.joints, 40.0)
+    lag = np.interp(motion.time, run.time, (run.played.position - run.played.link_position)[:, i])
+    inner = (motion.time > 1.0) & (motion.time < 7.0)
+
+    def missed(own: Transmission) -> float:
+        told = robot.with_joint(robot.table.joint[i].model_copy(update={"transmission": own}))
+        linked = link_motion(told, told.body(), without_offsets(told, motion))
+        return float(np.std(((motion.position - linked.position)[:, i] - lag)[inner]) / np.std(lag[inner]))
+
+    assert missed(flanks) < 0.02
+    assert missed(flanks.model_copy(update={"backlash": 0.0})) > 0.2
+    assert missed(flanks.model_copy(update={"compliance": 0.0})) > 0.06

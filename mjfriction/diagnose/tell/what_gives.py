@@ -1,0 +1,112 @@
+"""A second search, for what gives at joints where a first one left blows, bursts, or much beside play or compliance.
+
+Rows with blows are usually left out, because what a log shows of a blow depends on filters and moments.  But play that
+a link crosses in no time shows in nothing else.  And play between flanks that give has so many forms that it competes
+only here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from mjfriction.diagnose.causes.moved_link import MovedLink
+from mjfriction.diagnose.causes.play import Play
+from mjfriction.diagnose.causes.springy_play import SpringyPlay
+from mjfriction.diagnose.fit.model import Model
+from mjfriction.diagnose.search.field import Field, make_field
+from mjfriction.diagnose.tell.seen_play import SeenPlay
+from mjfriction.identify.bursts import BURST_SHARE, burst_share
+from mjfriction.identify.gap import Gap
+from mjfriction.identify.landings import FEWEST, struck
+from mjfriction.identify.measure import measure_gap, thinned
+from mjfriction.identify.structure import Structure
+from mjfriction.record.log import Floats
+
+BLOWS = "blows"
+LOUD = 1.3  # times the error elsewhere that the error with a joint's blows must reach to be heard
+ABOVE_NOISE = 3.0  # times the sensor's noise: error of a joint from which on it is searched again
+HALVED = 0.5  # share of the mean square that may be left once it is known what gives
+
+
+@dataclass(frozen=True)
+class Doubted:
+    """The ``joints`` at which something may give that a first search did not find; ``loud`` are those with blows that
+    hold most of the error.
+
+    ``seen`` has the gap to search; where there are such blows, their rows count on it.
+    """
+
+    seen: SeenPlay
+    joints: tuple[int, ...]
+    loud: tuple[int, ...]
+
+
+def with_play(model: Model) -> set[int]:
+    """Return the joints at which play is stated or was found."""
+    stated = {i for i, joint in enumerate(model.gap.robot.table.joint) if joint.transmission.backlash > 0.0}
+    return stated | {choice.site.joint for choice in model.chosen if isinstance(choice.cause, Play)}
+
+
+def doubt(seen: SeenPlay, model: Model, highest: float) -> Doubted | None:
+    """Return the joints that a model leaves much of, where play or compliance was found, or where what is left is in
+    bursts or in blows; None if there are none.
+
+    Blows count at joints without play that have as many of their own as landings need.  ``highest`` is the upper limit
+    of the position filter's cutoff (Hz).
+    """
+    gap, left = model.gap, model.residual()
+    blown = [joint for joint in gap.examined if joint not in with_play(model) and _count(gap, joint) >= FEWEST]
+    loud: tuple[int, ...] = ()
+    if blown:
+        whole = measure_gap(seen.whole.log, seen.whole.robot, highest=highest, heeding=True)
+        heeding = thinned(whole)
+        loud = tuple(joint for joint in blown if _is_loud(gap, heeding, joint, left[:, joint]))
+        seen = replace(seen, whole=whole, gap=heeding) if loud else seen
+    giving = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, MovedLink)}
+    much = [joint for joint in gap.examined if gap.rms(left[:, joint], joint) > ABOVE_NOISE * gap.noise_floor[joint]]
+    doubted = [joint for joint in much if joint in giving or burst_share(gap, joint, left) > BURST_SHARE]
+    joints = tuple(dict.fromkeys((*loud, *doubted)))
+    return Doubted(seen, joints, loud) if joints else None
+
+
+def asked_of(doubted: Doubted, field: Field, before: Model) -> Field:
+    """Return the candidates of the second search: what may give at its joints, play between flanks that give, and the
+    causes found ``before``, which are all of ``field``.
+
+    What little is left of each blow once its play is known fits many a cause, such as a curve near rest.
+    """
+    found = {(type(choice.cause), choice.site.joint) for choice in before.chosen}
+    field = (*field, *make_field(doubted.seen.gap, (SpringyPlay(),)))
+    gives = {own.kind for own in field if isinstance(own.cause, MovedLink) and own.joint in doubted.joints}
+    return tuple(entrant for entrant in field if entrant.kind in found | gives)
+
+
+def gives_more(doubted: Doubted, again: Model, before: Model) -> bool:
+    """Return whether a model of the second search halves what is left at its joints, by play or compliance."""
+    giving = {choice.site.joint for choice in again.noteworthy if isinstance(choice.cause, MovedLink)}
+    return bool(giving & set(doubted.joints)) and all(
+        _mean_square(doubted, again, joint) < HALVED * _mean_square(doubted, before, joint) for joint in doubted.joints
+    )
+
+
+def left_in_blows(doubted: Doubted, model: Model) -> list[Structure]:
+    """Return what blows make of the error that a model without them leaves, by joint."""
+    names, left = model.gap.robot.joints, model.heldout_residual()
+    quiet = {joint: model.gap.rms(left[:, joint], joint) ** 2 for joint in doubted.loud}
+    return [
+        Structure(names[joint], BLOWS, 1.0 - quiet[joint] / _mean_square(doubted, model, joint))
+        for joint in doubted.loud
+    ]
+
+
+def _mean_square(doubted: Doubted, model: Model, joint: int) -> float:
+    return doubted.seen.gap.rms(model.heldout_residual()[:, joint], joint) ** 2
+
+
+def _count(gap: Gap, joint: int) -> int:
+    return struck(gap.blown, gap.motion, gap.derivatives[2][:, joint], joint).size
+
+
+def _is_loud(gap: Gap, heeding: Gap, joint: int, left: Floats) -> bool:
+    error = heeding.rms(left, joint)
+    return error > max(LOUD * gap.rms(left, joint), ABOVE_NOISE * float(gap.noise_floor[joint]))
