@@ -125,10 +125,10 @@ def load_body(
     locked = [full.getJointId(name) for name in known if name not in joints]
     _tell_apart(full, {name for name in known if name not in joints})
     stated = unread(text)
-    given = {"link_inertia": link_inertia, "link_shift": link_shift, "link_scale": link_scale}
-    by_key = {key: list(named) for key, named in given.items() if named}
-    for key, named in (by_key | ({"payload": [payload.parent]} if payload else {})).items():
-        _check_last(path, key, named, stated)
+    _check_last(path, "link_inertia", link_inertia or (), stated)
+    _check_last(path, "link_shift", link_shift or (), stated)
+    _check_last(path, "link_scale", link_scale or (), stated)
+    _check_last(path, "payload", (payload.parent,) if payload else (), stated)
     model = pin.buildReducedModel(full, locked, _placed(full, stated)) if locked else full
     for joint in joints:
         axes = model.joints[model.getJointId(joint)].nv

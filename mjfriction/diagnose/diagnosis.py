@@ -52,7 +52,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     settled = _searched(seen.gap, field, tell)
     doubted = None if refused else doubt(seen, settled.model, HIGHEST)
     if doubted is not None:
-        anew = make_field(doubted.seen.gap, STRUCTURAL)
+        anew = make_field(doubted.seen.gap, STRUCTURAL) if doubted.loud else field
         again = _searched(doubted.seen.gap, asked_of(doubted, anew, settled.model), tell)
         if gives_more(doubted, again.model, settled.model):
             settled, field, seen, doubted = again, anew, doubted.seen, None

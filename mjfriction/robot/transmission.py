@@ -45,8 +45,8 @@ def lag(own: Transmission, motion: Motion, link: Link) -> Floats:
     """Return how far the motor's sensor is ahead of a link along a motion, (n,), by compliance and play."""
     if own.compliance > 0.0 and own.damping_ratio is not None:
         if own.backlash > 0.0 and own.coasting:
-            half = 0.5 * own.backlash
-            return flying(motion, link.following, link.inertia, own.compliance, own.damping_ratio, half)
+            flanks = (own.compliance, own.damping_ratio, 0.5 * own.backlash, own.hardening)
+            return flying(motion, link.following, link.inertia, *flanks)
         out = swinging(motion, link.following, link.inertia, own.compliance, own.damping_ratio, own.hardening)
     else:
         straight = own.compliance * smooth_derivatives(motion, link.carried, LOAD_BAND)[0]
@@ -114,17 +114,19 @@ def flying(
     compliance: float | Floats,
     damping_ratio: float,
     half: float | Floats,
+    hardening: float = 0.0,
 ) -> Floats:
     """Return how far a link is behind the motor that flies within its play and swings on flanks that give, (n,).
 
-    As :func:`swinging` for a link on a straight spring, but the spring acts beyond ±``half`` the play only.
+    As :func:`swinging`, but the spring acts beyond ±``half`` the play only.
     """
     following, frequency = np.broadcast_arrays(following, natural_frequency(inertia, compliance))
     aim, rate = ((compliance * following).reshape(following.shape[0], -1), frequency.reshape(following.shape[0], -1))
     halves = np.array(np.broadcast_to(half, aim.shape[1:]), dtype=np.float64)
-    out, finer = np.empty_like(aim), int(np.ceil(FLIGHT_RATE / motion.rate))
+    out, finer, hard = np.empty_like(aim), int(np.ceil(FLIGHT_RATE / motion.rate)), compliance * hardening
     for own in motion.pieces:
-        out[own] = between_flanks(aim[own], rate[own], halves, damping_ratio, 1.0 / (finer * motion.rate), finer)
+        step = 1.0 / (finer * motion.rate)
+        out[own] = between_flanks(aim[own], rate[own], halves, damping_ratio, step, finer, hard)
     return out.reshape(following.shape)
 
 

@@ -16,21 +16,22 @@ def aims(time: np.ndarray) -> np.ndarray:
     return np.asarray(0.004 * np.sin(7.0 * time) + 0.003 * np.sin(19.0 * time))
 
 
-def followed(step: float, finer: int = 1, half: float = HALF, seconds: float = 3.0) -> np.ndarray:
-    aim = aims(np.arange(0.0, seconds, step * finer))[:, None]
-    return between_flanks(aim, np.full_like(aim, FREQUENCY), np.array([half]), DAMPING, step, finer)[:, 0]
+def followed(step: float, finer: int = 1, hardening: float = 0.0) -> np.ndarray:
+    aim = aims(np.arange(0.0, 1.0, step * finer))[:, None]
+    return between_flanks(aim, np.full_like(aim, FREQUENCY), np.array([HALF]), DAMPING, step, finer, hardening)[:, 0]
 
 
-def test_it_is_where_an_independent_integrator_has_it() -> None:
+@pytest.mark.parametrize("hardening", [0.0, 4e4])
+def test_it_is_where_an_independent_integrator_has_it(hardening: float) -> None:
     def slope(t: float, state: np.ndarray) -> list[float]:
         place, speed = state
         beyond = place - np.clip(place, -HALF, HALF)
-        push = FREQUENCY**2 * beyond + 2.0 * DAMPING * FREQUENCY * speed * (beyond != 0.0)
+        push = FREQUENCY**2 * (beyond + hardening * beyond**3) + 2.0 * DAMPING * FREQUENCY * speed * (beyond != 0.0)
         return [speed, FREQUENCY**2 * aims(np.array(t)) - max(push * np.sign(beyond), 0.0) * np.sign(beyond)]
 
     step, time = 5e-5, np.arange(0.0, 1.0, 1e-3)
     exact = solve_ivp(slope, (0.0, 1.0), [0.0, 0.0], t_eval=time, method="Radau", rtol=1e-8, atol=1e-12, max_step=2e-4)
-    own = followed(step)[: 20 * time.size : 20]
+    own = followed(step, hardening=hardening)[: 20 * time.size : 20]
     assert np.max(np.abs(exact.y[0])) > 1.2 * HALF
     np.testing.assert_allclose(own, exact.y[0], atol=0.02 * HALF)
 
@@ -60,4 +61,4 @@ def test_finer_steps_between_what_is_given_are_the_same_steps() -> None:
     fine = np.arange(0.0, coarse[-1] + 0.5 * step, step)
     linear = np.interp(fine, coarse, aims(coarse))[:, None]
     expected = between_flanks(linear, np.full_like(linear, FREQUENCY), np.array([HALF]), DAMPING, step)[::finer, 0]
-    assert followed(step, finer, seconds=1.0)[: expected.size] == pytest.approx(expected, abs=1e-12)
+    assert followed(step, finer)[: expected.size] == pytest.approx(expected, abs=1e-12)
