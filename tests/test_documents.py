@@ -161,7 +161,7 @@ def test_how_it_decides_tells_which_blows_and_bursts_count() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"at least {bursts.FEWEST_BURSTS} bursts of few rows" in told
     assert f"if it is {bursts.FAR_OUT:g} times as large as the sensor's noise" in told
-    assert (bursts.BURST_SHARE, what_gives.HALVED) == (0.5, 0.5), "the page says half"
+    assert (bursts.BURST_SHARE, what_gives.HALVED, bursts.EDGE) == (0.5, 0.5, 2), "the page says half, and two rows"
     assert f"{what_gives.LOUD:g} times as large as without, and {what_gives.ABOVE_NOISE:g} times the sensor's" in told
     assert f"leaves more than {what_gives.ABOVE_NOISE:g} times the sensor's noise at a joint" in told
     assert (len(FEWER_PLAYS), len(FLANKS)) == (10, 19), "the page says ten and nineteen"

@@ -125,10 +125,16 @@ def test_bursts_are_left_as_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_bursts_are_what_no_noise_has() -> None:
     gap, rng = measure_gap(moves(0.0, RIGID), read_robot("linear_axis")), np.random.default_rng(0)
-    noise = gap.noise_floor * rng.standard_normal(gap.residual.shape)
+    noise, clear = gap.noise_floor * rng.standard_normal(gap.residual.shape), gap.clear[:, 0]
     assert burst_share(gap, 0, 1.5 * noise) == 0.0
-    rows = np.flatnonzero(gap.clear[:, 0])[::60]
-    noise[rows] = 20.0 * gap.noise_floor
-    assert burst_share(gap, 0, noise) == pytest.approx(20.0**2 / (20.0**2 + 59.0), rel=0.1)
-    noise[rows[4:]] = 0.0
-    assert burst_share(gap, 0, noise) == 0.0  # accidents
+    amid = np.flatnonzero(np.convolve(clear, np.ones(5), mode="same") == 5.0)[::60]
+    burst = noise.copy()
+    burst[amid] = 20.0 * gap.noise_floor
+    made = 20.0**2 * amid.size
+    assert burst_share(gap, 0, burst) == pytest.approx(made / (made + np.count_nonzero(clear)), rel=0.1)
+    burst[amid[4:]] = 0.0
+    assert burst_share(gap, 0, burst) == 0.0  # accidents
+    edges = np.flatnonzero(clear[1:] & ~clear[:-1]) + 1
+    burst = noise.copy()
+    burst[edges] = 20.0 * gap.noise_floor
+    assert burst_share(gap, 0, burst) == 0.0  # what reversals leave
