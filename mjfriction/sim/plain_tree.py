@@ -103,9 +103,8 @@ def _joint(model: mujoco.MjModel, j: int) -> dict[str, str]:
         "pos": _words(model.jnt_pos[j]),
         "limited": "true" if limited else "false",
         "damping": _words([damped * model.dof_damping[dof]]),
-        "bent": _words(
-            damped * model.dof_dampingpoly[dof]
-        ),  # no attribute of MJCF: Pinocchio reads one number of damping
+        # No attribute of MJCF: Pinocchio reads one number of damping.
+        "bent": _words(damped * model.dof_dampingpoly[dof]),
         "frictionloss": _words([rubs * model.dof_frictionloss[dof]]),
         "armature": _words([model.dof_armature[dof]]),
     }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numba
 import numpy as np
 import pyarrow as pa
@@ -9,8 +11,11 @@ import pytest
 
 import mjfriction.diagnose.diagnosis as whole
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.fit.model import build_model
+from mjfriction.diagnose.fit.nuisance import make_nuisance
 from mjfriction.diagnose.tell import verdict
 from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
+from mjfriction.diagnose.tell.seen_play import unseen
 from mjfriction.identify.bursts import burst_share
 from mjfriction.identify.measure import measure_gap
 from mjfriction.plant.motions import forward_backward
@@ -90,6 +95,15 @@ def test_play_that_shows_in_blows_alone_is_found(monkeypatch: pytest.MonkeyPatch
     deaf = diagnose_log(log, robot)
     assert not found(deaf)
     assert deaf.joints[0].rms_heldout_before < 0.5 * diagnosis.joints[0].rms_heldout_before
+
+
+def test_a_joint_that_blows_hid_is_compared_with_what_is_stated_of_it() -> None:
+    """As where every row of a joint holds a blow: nothing was examined there before."""
+    seen = unseen(measure_gap(moves(1e-3, STIFF), read_robot("linear_axis"), highest=60.0))
+    model = build_model(seen.gap, make_nuisance(seen.gap), ())
+    doubted = whole.doubt(replace(seen, stated=np.full_like(seen.stated, np.nan)), model, 60.0)
+    assert doubted is not None
+    np.testing.assert_array_equal(doubted.seen.stated, doubted.seen.gap.residual)
 
 
 def test_play_between_flanks_that_give_is_found_with_what_they_give(monkeypatch: pytest.MonkeyPatch) -> None:

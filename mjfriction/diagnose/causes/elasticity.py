@@ -47,7 +47,8 @@ def _near_compliances(site: Site) -> list[float]:
     return [float(compliance) for compliance in near]
 
 
-def _most_given(gap: Gap, joint: int) -> float:
+def most_given(gap: Gap, joint: int) -> float:
+    """Return how far a joint's transmission may give under the largest load, rad or m."""
     return MOST_GIVEN_ALONG if gap.body.sliding[joint] else MOST_GIVEN
 
 
@@ -80,7 +81,7 @@ class _Elasticity(MovedLink):
         """The total compliance is positive, and the added deflection stays below the largest one."""
         stated = gap.robot.table.joint[site.joint].transmission.compliance
         return bool(
-            stated + strengths[0] > 0.0 and self.most(gap, site, float(strengths[0]))[0] < _most_given(gap, site.joint)
+            stated + strengths[0] > 0.0 and self.most(gap, site, float(strengths[0]))[0] < most_given(gap, site.joint)
         )
 
     def most(self, gap: Gap, site: Site, compliance: float) -> tuple[float, float]:
@@ -193,9 +194,7 @@ class Swinging(_Elasticity):
             soft = [1.0 / (float(np.median(inertia)) * (2.0 * np.pi * frequency) ** 2) for frequency in RESONANCES]
             slow, most = gap.motion.cutoff * RESONANCE_BAND, float(np.max(np.abs(self.load(gap, joint))))
             able = [
-                c
-                for f, c in zip(RESONANCES, soft, strict=True)
-                if f < slow and 0.0 < c * most < _most_given(gap, joint)
+                c for f, c in zip(RESONANCES, soft, strict=True) if f < slow and 0.0 < c * most < most_given(gap, joint)
             ]
             out += [Site(joint, (SCREENED_AT,), around=c) for c in able]
         return out

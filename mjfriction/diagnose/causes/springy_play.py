@@ -10,7 +10,7 @@ import numpy as np
 
 from mjfriction.diagnose.causes.backlash import PLAYS
 from mjfriction.diagnose.causes.cause import Site
-from mjfriction.diagnose.causes.elasticity import COMPLIANCE, DAMPING_RATIO, MOST_GIVEN, MOST_GIVEN_ALONG, ROUNDS
+from mjfriction.diagnose.causes.elasticity import COMPLIANCE, DAMPING_RATIO, ROUNDS, most_given
 from mjfriction.diagnose.causes.moved_link import as_drawn, felt_by_itself, own_slopes
 from mjfriction.diagnose.causes.play import Play
 from mjfriction.identify.gap import Gap
@@ -58,8 +58,7 @@ class SpringyPlay(Play):
     @staticmethod
     def _gives(gap: Gap, joint: int, compliance: float) -> bool:
         # Whether flanks give no farther than a transmission does.
-        most = MOST_GIVEN_ALONG if gap.body.sliding[joint] else MOST_GIVEN
-        return compliance * float(np.max(np.abs(gap.known.effort.load[:, joint]))) < most
+        return compliance * float(np.max(np.abs(gap.known.effort.load[:, joint]))) < most_given(gap, joint)
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
         """The torque at the joint itself, without the position filter."""

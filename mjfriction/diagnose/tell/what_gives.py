@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from mjfriction.diagnose.causes.moved_link import MovedLink
 from mjfriction.diagnose.causes.play import Play
 from mjfriction.diagnose.causes.springy_play import SpringyPlay
@@ -54,17 +56,19 @@ def doubt(seen: SeenPlay, model: Model, highest: float) -> Doubted | None:
     Blows count at joints without play that have as many of their own as landings need.  ``highest`` is the upper limit
     of the position filter's cutoff (Hz).
     """
-    gap, left = model.gap, model.residual()
-    blown = [joint for joint in gap.examined if joint not in with_play(model) and _count(gap, joint) >= FEWEST]
+    gap, left, played = model.gap, model.residual(), with_play(model)
+    blown = [joint for joint in gap.examined if joint not in played and _count(gap, joint) >= FEWEST]
     loud: tuple[int, ...] = ()
     if blown:
         whole = measure_gap(seen.whole.log, seen.whole.robot, highest=highest, heeding=True)
         heeding = thinned(whole)
         loud = tuple(joint for joint in blown if _is_loud(gap, heeding, joint, left[:, joint]))
-        seen = replace(seen, whole=whole, gap=heeding) if loud else seen
+        # A joint of which blows left no row clear is examined with them.
+        stated = np.where(np.isnan(seen.stated), heeding.residual, seen.stated)
+        seen = replace(seen, whole=whole, gap=heeding, stated=stated) if loud else seen
     giving = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, MovedLink)}
     much = [joint for joint in gap.examined if gap.rms(left[:, joint], joint) > ABOVE_NOISE * gap.noise_floor[joint]]
-    doubted = [joint for joint in much if joint in giving or burst_share(gap, joint, left) > BURST_SHARE]
+    doubted = [joint for joint in much if joint in giving or burst_share(gap, joint, left) >= BURST_SHARE]
     joints = tuple(dict.fromkeys((*loud, *doubted)))
     return Doubted(seen, joints, loud) if joints else None
 
@@ -84,23 +88,22 @@ def asked_of(doubted: Doubted, field: Field, before: Model) -> Field:
 def gives_more(doubted: Doubted, again: Model, before: Model) -> bool:
     """Return whether a model of the second search halves what is left at its joints, by play or compliance."""
     giving = {choice.site.joint for choice in again.noteworthy if isinstance(choice.cause, MovedLink)}
-    return bool(giving & set(doubted.joints)) and all(
-        _mean_square(doubted, again, joint) < HALVED * _mean_square(doubted, before, joint) for joint in doubted.joints
-    )
+    now, then = _mean_squares(doubted, again), _mean_squares(doubted, before)
+    return bool(giving & now.keys()) and all(now[joint] < HALVED * then[joint] for joint in now)
 
 
 def left_in_blows(doubted: Doubted, model: Model) -> list[Structure]:
     """Return what blows make of the error that a model without them leaves, by joint."""
-    names, left = model.gap.robot.joints, model.heldout_residual()
-    quiet = {joint: model.gap.rms(left[:, joint], joint) ** 2 for joint in doubted.loud}
+    gap, left, whole = model.gap, model.heldout_residual(), _mean_squares(doubted, model)
     return [
-        Structure(names[joint], BLOWS, 1.0 - quiet[joint] / _mean_square(doubted, model, joint))
+        Structure(gap.robot.joints[joint], BLOWS, 1.0 - gap.rms(left[:, joint], joint) ** 2 / whole[joint])
         for joint in doubted.loud
     ]
 
 
-def _mean_square(doubted: Doubted, model: Model, joint: int) -> float:
-    return doubted.seen.gap.rms(model.heldout_residual()[:, joint], joint) ** 2
+def _mean_squares(doubted: Doubted, model: Model) -> dict[int, float]:
+    left = model.heldout_residual()
+    return {joint: doubted.seen.gap.rms(left[:, joint], joint) ** 2 for joint in doubted.joints}
 
 
 def _count(gap: Gap, joint: int) -> int:
