@@ -35,7 +35,8 @@ from mjfriction.record.log import Log
 from mjfriction.robot.robot import Robot
 
 HIGHEST = 60.0  # Hz, highest cutoff of the position filter: above it arms mostly bend, which no cause describes
-PROVING, DRIVING = 0.85, 0.95  # shares of the work that are done before the proof, and before the free run
+# Shares of the work that are done before the second search, before the proof, and before the free run.
+SEARCHING_AGAIN, PROVING, DRIVING = 0.8, 0.85, 0.95
 
 
 def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently) -> Diagnosis:
@@ -52,8 +53,9 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     settled = _searched(seen.gap, field, tell)
     doubted = None if refused else doubt(seen, settled.model, HIGHEST)
     if doubted is not None:
+        tell("searching for what gives", SEARCHING_AGAIN)
         anew = make_field(doubted.seen.gap, STRUCTURAL) if doubted.loud else field
-        again = _searched(doubted.seen.gap, asked_of(doubted, anew, settled.model), tell)
+        again = _searched(doubted.seen.gap, asked_of(doubted, anew, settled.model), silently)
         if gives_more(doubted, again.model, settled.model):
             settled, field, seen, doubted = again, anew, doubted.seen, None
     tell("proving what was found", PROVING)

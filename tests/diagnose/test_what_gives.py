@@ -86,10 +86,13 @@ def found(diagnosis: Diagnosis) -> list[tuple[str, str | None]]:
 
 
 def test_play_that_shows_in_blows_alone_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The flanks give, by up to a tenth of the play."""
+    """The flanks give, by up to a tenth of the play.  The second search is told as a step forward."""
     log, robot = moves(1e-3, STIFF), read_robot("linear_axis")
-    diagnosis = diagnose_log(log, robot)
+    told: dict[str, float] = {}
+    diagnosis = diagnose_log(log, robot, tell=lambda step, done=0.0: told.update({step: float(done or 0.0)}))
     assert found(diagnosis) == [("drive.backlash", "axis")]
+    assert "searching for what gives" in told
+    assert np.all(np.diff(list(told.values())) > 0.0)
     assert diagnosis.findings[0].parameters[0].value == pytest.approx(1e-3, rel=0.2)
     monkeypatch.setattr(whole, "doubt", lambda *_: None)
     deaf = diagnose_log(log, robot)

@@ -15,7 +15,8 @@ from mjfriction.diagnose.fit.model import Chosen, Model
 from mjfriction.diagnose.search.oscillations import told_oscillations
 from mjfriction.diagnose.search.stroke_curve import ALONG_STROKE, FRICTION_ALONG_STROKE, StrokeCurve, vague_friction
 from mjfriction.diagnose.tell.outcome import Finding, Verdict
-from mjfriction.diagnose.tell.what_gives import BLOWS, with_play
+from mjfriction.diagnose.tell.what_gives import BLOWS
+from mjfriction.diagnose.tell.with_play import with_play
 from mjfriction.identify.bursts import BURST_SHARE, BURSTS, burst_share
 from mjfriction.identify.colour import COLOURED, NOTHING, coloured_share
 from mjfriction.identify.gap import Gap

@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mjfriction.diagnose.causes.moved_link import MovedLink
-from mjfriction.diagnose.causes.play import Play
 from mjfriction.diagnose.causes.springy_play import SpringyPlay
 from mjfriction.diagnose.fit.model import Model
 from mjfriction.diagnose.search.field import Field, make_field
 from mjfriction.diagnose.tell.seen_play import SeenPlay
+from mjfriction.diagnose.tell.with_play import with_play
 from mjfriction.identify.bursts import BURST_SHARE, burst_share
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.landings import FEWEST, struck
@@ -41,12 +41,6 @@ class Doubted:
     seen: SeenPlay
     joints: tuple[int, ...]
     loud: tuple[int, ...]
-
-
-def with_play(model: Model) -> set[int]:
-    """Return the joints at which play is stated or was found."""
-    stated = {i for i, joint in enumerate(model.gap.robot.table.joint) if joint.transmission.backlash > 0.0}
-    return stated | {choice.site.joint for choice in model.chosen if isinstance(choice.cause, Play)}
 
 
 def doubt(seen: SeenPlay, model: Model, highest: float) -> Doubted | None:
