@@ -13,7 +13,7 @@ from mjfriction.sim.flanks import between_flanks
 from mjfriction.sim.ringing import deflection, ringing
 from mjfriction.sim.stops import between_stops
 
-# Hz, least integration rate for the link's motion in its play or on its compliance: the link crosses its play between
+# Hz, usual integration rate for the link's motion in its play or on its compliance: the link crosses its play between
 # two samples of most logs.
 FLIGHT_RATE = 1000.0
 LEAST_INERTIA = 1e-9  # kg·m² or kg, lower bound that keeps the natural frequency finite
@@ -90,16 +90,17 @@ def swinging(
     compliance: float | Floats,
     damping_ratio: float,
     hardening: float | Floats = 0.0,
+    rate: float = FLIGHT_RATE,
 ) -> Floats:
     """Return how far a link that oscillates on its transmission is behind the motor, (n,).
 
-    Solves inertia·s̈ + damping·ṡ + s/compliance + hardening·s³ = following for each piece of the motion separately;
-    ``damping_ratio`` is relative to critical damping near s = 0.  For several compliances and hardenings (k,) at once,
-    the other arrays have shape (n, k) or one that broadcasts to it.
+    Solves inertia·s̈ + damping·ṡ + s/compliance + hardening·s³ = following for each piece of the motion separately, at
+    a ``rate`` (Hz) or more; ``damping_ratio`` is relative to critical damping near s = 0.  For several compliances and
+    hardenings (k,) at once, the other arrays have shape (n, k) or one that broadcasts to it.
     """
     following, frequency = np.broadcast_arrays(following, natural_frequency(inertia, compliance))
     out = np.empty_like(following)
-    finer = int(np.ceil(FLIGHT_RATE / motion.rate))
+    finer = int(np.ceil(rate / motion.rate))
     for own in motion.pieces:
         step = 1.0 / (finer * motion.rate)
         aim = compliance * following[own]

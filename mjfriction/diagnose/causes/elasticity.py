@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import ClassVar, final
@@ -18,7 +19,7 @@ from mjfriction.record.motion import smooth_derivatives
 from mjfriction.robot.friction import stated_levels
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import direction
-from mjfriction.robot.transmission import LEAST_INERTIA, LOAD_BAND, natural_frequency, swinging
+from mjfriction.robot.transmission import FLIGHT_RATE, LEAST_INERTIA, LOAD_BAND, natural_frequency, swinging
 from mjfriction.sim.ringing import deflection
 
 COMPLIANCE = Parameter("compliance", "{length}/{force}", "how far the transmission gives per load", lower=0.0)
@@ -39,6 +40,7 @@ ROUNDS = 2  # of a fixed-point iteration between the link's lag and the load it 
 # Damping ratio at which resonances are screened: with less, a link oscillates so long that columns for a resonance not
 # quite its own fall out of phase with it.
 SCREENED_AT = 0.2
+SCREENING_RATE = 500.0  # Hz, integration rate that is enough to rank resonances
 
 
 def _near_compliances(site: Site) -> list[float]:
@@ -201,9 +203,9 @@ class Swinging(_Elasticity):
 
     def screening(self, gap: Gap, sites: Sequence[Site], every: int) -> Columns:
         """The torque at the joint itself, without the position filter."""
-        return felt_by_itself(gap, sites, self._behind, every)
+        return felt_by_itself(gap, sites, functools.partial(self._behind, rate=SCREENING_RATE), every)
 
-    def _behind(self, gap: Gap, sites: Sequence[Site]) -> Floats:
+    def _behind(self, gap: Gap, sites: Sequence[Site], rate: float = FLIGHT_RATE) -> Floats:
         # How far the link lags per unit of compliance, at many sites of one joint with equal damping, (n, sites).
         joint, damped = sites[0].joint, sites[0].shape[0]
         hardening = np.array([self.hardening(site) for site in sites])
@@ -212,7 +214,7 @@ class Swinging(_Elasticity):
         stiffness, damping, inertia = (slope[:, None] for slope in own_slopes(gap, joint))
         following = load
         for _ in range(ROUNDS):
-            behind = swinging(gap.motion, following, inertia, compliances, damped, hardening)
+            behind = swinging(gap.motion, following, inertia, compliances, damped, hardening, rate)
             following = load - stiffness * behind - damping * gap.motion.differentiated(behind)
         return np.asarray(behind / compliances)
 

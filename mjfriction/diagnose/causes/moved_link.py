@@ -17,7 +17,7 @@ from mjfriction.robot.robot import Robot
 
 WIDEST = 0.2  # rad or m, largest play, or deflection under load
 NEAR = (0.6, 1.6)  # range of a fitted strength, relative to the one that its columns were computed around
-AT_A_TIME = 1_000_000  # samples, over all sites, that are computed at a time to bound memory
+AT_A_TIME = 4_000_000  # samples, over all sites, that are computed at a time to bound memory
 FELT = 1e-6  # fraction of the RMS effort up to which a shift counts as not felt
 
 
