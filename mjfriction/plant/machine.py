@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mjfriction.body.inverse import inertia_at
+from mjfriction.body.inverse import inertia_along
+from mjfriction.body.model import Body
 from mjfriction.control.course import Course
 from mjfriction.control.servo import Control, ServoDrives
 from mjfriction.errors import RobotError, suggestion
@@ -29,6 +30,7 @@ from mjfriction.sim.spec import Spec
 from mjfriction.sim.transmission import DeadZone, couple_drive, split_transmission
 
 FOLLOWED = 0.5  # a joint that travels less than this fraction of the wanted travel has not followed
+POSES = 500  # along a motion, at which the links' inertia is looked up
 # s; transmissions that give oscillate faster than a rigid arm.
 LONGEST_STEP, LONGEST_STEP_GIVING, LONGEST_STEP_OIL = 1e-3, 2.5e-4, 1e-4
 
@@ -110,7 +112,7 @@ def run_machine(
     if any(joint.hydraulics for joint in robot.table.joint):
         oil = OilDrives(robot, model, servo, control, trajectory, time, surrounding)
         drive, cylinders = oil, oil.cylinders
-    spec, dead_zones = _spec(robot, step, inertia_at(body, course.position[0]) - body.armature)
+    spec, dead_zones = _spec(robot, step, _usual_inertia(body, course.position))
     played = play(
         spec,
         robot.joints,
@@ -188,6 +190,11 @@ def _spec(robot: Robot, step: float, link_inertia: Floats) -> tuple[Spec, dict[s
                 inertia=shared.inertia,
             )
     return spec, dead_zones
+
+
+def _usual_inertia(body: Body, position: Floats) -> Floats:
+    # The links' usual inertia along a motion (n, joints), to which damping ratios are relative, (joints,).
+    return np.asarray(np.median(inertia_along(body, position[:: max(1, len(position) // POSES)]), axis=0))
 
 
 def _controller(robot: Robot, model: Robot) -> Robot:

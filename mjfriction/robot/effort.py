@@ -12,12 +12,11 @@ states otherwise.
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mjfriction.body.inverse import inertia_along, motion_derivatives
+from mjfriction.body.inverse import motion_derivatives
 from mjfriction.body.model import Body
 from mjfriction.errors import RobotError
 from mjfriction.laws.law import Floats
@@ -28,7 +27,8 @@ from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import forward_share, friction_along, states_along, waves_along
 from mjfriction.robot.schema import EffortSensor, Joint
 from mjfriction.robot.spring import coefficients, spring_along
-from mjfriction.robot.transmission import Link, lag
+from mjfriction.robot.transmission import LEAST_INERTIA, lag
+from mjfriction.sim.lagging import Lagging
 
 GIVING_ROUNDS = 2  # fixed-point rounds for the links' motion; enough if the deflection is a few percent of the motion
 # Hz, rate at which quantities that depend on the pose are computed, with linear interpolation between: within one
@@ -237,11 +237,8 @@ def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
     ]
     if not any(transmission.gives for transmission in transmissions):
         return motion
-    inertia = _at_poses(motion, functools.partial(inertia_along, body))
-    coasts = any(transmission.backlash and transmission.coasting for transmission in transmissions)
-    stiffness = _at_poses(motion, functools.partial(_stiffness_along, body)) if coasts else np.zeros_like(inertia)
+    slopes = _own_slopes(body, motion)
     rubbed = np.array([joint.transmission.carries_friction for joint in robot.table.joint])
-    behind = np.zeros_like(inertia)
     linked = motion
     for _ in range(GIVING_ROUNDS):
         rotor = body.armature * linked.acceleration
@@ -251,29 +248,37 @@ def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
         parts = [motion.position.copy(), motion.velocity.copy(), motion.acceleration.copy()]
         for i, transmission in enumerate(transmissions):
             if transmission.gives:
-                ahead = motion.acceleration[:, i] - linked.acceleration[:, i]
-                following = carried[:, i] + inertia[:, i] * ahead
-                link = Link(carried[:, i], behind[:, i], following, inertia[:, i], stiffness[:, i])
-                behind[:, i] = lag(transmission, motion, link)
-                for part, derivative in zip(parts, smooth_derivatives(motion, behind[:, i]), strict=True):
+                behind = lag(transmission, motion, carried[:, i], _lagging(i, slopes, carried, motion, linked))
+                for part, derivative in zip(parts, smooth_derivatives(motion, behind), strict=True):
                     part[:, i] -= derivative
         linked = replace(motion, position=parts[0], velocity=parts[1], acceleration=parts[2])
     return linked
 
 
-def _at_poses(motion: Motion, told: Callable[[Floats], Floats]) -> Floats:
-    # Evaluate a function of the pose at a few samples and interpolate it, (n, joints): it changes no faster than the
-    # pose does.
+def _own_slopes(body: Body, motion: Motion) -> Floats:
+    # How each joint's load changes with its own position, velocity and acceleration, (3, n, joints).  Computed at a few
+    # samples and interpolated: it changes no faster than the pose does, but for what accelerations add to the first.
     count, change = motion.time.size, np.flatnonzero(np.diff(motion.piece))
     every = np.arange(0, count, max(1, int(motion.rate / POSES)))
     some = np.unique([*every, *change, *(change + 1), count - 1])
-    return np.column_stack([np.interp(np.arange(count), some, own) for own in told(motion.position[some]).T])
+    velocity = motion.velocity[some]
+    derivatives = motion_derivatives(body, motion.position[some], velocity, np.zeros_like(velocity))
+    told = [np.diagonal(derivative, axis1=1, axis2=2) for derivative in derivatives]
+    courses = [[np.interp(np.arange(count), some, own) for own in each.T] for each in told]
+    return np.moveaxis(np.array(courses), 1, 2)
 
 
-def _stiffness_along(body: Body, position: Floats) -> Floats:
-    # The derivative of each joint's load with respect to its own position at standstill, (n, joints).
-    still = np.zeros_like(position)
-    return np.diagonal(motion_derivatives(body, position, still, still)[0], axis1=1, axis2=2)
+def _lagging(joint: int, slopes: Floats, carried: Floats, motion: Motion, linked: Motion) -> Lagging:
+    # What a link would carry if it moved as its motor does, told from what it has ``carried`` along another motion.
+    stiffness, damping, inertia = slopes[:, :, joint]
+    load = carried[:, joint]
+    for slope, course, own in (
+        (stiffness, motion.position, linked.position),
+        (damping, motion.velocity, linked.velocity),
+        (inertia, motion.acceleration, linked.acceleration),
+    ):
+        load = load + slope * (course - own)[:, joint]
+    return Lagging(load, np.maximum(inertia, LEAST_INERTIA), stiffness, damping)
 
 
 def later(joint: Joint, delay: float) -> Joint:

@@ -17,9 +17,9 @@ from mjfriction.sim.callback import friction_active
 from mjfriction.sim.messages import messages_dropped
 from mjfriction.sim.reading import BROKEN, read_friction
 from mjfriction.sim.spec import compiled
-from mjfriction.sim.transmission import DeadZone, behind_stops, give_places
+from mjfriction.sim.transmission import DeadZone, behind_stops, give_places, sag
 
-SETTLING = 0.5  # s before the run, in which transmissions that give take up their load
+SETTLING = 0.5  # s before the run, in which transmissions that give come to rest under their load
 TELLING = 5000  # steps between progress reports of a run
 
 
@@ -98,7 +98,7 @@ def play(
     reader = read_friction(model) if laws else None
     rubbing = np.array([joints.index(name) for name in reader.joints]) if reader else np.array([], dtype=int)
     data.qpos[places], data.qvel[dofs] = start
-    mujoco.mj_forward(model, data)
+    sag(model, data, gives, {joints.index(name): zone for name, zone in (dead_zones or {}).items()})
     settling = round(SETTLING / step) if gives else 0
     blank = np.zeros((count, len(joints)))
     kept = {name: reader.state(name) for name in reader.joints} if reader and whole else {}

@@ -11,71 +11,79 @@ import numpy as np
 from numba import types
 
 from mjfriction.laws.law import Floats
+from mjfriction.sim.lagging import Lagging
 from mjfriction.sim.ringing import deflection
 
 
 def between_flanks(
-    aim: Floats,
-    frequency: Floats,
+    link: Lagging,
     half: Floats,
-    damping: float,
+    spring: Floats,
+    damper: Floats,
     step: float,
     finer: int = 1,
     hardening: float | Floats = 0.0,
 ) -> Floats:
-    """Return positions of masses that are free within ±``half`` and on a damped spring beyond, (n, k).
+    """Return how far a link lags that is free within ±``half`` and on a damped spring beyond, for each of k, (n, k).
 
-    s̈ = ω²·aim − c, with c = 0 within ±h and c = ω²·(b + κ·b³) + 2·``damping``·ω·ṡ at b = s ∓ h beyond; flanks only
-    push.  By steps of ``step`` s at constant average acceleration (Newmark, J. Eng. Mech. 85, 1959: β = 1/4, γ = 1/2).
-    ``aim``, by which a straight spring would give, and ``frequency``, rad/s, are (n, k), given every ``finer`` steps
-    and linear in between.  ``half`` is (k,), and κ the ``hardening`` of the springs, () or (k,).  The masses begin at
-    rest where their aims hold them.
+    inertia·s̈ + damping·ṡ + stiffness·s + c = load, with c = 0 within ±half and c = k·b + h·b³ + d·ṡ at b = s ∓ half
+    beyond; flanks only push.  By steps of ``step`` s at constant average acceleration (Newmark, J. Eng. Mech. 85, 1959:
+    β = 1/4, γ = 1/2).  The link is given every ``finer`` steps and is linear in between.  k is the ``spring``, d the
+    ``damper``, both (k,) like ``half``, and h the ``hardening``, () or (k,).  It begins at rest where its load holds
+    it.
     """
-    aims, frequencies, halves = (np.ascontiguousarray(own) for own in (aim, frequency, half))
+    halves, springs, dampers = (np.ascontiguousarray(own, dtype=np.float64) for own in (half, spring, damper))
     hard = np.array(np.broadcast_to(hardening, halves.shape), dtype=np.float64)
-    begin = deflection(aims[0], hard) + np.sign(aims[0]) * halves
-    return _compiled()(aims, frequencies, halves, begin, hard, damping, step, finer)
+    side, held = np.sign(link.load[0]) * halves, springs + link.stiffness[0]
+    begin = side + deflection((link.load[0] - link.stiffness[0] * side) / held, hard / held)
+    load, inertia, stiffness, damping = link.over(slice(None))
+    return _compiled()(load, inertia, stiffness, damping, halves, springs, dampers, hard, begin, step, finer)
 
 
 @functools.cache
-def _compiled() -> Callable[[Floats, Floats, Floats, Floats, Floats, float, float, int], Floats]:
-    array, row, number = types.float64[:, ::1], types.float64[::1], types.float64
-    signature = array(array, array, row, row, row, number, number, types.int64)
-    compiled = numba.njit(signature, cache=True)(_along)
-    return cast(Callable[[Floats, Floats, Floats, Floats, Floats, float, float, int], Floats], compiled)
+def _compiled() -> Callable[..., Floats]:
+    course, number = types.float64[::1], types.float64
+    signature = types.float64[:, ::1](*[course] * 9, number, types.int64)
+    return cast(Callable[..., Floats], numba.njit(signature, cache=True)(_along))
 
 
 def _along(
-    aim: Floats,
-    frequency: Floats,
+    load: Floats,
+    inertia: Floats,
+    stiffness: Floats,
+    damping: Floats,
     half: Floats,
-    begin: Floats,
+    spring: Floats,
+    damper: Floats,
     hard: Floats,
-    damping: float,
+    begin: Floats,
     step: float,
     finer: int,
 ) -> Floats:
-    out = np.empty_like(aim)
+    out = np.empty((load.size, half.size))
+    out[0] = begin
     for i in range(half.size):
         place = begin[i]
         speed = pull = 0.0
-        out[0, i] = place
-        for k in range(1, aim.shape[0]):
+        for k in range(1, load.size):
             for part in range(1, finer + 1):
                 share = part / finer
-                omega = frequency[k - 1, i] + share * (frequency[k, i] - frequency[k - 1, i])
-                free = omega * omega * (aim[k - 1, i] + share * (aim[k, i] - aim[k - 1, i]))
+                aside = 1.0 - share
+                worth = 1.0 / (aside * inertia[k - 1] + share * inertia[k])
+                back = worth * (aside * stiffness[k - 1] + share * stiffness[k])
+                slow = worth * (aside * damping[k - 1] + share * damping[k])
                 # Where and how fast it would be if it were not pulled in this step.
                 place += step * speed + 0.25 * step * step * pull
                 speed += 0.5 * step * pull
+                carried = worth * (aside * load[k - 1] + share * load[k]) - back * place - slow * speed
+                held = 1.0 + 0.5 * step * slow + 0.25 * step * step * back
                 beyond = place - min(max(place, -half[i]), half[i])
-                pull = free
+                pull = carried / held
                 if beyond != 0.0:
-                    stiffer = hard[i] * beyond * beyond
-                    held = 1.0 + damping * omega * step + 0.25 * (omega * step) ** 2 * (1.0 + 3.0 * stiffer)
-                    pressed = free - omega * omega * (1.0 + stiffer) * beyond - 2.0 * damping * omega * speed
-                    pressed /= held
-                    if (free - pressed) * beyond > 0.0:
+                    stiff, stiffer = worth * spring[i], worth * hard[i] * beyond * beyond
+                    pressed = carried - (stiff + stiffer) * beyond - worth * damper[i] * speed
+                    pressed /= held + 0.5 * step * worth * damper[i] + 0.25 * step * step * (stiff + 3.0 * stiffer)
+                    if (pull - pressed) * beyond > 0.0:
                         pull = pressed
                 place += 0.25 * step * step * pull
                 speed += 0.5 * step * pull

@@ -1,4 +1,4 @@
-"""Masses on springs whose bases are moved: where they are as they lag behind."""
+"""Masses on springs whose bases are moved: how far they lag behind."""
 
 from __future__ import annotations
 
@@ -11,24 +11,27 @@ import numpy as np
 from numba import types
 
 from mjfriction.laws.law import Floats
+from mjfriction.sim.lagging import Lagging
 
 NEWTON = 2  # steps by which a hardening spring's force is found at the end of each step, from that at its beginning
 
 
 def ringing(
-    aim: Floats, frequency: Floats, damping: float, step: float, finer: int = 1, hardening: float | Floats = 0.0
+    link: Lagging, spring: Floats, damper: Floats, step: float, finer: int = 1, hardening: float | Floats = 0.0
 ) -> Floats:
-    """Return positions of masses that oscillate about ``aim`` at a ``frequency`` in rad/s, all (n,) or (n, k).
+    """Return how far a link lags that oscillates on its spring, for each of k springs, (n, k).
 
-    s̈ = ω²·(aim − s − κ·s³) − 2·``damping``·ω·ṡ, by steps of ``step`` s at constant average acceleration (Newmark, J.
-    Eng. Mech. 85, 1959: β = 1/4, γ = 1/2).  ``aim`` and ``frequency`` are given every ``finer`` steps and are linear in
-    between.  κ is the ``hardening`` of the masses' springs, () or (k,).  The masses begin at rest where their aims hold
-    them.
+    inertia·s̈ + (damping + d)·ṡ + (stiffness + k)·s + h·s³ = load, by steps of ``step`` s at constant average
+    acceleration (Newmark, J. Eng. Mech. 85, 1959: β = 1/4, γ = 1/2).  The link is given every ``finer`` steps and is
+    linear in between.  k is the ``spring``, d the ``damper``, both (k,), and h the ``hardening``, () or (k,).  It
+    begins at rest where its load holds it.
     """
-    aims, frequencies = (np.ascontiguousarray(own.reshape(own.shape[0], -1)) for own in (aim, frequency))
-    hard = np.array(np.broadcast_to(hardening, aims.shape[1:]), dtype=float)
-    begin = deflection(aims[0], hard)
-    return _compiled()(aims, frequencies, begin, hard, damping, step, finer).reshape(aim.shape)
+    springs, dampers = (np.ascontiguousarray(own, dtype=np.float64) for own in (spring, damper))
+    hard = np.array(np.broadcast_to(hardening, springs.shape), dtype=np.float64)
+    held = springs + link.stiffness[0]
+    begin = deflection(link.load[0] / held, hard / held)
+    load, inertia, stiffness, damping = link.over(slice(None))
+    return _compiled()(load, inertia, stiffness, damping, springs, dampers, hard, begin, step, finer)
 
 
 def deflection(aim: Floats, hardening: float | Floats) -> Floats:
@@ -40,42 +43,54 @@ def deflection(aim: Floats, hardening: float | Floats) -> Floats:
 
 
 @functools.cache
-def _compiled() -> Callable[[Floats, Floats, Floats, Floats, float, float, int], Floats]:
+def _compiled() -> Callable[..., Floats]:
     # The error model of numpy divides without a check for zero, so that the loop over masses can be vectorised.
-    array, row, number = types.float64[:, ::1], types.float64[::1], types.float64
-    signature = array(array, array, row, row, number, number, types.int64)
-    compiled = numba.njit(signature, cache=True, error_model="numpy")(_along)
-    return cast(Callable[[Floats, Floats, Floats, Floats, float, float, int], Floats], compiled)
+    course, number = types.float64[::1], types.float64
+    signature = types.float64[:, ::1](*[course] * 8, number, types.int64)
+    return cast(Callable[..., Floats], numba.njit(signature, cache=True, error_model="numpy")(_along))
 
 
 def _along(
-    aim: Floats, frequency: Floats, begin: Floats, hard: Floats, damping: float, step: float, finer: int
+    load: Floats,
+    inertia: Floats,
+    stiffness: Floats,
+    damping: Floats,
+    spring: Floats,
+    damper: Floats,
+    hard: Floats,
+    begin: Floats,
+    step: float,
+    finer: int,
 ) -> Floats:
-    out = np.empty_like(aim)
+    out = np.empty((load.size, spring.size))
     place = begin.copy()
     speed, pull, before = np.zeros_like(place), np.zeros_like(place), np.zeros_like(place)
     hardens = np.any(hard > 0.0)
     out[0] = place
-    for k in range(1, aim.shape[0]):
+    for k in range(1, load.size):
         for part in range(1, finer + 1):
             share = part / finer
+            aside = 1.0 - share
+            worth = 1.0 / (aside * inertia[k - 1] + share * inertia[k])
+            carried = worth * (aside * load[k - 1] + share * load[k])
+            stiff = worth * (aside * stiffness[k - 1] + share * stiffness[k])
+            drag = worth * (aside * damping[k - 1] + share * damping[k])
             for i in range(place.size):
-                goal = aim[k - 1, i] + share * (aim[k, i] - aim[k - 1, i])
-                omega = frequency[k - 1, i] + share * (frequency[k, i] - frequency[k - 1, i])
+                back, slow = stiff + worth * spring[i], drag + worth * damper[i]
                 # Where and how fast it would be if it were not pulled in this step.
                 place[i] += step * speed[i] + 0.25 * step * step * pull[i]
                 speed[i] += 0.5 * step * pull[i]
                 before[i] = pull[i]
-                pull[i] = omega * omega * (goal - place[i]) - 2.0 * damping * omega * speed[i]
-                pull[i] /= 1.0 + damping * omega * step + 0.25 * (omega * step) ** 2
+                pull[i] = carried - back * place[i] - slow * speed[i]
+                pull[i] /= 1.0 + 0.5 * step * slow + 0.25 * step * step * back
             if hardens:  # apart, so that the loop over straight springs can be vectorised
                 for i in range(place.size):
-                    omega = frequency[k - 1, i] + share * (frequency[k, i] - frequency[k - 1, i])
-                    held = 1.0 + damping * omega * step + 0.25 * (omega * step) ** 2
+                    back, slow = stiff + worth * spring[i], drag + worth * damper[i]
+                    held = 1.0 + 0.5 * step * slow + 0.25 * step * step * back
                     straight, after = held * pull[i], before[i]
                     for _ in range(NEWTON):
                         there = place[i] + 0.25 * step * step * after
-                        stiffer = omega * omega * hard[i] * there * there
+                        stiffer = worth * hard[i] * there * there
                         over = held * after + stiffer * there - straight
                         after -= over / (held + 0.75 * step * step * stiffer)
                     pull[i] = after

@@ -13,25 +13,29 @@ from numba import types
 from mjfriction.laws.law import Floats
 
 
-def between_stops(pull: Floats, back: Floats, step: float, caught: int, finer: int = 1) -> Floats:
+def between_stops(
+    pull: Floats, back: Floats, step: float, caught: int, finer: int = 1, drag: Floats | None = None
+) -> Floats:
     """Return the position of the mass, from −1 to 1, (n,).
 
-    It obeys s̈ = pull − back·s, with ``pull`` and ``back`` (n,) in 1/s², between stops at ±1 without rebound.  It is
-    integrated by semi-implicit Euler steps of ``step`` s.  ``pull`` and ``back`` are given every ``finer`` steps and
-    are linear in between.  The mass begins on the stop that the first pull points to.  Once the other stop has caught
-    the mass, it holds it for ``caught`` steps, over which a filter has smeared the impact.
+    It obeys s̈ = pull − back·s − drag·ṡ, with ``pull`` and ``back`` (n,) in 1/s² and ``drag`` (n,) in 1/s (none by
+    default), between stops at ±1 without rebound.  It is integrated by semi-implicit Euler steps of ``step`` s.  All
+    three are given every ``finer`` steps; the first two are linear in between, and ``drag`` is constant.  The mass
+    begins on the stop that the first pull points to.  Once the other stop has caught the mass, it holds it for
+    ``caught`` steps, over which a filter has smeared the impact.
     """
-    return _compiled()(np.ascontiguousarray(pull), np.ascontiguousarray(back), step, caught, finer)
+    slow = np.zeros_like(pull) if drag is None else np.ascontiguousarray(drag)
+    return _compiled()(np.ascontiguousarray(pull), np.ascontiguousarray(back), slow, step, caught, finer)
 
 
 @functools.cache
-def _compiled() -> Callable[[Floats, Floats, float, int, int], Floats]:
+def _compiled() -> Callable[[Floats, Floats, Floats, float, int, int], Floats]:
     course = types.float64[::1]
-    signature = course(course, course, types.float64, types.int64, types.int64)
-    return cast(Callable[[Floats, Floats, float, int, int], Floats], numba.njit(signature, cache=True)(_along))
+    signature = course(course, course, course, types.float64, types.int64, types.int64)
+    return cast(Callable[[Floats, Floats, Floats, float, int, int], Floats], numba.njit(signature, cache=True)(_along))
 
 
-def _along(pull: Floats, back: Floats, step: float, caught: int, finer: int) -> Floats:
+def _along(pull: Floats, back: Floats, drag: Floats, step: float, caught: int, finer: int) -> Floats:
     out = np.empty_like(pull)
     place, speed, held = np.sign(pull[0]), 0.0, 0
     stop = place
@@ -46,7 +50,7 @@ def _along(pull: Floats, back: Floats, step: float, caught: int, finer: int) -> 
         for part in range(first, finer + 1):
             held -= 1
             if held <= 0:
-                speed += (before + slope * part - (back_before + back_slope * part) * place) * step
+                speed += (before + slope * part - (back_before + back_slope * part) * place - drag[k] * speed) * step
                 place += speed * step
             if abs(place) >= 1.0:
                 place, speed = np.sign(place), 0.0

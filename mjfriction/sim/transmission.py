@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
@@ -9,10 +10,12 @@ import mujoco
 import numpy as np
 
 from mjfriction.laws.law import Floats
+from mjfriction.sim.ringing import deflection
 
 GIVE = "{}_give"  # name of the joint added to a motor's: its position is how far the link is ahead of the motor
 STOP_TIME = 2.0  # time steps; time constant of the stiffest stop that MuJoCo's solver accepts
 ASKEW = 1e-6  # rad; angle between the axes of a sliding joint and its give
+SAG_ROUNDS = 4  # fixed-point rounds; each leaves a few percent of the change of load that the one before made
 GIVE_DAMPING = 0.1  # damping ratio of the link on its compliant transmission, where none is stated
 
 
@@ -42,6 +45,26 @@ def give_places(model: mujoco.MjModel, joints: Sequence[str]) -> dict[int, int]:
     behind = {i: GIVE.format(name) for i, name in enumerate(joints)}
     known = {model.joint(i).name for i in range(model.njnt)}
     return {i: int(model.jnt_qposadr[model.joint(name).id]) for i, name in behind.items() if name in known}
+
+
+def sag(model: mujoco.MjModel, data: mujoco.MjData, gives: Mapping[int, int], zones: Mapping[int, DeadZone]) -> None:
+    """Compute the state of a pose in which transmissions on springs give by what they carry.
+
+    ``gives`` are their places in ``qpos``, and ``zones`` their dead zones where they have any, by joint.  A link that
+    started where its motor is would swing for as long as its damping lets it.
+    """
+    mujoco.mj_forward(model, data)
+    held = {int(place): i for i, place in enumerate(model.jnt_qposadr)}
+    # What a link carries changes a little as it gives.
+    for _, (joint, place) in itertools.product(range(SAG_ROUNDS), gives.items()):
+        give = held[place]
+        load = float(data.qfrc_bias[model.jnt_dofadr[give]])
+        spring, hardening = float(model.jnt_stiffness[give]), float(model.jnt_stiffnesspoly[give, 1])
+        zone = zones.get(joint, DeadZone(0.0, spring, 0.0, hardening))
+        if zone.stiffness > 0.0:
+            beyond = deflection(np.array([load / zone.stiffness]), zone.hardening / zone.stiffness)
+            data.qpos[place] = -(np.sign(load) * zone.half + float(beyond[0]))
+        mujoco.mj_forward(model, data)
 
 
 def behind_stops(model: mujoco.MjModel, zones: Mapping[str, DeadZone]) -> Callable[[mujoco.MjData], None]:

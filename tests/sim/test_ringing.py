@@ -8,9 +8,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from mjfriction.sim.lagging import Lagging
 from mjfriction.sim.ringing import deflection, ringing
 
 FREQUENCY, DAMPING = 2.0 * np.pi * 5.0, 0.05
+INERTIA = 0.7  # kg·m²
+SPRING, DAMPER = INERTIA * FREQUENCY**2, 2.0 * DAMPING * FREQUENCY * INERTIA
+
+
+def aimed_at(aim: np.ndarray, step: float, finer: int = 1, hardening: float = 0.0) -> np.ndarray:
+    # The mass alone, whose load would hold it at an aim (n,).
+    link = Lagging(SPRING * aim, np.full(aim.size, INERTIA), np.zeros(aim.size), np.zeros(aim.size))
+    return ringing(link, np.array([SPRING]), np.array([DAMPER]), step, finer, SPRING * hardening)[:, 0]
 
 
 def lag(step: float, finer: int = 1) -> tuple[np.ndarray, np.ndarray]:
@@ -20,7 +29,7 @@ def lag(step: float, finer: int = 1) -> tuple[np.ndarray, np.ndarray]:
     fading = np.exp(-DAMPING * FREQUENCY * time)
     wave = 2.0 * DAMPING / FREQUENCY * np.cos(damped * time) - (1.0 - 2.0 * DAMPING**2) / damped * np.sin(damped * time)
     exact = time - 2.0 * DAMPING / FREQUENCY + fading * wave
-    return ringing(time, np.full(time.size, FREQUENCY), DAMPING, step, finer), exact
+    return aimed_at(time, step, finer), exact
 
 
 def test_it_follows_the_closed_form_with_second_order() -> None:
@@ -35,20 +44,38 @@ def test_finer_steps_between_what_is_given_are_the_same_steps() -> None:
     np.testing.assert_allclose(coarse, fine, atol=1e-12)
 
 
-def test_a_stiff_one_is_where_it_aims() -> None:
+def test_a_stiff_one_is_where_its_load_holds_it() -> None:
     time = np.arange(0.0, 2.0, 1e-3)
-    aim = np.sin(2.0 * np.pi * time)
-    place = ringing(aim, np.full(time.size, 2.0 * np.pi * 80.0), 1.0, 1e-3)
+    aim, stiff = np.sin(2.0 * np.pi * time), (2.0 * np.pi * 80.0) ** 2
+    link = Lagging(stiff * aim, np.ones(time.size), np.zeros(time.size), np.zeros(time.size))
+    place = ringing(link, np.array([stiff]), np.array([2.0 * np.sqrt(stiff)]), 1e-3)[:, 0]
     np.testing.assert_allclose(place[100:], aim[100:], atol=0.03)
 
 
-def test_many_beside_each_other_are_moved_as_one_by_one() -> None:
-    rng = np.random.default_rng(0)
-    aims = 1e-2 * np.cumsum(rng.normal(size=(500, 5)), axis=0)
-    frequencies = 2.0 * np.pi * np.abs(8.0 + rng.normal(size=aims.shape))
-    many = ringing(aims, frequencies, DAMPING, 1e-3, 4)
-    for own, aim, frequency in zip(many.T, aims.T, frequencies.T, strict=True):
-        np.testing.assert_allclose(own, ringing(aim, frequency, DAMPING, 1e-3, 4), rtol=1e-12, atol=1e-15)
+@pytest.mark.parametrize("hardening", [0.0, 3e4])
+def test_a_link_whose_load_changes_with_its_lag_is_as_an_independent_engine_has_it(hardening: float) -> None:
+    """Its weight pulls it farther as it sags, its inertia changes with the pose, and its speed has a price."""
+
+    def course(time: float | np.ndarray) -> np.ndarray:
+        t = np.asarray(time)
+        return np.array(
+            [20.0 * np.sin(4.0 * t), 0.7 + 0.3 * np.sin(3.0 * t), -90.0 * np.cos(t), 0.8 + 0.5 * np.sin(2.0 * t)]
+        )
+
+    def rate(time: float, state: np.ndarray) -> list[float]:
+        load, inertia, stiffness, damping = course(time)
+        push = (SPRING + stiffness) * state[0] + hardening * state[0] ** 3 + (DAMPER + damping) * state[1]
+        return [state[1], (load - push) / inertia]
+
+    time = np.arange(0.0, 3.0, 1e-4)
+    exact = solve_ivp(rate, (0.0, time[-1]), [0.0, 0.0], "Radau", time, rtol=1e-9, atol=1e-12).y[0]
+    links, springs, dampers = Lagging(*course(time)), np.array([SPRING]), np.array([DAMPER])
+    own = ringing(links, springs, dampers, 1e-4, 1, hardening)[:, 0]
+    np.testing.assert_allclose(own, exact, atol=1e-4 * np.max(np.abs(exact)))
+    for less in ("stiffness", "damping"):
+        without = links._replace(**{less: np.zeros(time.size)})
+        missed = ringing(without, springs, dampers, 1e-4, 1, hardening)[:, 0] - exact
+        assert np.max(np.abs(missed)) > 0.01 * np.max(np.abs(exact))
 
 
 HARDENING = 40.0  # per rad²
@@ -67,21 +94,24 @@ def test_a_spring_that_hardens_is_as_an_independent_engine_has_it_with_second_or
     errors = []
     for step in (1e-3, 5e-4, 2.5e-4):
         time = np.arange(0.0, asked[-1] + 0.5 * step, step)
-        place = ringing(aim(time), np.full(time.size, FREQUENCY), DAMPING, step, hardening=HARDENING)
+        place = aimed_at(aim(time), step, hardening=HARDENING)
         errors.append(np.max(np.abs(place[:: round(4e-3 / step)] - exact)))
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
     assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.1)
-    straight = ringing(aim(time), np.full(time.size, FREQUENCY), DAMPING, step)[:: round(4e-3 / step)]
+    straight = aimed_at(aim(time), step)[:: round(4e-3 / step)]
     assert np.max(np.abs(straight - exact)) > 1000.0 * errors[2]
 
 
-def test_masses_on_other_springs_are_moved_as_one_by_one() -> None:
-    time = np.arange(0.0, 1.0, 1e-3)
-    aims, hard = np.outer(np.sin(9.0 * time), [0.1, 0.4, 0.4]), np.array([20.0, 0.0, 20.0])
-    frequency = np.full(aims.shape, FREQUENCY)
-    many = ringing(aims, frequency, DAMPING, 1e-3, 4, hard)
-    for own, aim, single in zip(many.T, aims.T, hard, strict=True):
-        np.testing.assert_allclose(own, ringing(aim, frequency[:, 0], DAMPING, 1e-3, 4, single), rtol=1e-12, atol=1e-15)
+@pytest.mark.parametrize("hard", [[0.0, 0.0, 0.0], [20.0, 0.0, 900.0]])
+def test_many_beside_each_other_are_moved_as_one_by_one(hard: list[float]) -> None:
+    rng = np.random.default_rng(0)
+    load, stiffness, damping = np.cumsum(rng.normal(size=(3, 500)), axis=1) * np.array([[1.0], [1.0], [0.01]])
+    link = Lagging(load, 1.0 + 0.2 * np.sin(np.arange(500) / 40.0), stiffness, damping)
+    springs, dampers = SPRING * np.array([1.0, 2.0, 0.5]), DAMPER * np.array([1.0, 3.0, 2.0])
+    many = ringing(link, springs, dampers, 1e-3, 4, np.array(hard))
+    for own, spring, damper, single in zip(many.T, springs, dampers, hard, strict=True):
+        alone = ringing(link, np.array([spring]), np.array([damper]), 1e-3, 4, single)[:, 0]
+        np.testing.assert_allclose(own, alone, rtol=1e-12, atol=1e-15)
 
 
 @given(st.floats(-10.0, 10.0), st.floats(0.0, 1e6))

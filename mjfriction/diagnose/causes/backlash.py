@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 
 from mjfriction.diagnose.causes.cause import Site, near_around
-from mjfriction.diagnose.causes.moved_link import as_drawn, felt_by_itself, own_slopes
+from mjfriction.diagnose.causes.moved_link import as_drawn, felt_by_itself, lagging
 from mjfriction.diagnose.causes.play import Play
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
@@ -52,8 +52,8 @@ class Backlash(Play):
         load = gap.known.effort.load[:, [joint]]
         if not np.all(plays):
             return 0.5 * np.sign(load)  # without a play to coast across: only tests whether any would be felt
-        stiffness, _, inertia = own_slopes(gap, joint)
-        place = [coasting(gap.motion, load[:, 0], inertia, stiffness, play) for play in plays.tolist()]
+        link = lagging(gap, joint, load[:, 0])
+        place = [coasting(gap.motion, link, play) for play in plays.tolist()]
         return 0.5 * np.column_stack(place)
 
     def shift(self, gap: Gap, site: Site) -> list[Floats]:

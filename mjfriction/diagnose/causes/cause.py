@@ -124,6 +124,12 @@ class Cause(ABC):
         """Return whether fitted strengths are physical; by default all are."""
         return True
 
+    def promising(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """Return whether strengths fitted in a screening may be admissible at a shape that the screening left out; by
+        default they have to be admissible themselves.
+        """
+        return self.admissible(gap, site, strengths)
+
     def known_where(self, gap: Gap, site: Site) -> dict[int, NDArray[np.bool_]]:
         """Return, by joint, the rows (rows,) in which it is known what the cause brings; by default this is known
         wherever the joint's own friction is.

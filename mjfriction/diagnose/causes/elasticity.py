@@ -10,7 +10,7 @@ from typing import ClassVar, final
 import numpy as np
 
 from mjfriction.diagnose.causes.cause import Quantity, Site, near_around
-from mjfriction.diagnose.causes.moved_link import MovedLink, as_drawn, changed, felt_by_itself, own_slopes
+from mjfriction.diagnose.causes.moved_link import MovedLink, as_drawn, changed, felt_by_itself, lagging, own_slopes
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
@@ -19,7 +19,14 @@ from mjfriction.record.motion import smooth_derivatives
 from mjfriction.robot.friction import stated_levels
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import direction
-from mjfriction.robot.transmission import FLIGHT_RATE, LEAST_INERTIA, LOAD_BAND, natural_frequency, swinging
+from mjfriction.robot.transmission import (
+    FLIGHT_RATE,
+    LEAST_INERTIA,
+    LOAD_BAND,
+    damper_of,
+    natural_frequency,
+    swinging,
+)
 from mjfriction.sim.ringing import deflection
 
 COMPLIANCE = Parameter("compliance", "{length}/{force}", "how far the transmission gives per load", lower=0.0)
@@ -36,10 +43,10 @@ STIFFER = (1.4, 1.9, 2.8)  # ratios to try of torque to deflection under the lar
 FINER_HARDENING, FINER_DAMPING = 1.5, 2.0  # largest ratios to try around a spring that hardens
 LEAST_HARDENING = 0.01  # fraction of the usual load that a spring that hardens carries by that, at least
 DAMPINGS = (0.025, 0.05, 0.1, 0.2, 0.4)  # damping ratios to try
-ROUNDS = 2  # of a fixed-point iteration between the link's lag and the load it needs there
 # Damping ratio at which resonances are screened: with less, a link oscillates so long that columns for a resonance not
 # quite its own fall out of phase with it.
 SCREENED_AT = 0.2
+PROMISING = (0.4, 1.6)  # range of a strength screened so, relative to the one that its columns were computed around
 SCREENING_RATE = 500.0  # Hz, integration rate that is enough to rank resonances
 
 
@@ -210,13 +217,9 @@ class Swinging(_Elasticity):
         joint, damped = sites[0].joint, sites[0].shape[0]
         hardening = np.array([self.hardening(site) for site in sites])
         compliances = np.array([site.around for site in sites])
-        load = self.load(gap, joint)[:, None]
-        stiffness, damping, inertia = (slope[:, None] for slope in own_slopes(gap, joint))
-        following = load
-        for _ in range(ROUNDS):
-            behind = swinging(gap.motion, following, inertia, compliances, damped, hardening, rate)
-            following = load - stiffness * behind - damping * gap.motion.differentiated(behind)
-        return np.asarray(behind / compliances)
+        link = lagging(gap, joint, self.load(gap, joint))
+        damper = damper_of(link.inertia, compliances, damped)
+        return np.asarray(swinging(gap.motion, link, 1.0 / compliances, damper, hardening, rate) / compliances)
 
     def shift(self, gap: Gap, site: Site) -> list[Floats]:
         """The link's lag through the position filter, and its two derivatives."""
@@ -233,6 +236,13 @@ class Swinging(_Elasticity):
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """The compliance is near the one that the columns were computed for, and admissible as any compliance."""
         return as_drawn(site, strengths) and super().admissible(gap, site, strengths)
+
+    def promising(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """The compliance is not far from the one that the columns were computed for, with a damping that is none yet.
+
+        A link that is damped less swings on while the columns do not, so that less of these is found in it.
+        """
+        return as_drawn(site, strengths, PROMISING) and super().admissible(gap, site, strengths)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Change the compliance, and let the link oscillate on it."""

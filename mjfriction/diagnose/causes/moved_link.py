@@ -14,6 +14,8 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.record.log import Floats
 from mjfriction.robot.robot import Robot
+from mjfriction.robot.transmission import LEAST_INERTIA
+from mjfriction.sim.lagging import Lagging
 
 WIDEST = 0.2  # rad or m, largest play, or deflection under load
 NEAR = (0.6, 1.6)  # range of a fitted strength, relative to the one that its columns were computed around
@@ -76,6 +78,12 @@ def own_slopes(gap: Gap, joint: int) -> tuple[Floats, ...]:
     return tuple(derivative[:, joint, joint] for derivative in gap.derivatives)
 
 
+def lagging(gap: Gap, joint: int, load: Floats) -> Lagging:
+    """Return what a joint's link carries where it lags its motor, given its ``load`` (n,) where it does not."""
+    stiffness, damping, inertia = own_slopes(gap, joint)
+    return Lagging(load, np.maximum(inertia, LEAST_INERTIA), stiffness, damping)
+
+
 def felt_by_itself(
     gap: Gap, sites: Sequence[Site], behind: Callable[[Gap, Sequence[Site]], Floats], every: int
 ) -> Columns:
@@ -101,6 +109,6 @@ def changed(robot: Robot, site: Site, **changes: object) -> Robot:
     return robot.with_joint(robot.table.joint[site.joint].model_copy(update=changes))
 
 
-def as_drawn(site: Site, strengths: Floats) -> bool:
-    """Return whether a strength is near the one that its columns were computed around, if there is one."""
-    return site.around == 0.0 or NEAR[0] < float(strengths[0]) / site.around < NEAR[1]
+def as_drawn(site: Site, strengths: Floats, near: tuple[float, float] = NEAR) -> bool:
+    """Return whether a strength is ``near`` the one that its columns were computed around, if there is one."""
+    return site.around == 0.0 or near[0] < float(strengths[0]) / site.around < near[1]

@@ -10,15 +10,15 @@ import numpy as np
 
 from mjfriction.diagnose.causes.backlash import PLAYS
 from mjfriction.diagnose.causes.cause import Site
-from mjfriction.diagnose.causes.elasticity import COMPLIANCE, DAMPING_RATIO, ROUNDS, most_given
-from mjfriction.diagnose.causes.moved_link import as_drawn, felt_by_itself, own_slopes
+from mjfriction.diagnose.causes.elasticity import COMPLIANCE, DAMPING_RATIO, most_given
+from mjfriction.diagnose.causes.moved_link import as_drawn, felt_by_itself, lagging, own_slopes
 from mjfriction.diagnose.causes.play import Play
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.record.log import Floats
 from mjfriction.record.motion import smooth_derivatives
 from mjfriction.robot.robot import Robot
-from mjfriction.robot.transmission import LEAST_INERTIA, flying, natural_frequency
+from mjfriction.robot.transmission import LEAST_INERTIA, damper_of, flying, natural_frequency
 
 FEWER_PLAYS = PLAYS[2:32:3]  # rad or m: from 41 mrad (mm) to 0.1, each half the one before
 FLANKS = tuple(5.0 * 1.12**k for k in range(19))  # Hz; resonances of a link on flanks that give, up to 38
@@ -70,12 +70,9 @@ class SpringyPlay(Play):
         if not sites[0].around:
             return 0.5 * np.sign(load)  # without a play to fly across: only tests whether any would be felt
         plays, compliances = np.array([site.around for site in sites]), np.array([site.shape[1] for site in sites])
-        stiffness, damping, inertia = (slope[:, None] for slope in own_slopes(gap, joint))
-        following = load
-        for _ in range(ROUNDS):
-            behind = flying(gap.motion, following, inertia, compliances, sites[0].shape[0], 0.5 * plays)
-            following = load - stiffness * behind - damping * gap.motion.differentiated(behind)
-        return np.asarray(behind / plays)
+        link = lagging(gap, joint, load[:, 0])
+        damper = damper_of(link.inertia, compliances, sites[0].shape[0])
+        return np.asarray(flying(gap.motion, link, 0.5 * plays, 1.0 / compliances, damper) / plays)
 
     def shift(self, gap: Gap, site: Site) -> list[Floats]:
         """The link's lag over its play, through the position filter, and its two derivatives."""

@@ -81,10 +81,15 @@ def own_shape(model: Model, choice: Chosen) -> Chosen | None:
 
 
 def _taken_off(model: Model, choice: Chosen) -> float:
-    # The squared error, over the noise, that a cause takes off a model; none where it is not physical.
+    # The squared error, over the noise, that a cause takes off a model; none where it is not physical.  Columns that
+    # were computed around a strength hold there, whatever strength fits them best.
     columns = choice.cause.columns(model.gap, choice.site)
-    strengths, gains = model.system.screen({joint: values[:, None, :] for joint, values in columns.items()})
-    return float(gains[0]) if choice.cause.admissible(model.gap, choice.site, strengths[0]) else 0.0
+    fitted, gains = model.system.screen({joint: values[:, None, :] for joint, values in columns.items()})
+    strengths, gain = fitted[0], float(gains[0])
+    if choice.site.around and gain > 0.0:
+        gain *= 1.0 - (1.0 - choice.site.around / float(strengths[0])) ** 2
+        strengths = np.array([choice.site.around])
+    return gain if choice.cause.admissible(model.gap, choice.site, strengths) else 0.0
 
 
 def apart(model: Model, choice: Chosen) -> bool:

@@ -33,13 +33,19 @@ def contenders(model: Model, field: Field, joint: int | None = None) -> list[Tri
 def fairly(model: Model, trials: list[Trial]) -> list[Trial]:
     """Return the trials, with curved candidates near the best refitted on the nonlinear balance if several are near.
 
-    A payload that is linearised at zero can lose against a shifted link, which is less nonlinear.
+    A payload that is linearised at zero can lose against a shifted link, which is less nonlinear.  A candidate farther
+    away that comes first once these are refitted is refitted too.
     """
-    best = max((trial.merit for trial in trials), default=0.0)
-    close = [trial for trial in trials if trial.merit > NEAR_BEST * best]
-    if len(close) < 2:
+    merits = [trial.merit for trial in trials]
+    near = {i for i, merit in enumerate(merits) if merit > NEAR_BEST * max(0.0, *merits)}
+    if len(near) < 2:
         return trials
-    return [_bent(model, trial) if trial.merit > NEAR_BEST * best else trial for trial in trials]
+    refitted: set[int] = set()
+    while near:
+        trials = [_bent(model, trial) if i in near else trial for i, trial in enumerate(trials)]
+        refitted |= near
+        near = {max(range(len(trials)), key=lambda i: trials[i].merit)} - refitted
+    return trials
 
 
 def best_bent(model: Model, trials: list[Trial], chances: Chances) -> list[Trial]:
@@ -81,7 +87,7 @@ def ranked(model: Model, field: Field) -> list[Chosen]:
             gain = float(gains[i]) - _price(model.gap, _shown(columns, int(i)) + len(entrant.sites[i].shape))
             if gain > 0.0:
                 useless.discard(entrant.kind)
-            if entrant.cause.admissible(model.gap, entrant.sites[i], strengths[i]):
+            if entrant.cause.promising(model.gap, entrant.sites[i], strengths[i]):
                 best.append((gain, Chosen(entrant.cause, replace(entrant.sites[i], order=order))))
                 break
     return [choice for gain, choice in sorted(best, key=lambda entry: -entry[0]) if gain > 0.0]
