@@ -46,7 +46,7 @@ def stribeck(at: Instant) -> np.ndarray:
     return np.asarray(2.0 * np.exp(-((at.v / 0.1) ** 2)) * np.sign(at.v))
 
 
-def diagnosed(folder: Path, quantities: tuple[str, ...], factor: float = 1.0) -> Diagnosis:
+def diagnosed(folder: Path, quantities: tuple[str, ...], factor: float = 1.0, stroke: float = 0.08) -> Diagnosis:
     model = folder / "scara.xml"
     model.write_text(SCARA, encoding="utf-8")
     machine = Machine(
@@ -54,7 +54,7 @@ def diagnosed(folder: Path, quantities: tuple[str, ...], factor: float = 1.0) ->
         joints=JOINTS,
         coulomb=(4.0, 3.0, 12.0, 0.4),
         viscous=(2.0, 1.0, 37.0, 0.13),
-        reach=(1.0, 1.0, 0.08, 1.3),
+        reach=(1.0, 1.0, stroke, 1.3),
         hidden={1: stribeck},
     )
     path, robot = write_case(folder, machine, seed=4)
@@ -66,11 +66,15 @@ def diagnosed(folder: Path, quantities: tuple[str, ...], factor: float = 1.0) ->
     return diagnose_log(replace(log, columns={**log.columns, **exchanged}), read_robot(robot))
 
 
-@pytest.mark.parametrize("quantities", [deep(("position",)), ("position", "effort")])
+@pytest.mark.parametrize(
+    # In a stroke of 16 mm, read as radians, a joint does not count as moving.
+    ("quantities", "stroke"),
+    [deep(("position",), 0.08), (("position", "effort"), 0.08), (("position",), 0.008)],
+)
 def test_columns_of_a_slide_and_a_turning_joint_that_are_exchanged_are_no_units(
-    quantities: tuple[str, ...], tmp_path: Path
+    quantities: tuple[str, ...], stroke: float, tmp_path: Path
 ) -> None:
-    found = diagnosed(tmp_path, quantities)
+    found = diagnosed(tmp_path, quantities, stroke=stroke)
     assert found.verdict is Verdict.BAD_DATA
     assert [fault.kind for fault in found.faults] == ["data.swap"]
     assert ("all columns" in found.faults[0].where) == (len(quantities) > 1)

@@ -25,7 +25,8 @@ def of_another_kind(gap: Gap, faults: Sequence[Fault]) -> list[Fault]:
     slides = gap.body.sliding
     where = {fault.where for fault in faults if fault.kind == "data.unit"}
     beyond = [joint for joint in gap.examined if slides[joint] and position_column(gap, joint) in where]
-    turning = [joint for joint in gap.examined if not slides[joint]]
+    # A turning joint that reads a slide's positions hardly moves in them, and may not be examined for that reason.
+    turning = [joint for joint, slide in enumerate(slides) if not slide]
     if len(beyond) != 1 or not turning:
         return []
     tried = [fault for other in turning for fault in _exchanges(gap, beyond[0], other)]
@@ -47,5 +48,7 @@ def _exchanges(gap: Gap, one: int, other: int) -> list[Fault]:
     positions = Fault(
         "data.swap", f"{columns[0][0]} and that of {names[1]}", EXCHANGE, mend=Mend(exchanged=(columns[0],))
     )
+    if gap.motion.quantity[other] is None:
+        return [positions]
     where = f"all columns of {names[0]} and {names[1]}"
     return [positions, Fault("data.swap", where, EXCHANGE_JOINTS, mend=Mend(exchanged=tuple(columns)))]
