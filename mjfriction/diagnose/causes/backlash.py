@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 
 from mjfriction.diagnose.causes.cause import Site, near_around
-from mjfriction.diagnose.causes.moved_link import as_drawn, felt_by_itself, lagging
+from mjfriction.diagnose.causes.moved_link import NEAR, as_drawn, felt_by_itself, lagging
 from mjfriction.diagnose.causes.play import Play
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
@@ -19,8 +19,9 @@ from mjfriction.record.motion import smooth_derivatives
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.transmission import coasting
 
-PLAYS = tuple(6.4e-2 * 0.8**k for k in range(38))  # rad or m: from 64 mrad (mm) to 17 µrad (µm)
+PLAYS = tuple(0.1 * 0.8**k for k in range(40))  # rad or m: from 0.1 to 17 µrad (µm)
 FINER = 1.15  # ratio up to which plays around one of these are tried: a little more than half a step
+PROMISING = 0.1  # least share of a play that shows in columns which land too early or too late
 
 
 @final
@@ -67,6 +68,11 @@ class Backlash(Play):
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """The play is near the one that the columns were computed for, and admissible as any play."""
         return as_drawn(site, strengths) and super().admissible(gap, site, strengths)
+
+    def promising(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """A part of the play shows in columns for another one."""
+        near = (PROMISING, NEAR[1])
+        return as_drawn(site, strengths, near) and super().admissible(gap, site, strengths)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Change the play, and let the link coast across it."""
