@@ -115,11 +115,12 @@ def reported_of(robot: Robot, motion: Motion, total: Floats) -> Floats:
 
 
 def unheard(robot: Robot) -> Robot:
-    """Return the robot with its effort sensors reset to ideal ones, except those that other joints' torques depend on.
+    """Return the robot with its effort sensors reset to ideal ones, except those that torques depend on.
 
     Robots that are equal after this need the same torques.
     """
     shared = {coupling.joint for joint in robot.table.joint for coupling in joint.coupling if coupling.effort}
+    shared |= {joint.name for joint in robot.table.joint if joint.transmission.swings}
     joints = tuple(
         joint if joint.name in shared else joint.model_copy(update={"effort_sensor": EffortSensor()})
         for joint in robot.table.joint
@@ -130,9 +131,10 @@ def unheard(robot: Robot) -> Robot:
 def bare(robot: Robot) -> Robot:
     """Return the robot reduced to what :func:`carry` depends on: robots that are equal after this carry the same.
 
-    Where a transmission carries friction, its deflection depends on the friction too, and the robot is returned as is.
+    Where a transmission carries friction, or where it is told from the effort how a link swings at the beginning, its
+    deflection depends on the friction too, and the robot is returned as is.
     """
-    if any(joint.transmission.carries_friction for joint in robot.table.joint):
+    if any(joint.transmission.carries_friction or joint.transmission.swings for joint in robot.table.joint):
         return robot
     joints = tuple(
         Joint(
@@ -153,9 +155,15 @@ def shared_effort(robot: Robot, motion: Motion, joint: int, predicted: Floats) -
 
     A sticking joint carries whatever torque its drive gives, which cannot be predicted from its motion.
     """
+    given = given_along(robot, motion, joint)
+    return predicted if given is None else given
+
+
+def given_along(robot: Robot, motion: Motion, joint: int) -> Floats | None:
+    """Return the effort (n,) that a joint's drive gave as its sensor reported it, None where it did not all along."""
     table, reported = robot.table.joint[joint], motion.torque[:, joint]
     if not np.all(np.isfinite(reported)):
-        return predicted
+        return None
     worth = effort_per_reported(table, motion.quantity[joint], robot.name)
     return as_given(table, reported * worth, motion, motion.position[:, joint] - table.position_sensor.offset)
 
@@ -239,6 +247,7 @@ def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
         return motion
     slopes = _own_slopes(body, motion)
     rubbed = np.array([joint.transmission.carries_friction for joint in robot.table.joint])
+    seen = _seen(robot, body, motion) if any(own.swings for own in transmissions) else {}
     linked = motion
     for _ in range(GIVING_ROUNDS):
         rotor = body.armature * linked.acceleration
@@ -248,7 +257,8 @@ def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
         parts = [motion.position.copy(), motion.velocity.copy(), motion.acceleration.copy()]
         for i, transmission in enumerate(transmissions):
             if transmission.gives:
-                behind = lag(transmission, motion, carried[:, i], _lagging(i, slopes, carried, motion, linked))
+                link = _lagging(i, slopes, carried, motion, linked)._replace(seen=seen.get(i))
+                behind = lag(transmission, motion, carried[:, i], link)
                 for part, derivative in zip(parts, smooth_derivatives(motion, behind), strict=True):
                     part[:, i] -= derivative
         linked = replace(motion, position=parts[0], velocity=parts[1], acceleration=parts[2])
@@ -266,6 +276,24 @@ def _own_slopes(body: Body, motion: Motion) -> Floats:
     told = [np.diagonal(derivative, axis1=1, axis2=2) for derivative in derivatives]
     courses = [[np.interp(np.arange(count), some, own) for own in each.T] for each in told]
     return np.moveaxis(np.array(courses), 1, 2)
+
+
+def _seen(robot: Robot, body: Body, motion: Motion) -> dict[int, Floats]:
+    # What the drives of joints whose links swing were seen to pass on to them, (n,) each, if they report all along.
+    rotor = body.armature * motion.acceleration
+    carried = links_torque(robot, body, motion) - rotor
+    friction = friction_along(robot, motion, carried, rotor)
+    out = {}
+    for i, joint in enumerate(robot.table.joint):
+        if joint.transmission.swings and (given := given_along(robot, motion, i)) is not None:
+            passed = given - rotor[:, i] - (0.0 if joint.transmission.carries_friction else friction[:, i])
+            out[i] = in_motion(passed, motion, i)
+    return out
+
+
+def in_motion(effort: Floats, motion: Motion, joint: int) -> Floats:
+    """Return an effort (n,), NaN where its joint may stick, so that nobody knows what friction takes of it."""
+    return np.where(np.abs(motion.velocity[:, joint]) > motion.sure_speed[:, joint], effort, np.nan)
 
 
 def _lagging(joint: int, slopes: Floats, carried: Floats, motion: Motion, linked: Motion) -> Lagging:

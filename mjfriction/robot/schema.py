@@ -170,6 +170,11 @@ class Transmission(Table):
         return 0.0 if self.coasting or self.crossing_load > 0.0 else self.backlash
 
     @property
+    def swings(self) -> bool:
+        """Whether the link oscillates on its compliance."""
+        return self.compliance > 0.0 and self.damping_ratio is not None
+
+    @property
     def gives(self) -> bool:
         """Whether the link may deviate from its sensor's position."""
         return self.compliance > 0.0 or self.backlash > 0.0

@@ -9,12 +9,15 @@ from mjfriction.record.motion import Motion, smooth_derivatives
 from mjfriction.robot.schema import Transmission
 from mjfriction.sim.flanks import between_flanks
 from mjfriction.sim.lagging import Lagging
-from mjfriction.sim.ringing import deflection, ringing
+from mjfriction.sim.ringing import at_rest, deflection, ringing
 from mjfriction.sim.stops import between_stops
 
 # Hz, usual integration rate for the link's motion in its play or on its compliance: the link crosses its play between
 # two samples of most logs.
 FLIGHT_RATE = 1000.0
+BEGINNING = 4.0  # s, of a piece of motion, from which it is told how a link swings at its beginning
+FEWEST_SEEN = 8  # samples of these
+LEAST_SWING = 1e-9  # ridge that keeps the fit of a swing which is over at once, relative to all columns
 LEAST_INERTIA = 1e-9  # kg·m² or kg, lower bound that keeps the natural frequency finite
 # Cutoff of the load whose sign sets the place in the play, as a fraction of the position filter's cutoff: where the
 # load changes sign, the sensor's own jumps would hide it.
@@ -29,7 +32,7 @@ def lag(own: Transmission, motion: Motion, carried: Floats, link: Lagging) -> Fl
 
     ``carried`` (n,) is the load along the link's own motion, and ``link`` what it carries where it lags its motor.
     """
-    if own.compliance > 0.0 and own.damping_ratio is not None:
+    if own.swings and own.damping_ratio is not None:
         spring, damper = 1.0 / own.compliance, damper_of(link.inertia, own.compliance, own.damping_ratio)
         if own.backlash > 0.0 and own.coasting:
             return flying(motion, link, 0.5 * own.backlash, spring, damper, own.hardening)[:, 0]
@@ -90,9 +93,39 @@ def swinging(
     """
     springs, dampers, hard = np.broadcast_arrays(np.atleast_1d(spring), damper, hardening)
     finer = int(np.ceil(rate / motion.rate))
-    step = 1.0 / (finer * motion.rate)
-    parts = [ringing(link.over(own), springs, dampers, step, finer, hard) for own in motion.pieces]
+    step, parts = 1.0 / (finer * motion.rate), []
+    for own in motion.pieces:
+        piece = link.over(own)
+        begin = begun(piece.over(slice(round(BEGINNING * motion.rate))), springs, dampers, step, finer, hard)
+        parts.append(ringing(piece, springs, dampers, step, finer, hard, begin))
     return np.concatenate(parts)
+
+
+def begun(link: Lagging, spring: Floats, damper: Floats, step: float, finer: int, hardening: Floats) -> Floats:
+    """Return how far a link lags, and how fast, at its first sample, for each of k transmissions, (2, k).
+
+    A log may begin while the link swings, and one that is hardly damped does so for long.  That shows in what its drive
+    was seen to pass on to it: the lag is fitted to that, by where and how fast it begins, beside what is slow (a
+    straight line).  Where nothing was seen at first, as while the joint rests, it begins at rest.
+    """
+    begin = at_rest(link, spring, hardening)
+    seen = np.full_like(link.load, np.nan) if link.seen is None else link.seen
+    known = np.isfinite(seen)
+    if np.count_nonzero(known[:FEWEST_SEEN]) < FEWEST_SEEN:
+        return begin
+    left = deflection(np.nan_to_num(seen)[:, None] / spring, hardening / spring)
+    left -= ringing(link, spring, damper, step, finer, hardening, begin)
+    quick = np.sqrt(spring / link.inertia[0])
+    along = np.broadcast_to(np.linspace(-1.0, 1.0, link.load.size)[:, None], left.shape)
+    columns = [
+        ringing(link.unloaded(), spring, damper, step, finer, 0.0, np.array([unit, pace * quick]))
+        for unit, pace in ((np.ones_like(spring), 0.0), (np.zeros_like(spring), 1.0))
+    ]
+    swings = np.stack([*columns, np.ones_like(left), along], axis=2)[known]
+    own = np.einsum("nki,nkj->kij", swings, swings)
+    own += LEAST_SWING * np.eye(4) * np.trace(own, axis1=1, axis2=2)[:, None, None]
+    fitted = np.linalg.solve(own, np.einsum("nki,nk->ki", swings, left[known])[:, :, None])[:, :, 0]
+    return np.asarray(begin + np.array([fitted[:, 0], fitted[:, 1] * quick]))
 
 
 def flying(

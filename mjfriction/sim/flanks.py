@@ -36,7 +36,7 @@ def between_flanks(
     hard = np.array(np.broadcast_to(hardening, halves.shape), dtype=np.float64)
     side, held = np.sign(link.load[0]) * halves, springs + link.stiffness[0]
     begin = side + deflection((link.load[0] - link.stiffness[0] * side) / held, hard / held)
-    load, inertia, stiffness, damping = link.over(slice(None))
+    load, inertia, stiffness, damping, _ = link.over(slice(None))
     return _compiled()(load, inertia, stiffness, damping, halves, springs, dampers, hard, begin, step, finer)
 
 

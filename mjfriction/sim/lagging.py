@@ -13,15 +13,22 @@ class Lagging(NamedTuple):
     """A link along its motor's motion, (n,) each: where it lags behind by s, it carries
     load − stiffness·s − damping·ṡ − inertia·s̈.
 
-    ``load`` is what it would carry if it moved as its motor does, N·m or N; the others are how that changes with its
-    own position, velocity and acceleration.
+    ``load`` is what it would carry if it moved as its motor does, N·m or N; the next three are how that changes with
+    its own position, velocity and acceleration.  ``seen`` is what its drive was seen to pass on to it, None where that
+    is not known.
     """
 
     load: Floats
     inertia: Floats
     stiffness: Floats
     damping: Floats
+    seen: Floats | None = None
 
     def over(self, own: slice) -> Lagging:
         """Return the same over a range of samples."""
-        return Lagging(*(np.ascontiguousarray(course[own], dtype=np.float64) for course in self))
+        load, inertia, stiffness, damping = (np.ascontiguousarray(course[own], dtype=np.float64) for course in self[:4])
+        return Lagging(load, inertia, stiffness, damping, None if self.seen is None else self.seen[own])
+
+    def unloaded(self) -> Lagging:
+        """Return the same without its load."""
+        return self._replace(load=np.zeros_like(self.load), seen=None)

@@ -17,21 +17,34 @@ NEWTON = 2  # steps by which a hardening spring's force is found at the end of e
 
 
 def ringing(
-    link: Lagging, spring: Floats, damper: Floats, step: float, finer: int = 1, hardening: float | Floats = 0.0
+    link: Lagging,
+    spring: Floats,
+    damper: Floats,
+    step: float,
+    finer: int = 1,
+    hardening: float | Floats = 0.0,
+    begin: Floats | None = None,
 ) -> Floats:
     """Return how far a link lags that oscillates on its spring, for each of k springs, (n, k).
 
     inertia·s̈ + (damping + d)·ṡ + (stiffness + k)·s + h·s³ = load, by steps of ``step`` s at constant average
     acceleration (Newmark, J. Eng. Mech. 85, 1959: β = 1/4, γ = 1/2).  The link is given every ``finer`` steps and is
     linear in between.  k is the ``spring``, d the ``damper``, both (k,), and h the ``hardening``, () or (k,).  It
-    begins at rest where its load holds it.
+    begins at a lag and a speed of it, (2, k): by default :func:`at_rest`.
     """
     springs, dampers = (np.ascontiguousarray(own, dtype=np.float64) for own in (spring, damper))
     hard = np.array(np.broadcast_to(hardening, springs.shape), dtype=np.float64)
-    held = springs + link.stiffness[0]
-    begin = deflection(link.load[0] / held, hard / held)
-    load, inertia, stiffness, damping = link.over(slice(None))
-    return _compiled()(load, inertia, stiffness, damping, springs, dampers, hard, begin, step, finer)
+    begun = at_rest(link, springs, hard) if begin is None else begin
+    place, speed = (np.ascontiguousarray(own, dtype=np.float64) for own in begun)
+    load, inertia, stiffness, damping, _ = link.over(slice(None))
+    return _compiled()(load, inertia, stiffness, damping, springs, dampers, hard, place, speed, step, finer)
+
+
+def at_rest(link: Lagging, spring: Floats, hardening: Floats) -> Floats:
+    """Return where the first load of a link holds it on each of k springs, and that it does not move there, (2, k)."""
+    held = spring + link.stiffness[0]
+    place = deflection(link.load[0] / held, hardening / held)
+    return np.array([place, np.zeros_like(place)])
 
 
 def deflection(aim: Floats, hardening: float | Floats) -> Floats:
@@ -46,7 +59,7 @@ def deflection(aim: Floats, hardening: float | Floats) -> Floats:
 def _compiled() -> Callable[..., Floats]:
     # The error model of numpy divides without a check for zero, so that the loop over masses can be vectorised.
     course, number = types.float64[::1], types.float64
-    signature = types.float64[:, ::1](*[course] * 8, number, types.int64)
+    signature = types.float64[:, ::1](*[course] * 9, number, types.int64)
     return cast(Callable[..., Floats], numba.njit(signature, cache=True, error_model="numpy")(_along))
 
 
@@ -59,12 +72,15 @@ def _along(
     damper: Floats,
     hard: Floats,
     begin: Floats,
+    begin_speed: Floats,
     step: float,
     finer: int,
 ) -> Floats:
     out = np.empty((load.size, spring.size))
-    place = begin.copy()
-    speed, pull, before = np.zeros_like(place), np.zeros_like(place), np.zeros_like(place)
+    place, speed = begin.copy(), begin_speed.copy()
+    before = np.zeros_like(place)
+    pull = load[0] - (stiffness[0] + spring + hard * place * place) * place - (damping[0] + damper) * speed
+    pull /= inertia[0]
     hardens = np.any(hard > 0.0)
     out[0] = place
     for k in range(1, load.size):
