@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pyarrow as pa
 import pytest
@@ -24,14 +25,16 @@ from mjfriction.diagnose.search.field import chances_in, make_field
 from mjfriction.diagnose.tell.outcome import Verdict
 from mjfriction.identify.measure import measure_gap, thinned
 from mjfriction.plant.machine import simulate
-from mjfriction.plant.motions import pick_and_place
+from mjfriction.plant.motions import excitation, pick_and_place
 from mjfriction.plant.sensors import Recorder
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table
+from mjfriction.robot import effort
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.schema import Transmission
 from mjfriction.robot.transmission import natural_frequency
+from mjfriction.sim import closed_loop
 from tests.hidden.machine import Machine, write_case
 
 PAN, COMPLIANCE, DAMPING = "shoulder_pan_joint", 6e-4, 0.04
@@ -154,12 +157,14 @@ def test_following_its_load_at_once_it_is_not_explained(monkeypatch: pytest.Monk
 
 @pytest.mark.deep
 def test_one_that_swings_at_up_to_half_the_cutoff_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    stiff = swinging(DAMPING, STIFF, SPARSE, QUIET)
+    stiff = swinging(WELL_DAMPED, STIFF, SPARSE, QUIET)
     gap = measure_gap(stiff, read_robot("ur5"))
     resonance = np.median(natural_frequency(own_slopes(gap, 0)[2], STIFF)) / (2.0 * np.pi)
     assert 0.3 * gap.motion.cutoff < resonance < elasticity.RESONANCE_BAND * gap.motion.cutoff
     (finding,) = diagnose_log(stiff, read_robot("ur5")).findings
     assert (finding.cause, finding.joint) == ("drive.elasticity", PAN)
+    assert finding.parameters[0].value == pytest.approx(STIFF, rel=0.05)
+    assert "damping_ratio" in {value.name for value in finding.parameters}
     monkeypatch.setattr(elasticity, "RESONANCE_BAND", 0.3)
     found = diagnose_log(stiff, read_robot("ur5"))
     assert "damping_ratio" not in {value.name for own in found.findings for value in own.parameters}
@@ -206,3 +211,44 @@ def test_a_spring_that_hardens_is_tried_though_no_straight_one_is_drawn_near_its
     ranked = [(type(choice.cause), choice.site.joint) for choice in short_list.ranked(model, field)]
     assert (SwingingElasticity, 0) not in ranked
     assert ranked[0] == (HardeningElasticity, 0)
+
+
+LIFT = "shoulder_lift_joint"
+
+
+@pytest.fixture(scope="module")
+def ringing_from_before() -> Log:
+    """A log that begins while the link swings, as one does that was held where its motor is and let go."""
+    robot = read_robot("ur5")
+    soft = Transmission(compliance=7.2e-4, damping_ratio=0.01)
+    machine = robot.with_joint(robot.joint(LIFT).model_copy(update={"transmission": soft}))
+    for own in machine.table.joint:
+        (term,) = own.friction or ()
+        noisy = own.effort_sensor.model_copy(update={"noise": 0.2 * float(term.parameters["coulomb"])})
+        machine = machine.with_joint(own.model_copy(update={"effort_sensor": noisy}))
+    home = np.array([0.0, -1.2, 1.4, -0.4, 1.2, 0.0])
+    motion = excitation(robot.joints, home, np.full(6, 0.8), np.full(6, 1.5), 40.0, seed=3)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(closed_loop, "SETTLING", 0.0)
+        patch.setattr(closed_loop, "sag", lambda model, data, *_: mujoco.mj_forward(model, data))
+        columns = simulate(machine, motion, recorder=Recorder(250.0), controller_robot=robot, seed=3)
+    return log_from_table(pa.table(columns), "ringing")
+
+
+def test_a_link_that_swings_from_before_the_log_is_one_that_gives(ringing_from_before: Log) -> None:
+    (finding,) = diagnose_log(ringing_from_before, read_robot("ur5")).findings
+    assert (finding.cause, finding.joint) == ("drive.elasticity", LIFT)
+    assert finding.parameters[0].value == pytest.approx(7.2e-4, rel=0.1)
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize("without", ["promising", "given_along"])
+def test_it_is_found_by_what_its_drive_passes_on_and_by_what_columns_damped_otherwise_show(
+    without: str, ringing_from_before: Log, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if without == "promising":
+        monkeypatch.setattr(Swinging, "promising", lambda *_: False)
+    else:
+        for place in (elasticity, effort):
+            monkeypatch.setattr(place, "given_along", lambda *_: None)
+    assert not diagnose_log(ringing_from_before, read_robot("ur5")).findings

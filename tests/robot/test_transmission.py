@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pyarrow as pa
@@ -10,7 +11,7 @@ import pytest
 
 from mjfriction.control.servo import Control
 from mjfriction.plant.machine import log_columns, run_machine
-from mjfriction.plant.motions import excitation
+from mjfriction.plant.motions import excitation, forward_backward
 from mjfriction.plant.sensors import Recorder
 from mjfriction.record.log import Floats
 from mjfriction.record.motion import Motion, estimate_motion
@@ -170,6 +171,26 @@ def test_a_lightly_damped_link_that_bears_its_weight_is_where_the_machine_has_it
     told = effort._own_slopes
     monkeypatch.setattr(effort, "_own_slopes", lambda *given: told(*given) * np.array([0.0, 1.0, 1.0])[:, None, None])
     assert missed(soft) > 30.0 * right
+
+
+def test_how_a_link_swings_where_a_log_begins_is_told_from_the_effort() -> None:
+    """It begins amid a stroke, and the link still swings from its start; without efforts, nobody can know."""
+    soft, begins = Transmission(compliance=1e-3, damping_ratio=0.02), 4.2
+    robot = read_robot("ur5")
+    machine = robot.with_joint(robot.table.joint[0].model_copy(update={"transmission": soft}))
+    course, recorder = forward_backward("shoulder_pan_joint", -0.8, 1.6, [0.5, 0.5], 4.0), Recorder(500.0)
+    run = run_machine(machine, course, recorder.rate, Control(), robot)
+    log = log_from_table(pa.table(log_columns(machine, course, recorder, run, 0)).slice(int(500.0 * begins)), "log")
+    motion = estimate_motion(log, robot.joints, 40.0)
+    lag = np.interp(motion.time, run.time, (run.played.position - run.played.link_position)[:, 0])
+
+    def missed(along: Motion) -> float:
+        linked = link_motion(machine, machine.body(), without_offsets(machine, along))
+        return float(np.std((along.position - linked.position)[:, 0] - lag))
+
+    assert abs(motion.velocity[0, 0]) > 0.4
+    assert missed(motion) < 0.05 * np.std(lag)
+    assert missed(replace(motion, torque=np.full_like(motion.torque, np.nan))) > 5.0 * missed(motion)
 
 
 def test_a_link_on_a_spring_that_hardens_is_where_the_machine_has_it() -> None:

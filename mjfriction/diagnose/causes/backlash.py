@@ -8,7 +8,7 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.cause import Site, near_around
+from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.moved_link import NEAR, as_drawn, felt_by_itself, lagging
 from mjfriction.diagnose.causes.play import Play
 from mjfriction.identify.gap import Gap
@@ -19,8 +19,10 @@ from mjfriction.record.motion import smooth_derivatives
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.transmission import coasting
 
-PLAYS = tuple(0.1 * 0.8**k for k in range(40))  # rad or m: from 0.1 to 17 µrad (µm)
-FINER = 1.15  # ratio up to which plays around one of these are tried: a little more than half a step
+PLAYS = tuple(0.1 * 0.9**k for k in range(82))  # rad or m: from 0.1 to 20 µrad (µm)
+# Ratios of plays that are tried around one of these, up to half a step, and then around the best: a link that drops
+# slowly across its play lands tenths of a second later for each percent of it.
+FINER = (1.003, 1.01, 1.02, 1.03, 1.04, 1.055)
 PROMISING = 0.1  # least share of a play that shows in columns which land too early or too late
 
 
@@ -35,6 +37,7 @@ class Backlash(Play):
 
     curved = True
     ranked_alone = True
+    around_rounds = 4
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every joint that would feel a shift, with many plays to coast across.
@@ -62,8 +65,9 @@ class Backlash(Play):
         return smooth_derivatives(gap.motion, self._behind(gap, [site])[:, 0])
 
     def around_sites(self, gap: Gap, site: Site) -> list[Site]:
-        """Plays up to about halfway to the neighbours on the grid."""
-        return near_around(site, FINER)
+        """Plays that are hardly smaller or larger, and up to about halfway to the neighbours on the grid."""
+        ratios = [ratio**way for ratio in FINER for way in (-1.0, 1.0)]
+        return [replace(site, around=site.around * ratio) for ratio in ratios]
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """The play is near the one that the columns were computed for, and admissible as any play."""

@@ -125,10 +125,10 @@ class Cause(ABC):
         return True
 
     def promising(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """Return whether strengths fitted in a screening may be admissible at a shape that the screening left out; by
-        default they have to be admissible themselves.
+        """Return whether strengths that are not admissible, but gain much in a screening, may be at a shape that the
+        screening left out; by default they may not.
         """
-        return self.admissible(gap, site, strengths)
+        return False
 
     def known_where(self, gap: Gap, site: Site) -> dict[int, NDArray[np.bool_]]:
         """Return, by joint, the rows (rows,) in which it is known what the cause brings; by default this is known

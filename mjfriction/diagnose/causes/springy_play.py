@@ -8,7 +8,6 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.backlash import PLAYS
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.elasticity import COMPLIANCE, DAMPING_RATIO, most_given
 from mjfriction.diagnose.causes.moved_link import as_drawn, felt_by_itself, lagging, own_slopes
@@ -20,7 +19,7 @@ from mjfriction.record.motion import smooth_derivatives
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.transmission import LEAST_INERTIA, damper_of, flying, natural_frequency
 
-FEWER_PLAYS = PLAYS[4:34:3]  # rad or m: from 41 mrad (mm) to 0.1, each half the one before
+FEWER_PLAYS = tuple(0.041 * 0.512**k for k in range(10))  # rad or m: from 41 mrad (mm) to 0.1
 FLANKS = tuple(5.0 * 1.12**k for k in range(19))  # Hz; resonances of a link on flanks that give, up to 38
 SCREENED_AT = 0.1  # damping ratio
 FINER_PLAY, FINER_FLANKS, FINER_DAMPING = 1.4, 1.3, 2.0  # largest ratios of a step of the search

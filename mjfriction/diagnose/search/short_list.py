@@ -16,6 +16,7 @@ from mjfriction.identify.regression import UNSEEN, Columns
 
 SHORT_LIST = 8
 NEAR_BEST = 0.9  # fraction of the best candidate's merit above which curved candidates are refitted before comparing
+PROMISED = 3.0  # times the price of its degrees of freedom that a candidate must gain to be tried for what it promises
 SCREENED_ROWS = 1000  # rows that candidates are screened on, at least: enough to rank shapes
 
 
@@ -33,19 +34,13 @@ def contenders(model: Model, field: Field, joint: int | None = None) -> list[Tri
 def fairly(model: Model, trials: list[Trial]) -> list[Trial]:
     """Return the trials, with curved candidates near the best refitted on the nonlinear balance if several are near.
 
-    A payload that is linearised at zero can lose against a shifted link, which is less nonlinear.  A candidate farther
-    away that comes first once these are refitted is refitted too.
+    A payload that is linearised at zero can lose against a shifted link, which is less nonlinear.
     """
-    merits = [trial.merit for trial in trials]
-    near = {i for i, merit in enumerate(merits) if merit > NEAR_BEST * max(0.0, *merits)}
-    if len(near) < 2:
+    best = max((trial.merit for trial in trials), default=0.0)
+    close = [trial for trial in trials if trial.merit > NEAR_BEST * best]
+    if len(close) < 2:
         return trials
-    refitted: set[int] = set()
-    while near:
-        trials = [_bent(model, trial) if i in near else trial for i, trial in enumerate(trials)]
-        refitted |= near
-        near = {max(range(len(trials)), key=lambda i: trials[i].merit)} - refitted
-    return trials
+    return [_bent(model, trial) if trial.merit > NEAR_BEST * best else trial for trial in trials]
 
 
 def best_bent(model: Model, trials: list[Trial], chances: Chances) -> list[Trial]:
@@ -84,10 +79,14 @@ def ranked(model: Model, field: Field) -> list[Chosen]:
         columns = _screening(model.gap, entrant, every)
         strengths, gains = model.system.screen(columns, every)
         for i in np.argsort(-gains):
-            gain = float(gains[i]) - _price(model.gap, _shown(columns, int(i)) + len(entrant.sites[i].shape))
+            price = _price(model.gap, _shown(columns, int(i)) + len(entrant.sites[i].shape))
+            gain = float(gains[i]) - price
             if gain > 0.0:
                 useless.discard(entrant.kind)
-            if entrant.cause.promising(model.gap, entrant.sites[i], strengths[i]):
+            promising = gains[i] > PROMISED * price and entrant.cause.promising(
+                model.gap, entrant.sites[i], strengths[i]
+            )
+            if promising or entrant.cause.admissible(model.gap, entrant.sites[i], strengths[i]):
                 best.append((gain, Chosen(entrant.cause, replace(entrant.sites[i], order=order))))
                 break
     return [choice for gain, choice in sorted(best, key=lambda entry: -entry[0]) if gain > 0.0]
