@@ -11,12 +11,13 @@ from pathlib import Path
 from mjfriction.control.observe import OBSERVERS
 from mjfriction.diagnose.causes import carried_payload
 from mjfriction.diagnose.causes.along_stroke import FINEST
+from mjfriction.diagnose.causes.backlash import PLAYS, PROMISING
 from mjfriction.diagnose.causes.carried_drive import RATIOS as CARRIED
 from mjfriction.diagnose.causes.carried_drive import TRIED, WHOLE
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.coupling import RATIOS
 from mjfriction.diagnose.causes.delay import USUALLY_LATE
-from mjfriction.diagnose.causes.elasticity import RESONANCE_BAND, STIFFER
+from mjfriction.diagnose.causes.elasticity import RESONANCE_BAND, RESONANCES, STIFFER
 from mjfriction.diagnose.causes.friction_at_place import PASSES
 from mjfriction.diagnose.causes.friction_edge import SHARPEST
 from mjfriction.diagnose.causes.friction_edge import WIDEST as LEVEL_FROM
@@ -60,7 +61,7 @@ from mjfriction.diagnose.search.oscillations import INSTEAD, LEAST_TOLD, NEAR, Q
 from mjfriction.diagnose.search.refusal import APART as UNDONE
 from mjfriction.diagnose.search.refusal import ON_THE_WAY
 from mjfriction.diagnose.search.richer import PAYS
-from mjfriction.diagnose.search.short_list import NEAR_BEST
+from mjfriction.diagnose.search.short_list import NEAR_BEST, PROMISED
 from mjfriction.diagnose.search.stroke_curve import HARMONIC, HARMONIC_TWO, HIGHEST
 from mjfriction.diagnose.search.unevenness import TOLD_BY
 from mjfriction.diagnose.settle.held_links import NEARLY_ALL, NEARLY_EXACT
@@ -92,6 +93,7 @@ from mjfriction.robot.edges import APART as EDGES_APART
 from mjfriction.robot.robot import bundled_robots
 from mjfriction.robot.rubbing import UNSETTLED
 from mjfriction.robot.spots import APART
+from mjfriction.robot.transmission import BEGINNING
 
 ROOT = Path(__file__).parents[1]
 NUMBERS = {9: "Nine"}
@@ -155,6 +157,14 @@ def test_how_it_decides_tells_the_limits_of_delays_and_travels() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"late by less than {1e3 * USUALLY_LATE:g} ms, which the filter of any drive takes" in told
     assert (YIELDING, UNDONE) == (1e-3, 0.5), "the page says a thousandth, and half of a delay"
+
+
+def test_how_it_decides_tells_which_plays_and_swings_are_tried() -> None:
+    told = " ".join(text("docs/how_it_decides.md").split())
+    assert f"So {len(PLAYS)} plays are tried, from {1e6 * PLAYS[-1]:.0f} µrad to {PLAYS[0]:g} rad" in told
+    assert (PLAYS[1] / PLAYS[0], PROMISING, PROMISED) == (0.9, 0.1, 3.0), "the page says a tenth, a tenth, three times"
+    assert f"If it lies between {RESONANCES[0]:.1f} and {RESONANCES[-1]:.0f} Hz" in told
+    assert f"what its drive passes on to it in the first {BEGINNING:g} s" in told
 
 
 def test_how_it_decides_tells_which_blows_and_bursts_count() -> None:
