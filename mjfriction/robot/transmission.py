@@ -15,6 +15,8 @@ from mjfriction.sim.stops import between_stops
 # Hz, usual integration rate for the link's motion in its play or on its compliance: the link crosses its play between
 # two samples of most logs.
 FLIGHT_RATE = 1000.0
+# Share of a spring's stiffness that a link's weight takes off it at most: one that it outweighs would topple.
+MOST_WEIGHT = 0.9
 BEGINNING = 4.0  # s, of a piece of motion, from which it is told how a link swings at its beginning
 FEWEST_SEEN = 8  # samples of these
 LEAST_SWING = 1e-9  # ridge that keeps the fit of a swing which is over at once, relative to all columns
@@ -96,6 +98,7 @@ def swinging(
     step, parts = 1.0 / (finer * motion.rate), []
     for own in motion.pieces:
         piece = link.over(own)
+        piece = piece._replace(stiffness=np.maximum(piece.stiffness, -MOST_WEIGHT * np.min(springs)))
         begin = begun(piece.over(slice(round(BEGINNING * motion.rate))), springs, dampers, step, finer, hard)
         parts.append(ringing(piece, springs, dampers, step, finer, hard, begin))
     return np.concatenate(parts)

@@ -173,6 +173,17 @@ def test_a_lightly_damped_link_that_bears_its_weight_is_where_the_machine_has_it
     assert missed(soft) > 30.0 * right
 
 
+def test_a_link_that_outweighs_its_spring_does_not_run_away() -> None:
+    """No such machine stands; but a robot file can state one."""
+    time, spring = np.arange(0.0, 20.0, 4e-3), 50.0
+    columns = {"time": time, "position.axis": np.sin(time)}
+    motion = estimate_motion(log_from_table(pa.table(columns), "log"), ("axis",), 20.0)
+    one = np.ones_like(motion.time)
+    link = Lagging(np.sin(5.0 * motion.time), one, -2.0 * spring * one, 0.0 * one)
+    place = transmission.swinging(motion, link, spring, 1.0)
+    assert 1.0 / spring < np.max(np.abs(place)) < 100.0 / spring
+
+
 def test_how_a_link_swings_where_a_log_begins_is_told_from_the_effort() -> None:
     """It begins amid a stroke, and the link still swings from its start; without efforts, nobody can know."""
     soft, begins = Transmission(compliance=1e-3, damping_ratio=0.02), 4.2
