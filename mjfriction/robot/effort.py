@@ -155,17 +155,20 @@ def shared_effort(robot: Robot, motion: Motion, joint: int, predicted: Floats) -
 
     A sticking joint carries whatever torque its drive gives, which cannot be predicted from its motion.
     """
-    given = given_along(robot, motion, joint)
+    given = given_along(robot, without_offsets(robot, motion), joint)
     return predicted if given is None else given
 
 
-def given_along(robot: Robot, motion: Motion, joint: int) -> Floats | None:
-    """Return the effort (n,) that a joint's drive gave as its sensor reported it, None where it did not all along."""
-    table, reported = robot.table.joint[joint], motion.torque[:, joint]
+def given_along(robot: Robot, motor: Motion, joint: int) -> Floats | None:
+    """Return the effort (n,) that a joint's drive gave as its sensor reported it, None where it did not all along.
+
+    ``motor`` is the motion of the motors, without the position sensors' offsets.
+    """
+    table, reported = robot.table.joint[joint], motor.torque[:, joint]
     if not np.all(np.isfinite(reported)):
         return None
-    worth = effort_per_reported(table, motion.quantity[joint], robot.name)
-    return as_given(table, reported * worth, motion, motion.position[:, joint] - table.position_sensor.offset)
+    worth = effort_per_reported(table, motor.quantity[joint], robot.name)
+    return as_given(table, reported * worth, motor, motor.position[:, joint])
 
 
 def friction_states(robot: Robot, body: Body, motion: Motion) -> dict[str, dict[str, Floats]]:

@@ -16,7 +16,7 @@ from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
 from mjfriction.record.motion import smooth_derivatives
-from mjfriction.robot.effort import given_along, in_motion
+from mjfriction.robot.effort import given_along, in_motion, without_offsets
 from mjfriction.robot.friction import stated_levels
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import direction
@@ -219,7 +219,7 @@ class Swinging(_Elasticity):
         hardening = np.array([self.hardening(site) for site in sites])
         compliances = np.array([site.around for site in sites])
         load, effort = self.load(gap, joint), gap.known.effort
-        given = given_along(gap.robot, gap.motion, joint)
+        given = given_along(gap.robot, without_offsets(gap.robot, gap.motion), joint)
         seen = None if given is None else in_motion(given - (effort.total[:, joint] - load), gap.motion, joint)
         link = lagging(gap, joint, load)._replace(seen=seen)
         damper = damper_of(link.inertia, compliances, damped)
