@@ -8,8 +8,8 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.search import short_list
 from mjfriction.diagnose.tell.outcome import Verdict
 from mjfriction.plant.machine import simulate
 from mjfriction.plant.motions import excitation
@@ -50,5 +50,5 @@ def test_play_is_found_though_its_landings_come_at_other_moments_for_any_play_bu
     assert (finding.cause, finding.joint, found.verdict) == ("drive.backlash", LIFT, Verdict.EXPLAINED)
     assert finding.parameters[0].value == pytest.approx(play, rel=0.02)
     if play > 0.04 and speed < 0.3:
-        monkeypatch.setattr(Backlash, "promising", lambda *_: False)
+        monkeypatch.setattr(short_list, "PROMISED", np.inf)
         assert not diagnose_log(log, robot).findings
