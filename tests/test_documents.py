@@ -11,7 +11,7 @@ from pathlib import Path
 from mjfriction.control.observe import OBSERVERS
 from mjfriction.diagnose.causes import carried_payload
 from mjfriction.diagnose.causes.along_stroke import FINEST
-from mjfriction.diagnose.causes.backlash import PLAYS, PROMISING
+from mjfriction.diagnose.causes.backlash import PLAYS, PROMISES
 from mjfriction.diagnose.causes.carried_drive import RATIOS as CARRIED
 from mjfriction.diagnose.causes.carried_drive import TRIED, WHOLE
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
@@ -162,7 +162,9 @@ def test_how_it_decides_tells_the_limits_of_delays_and_travels() -> None:
 def test_how_it_decides_tells_which_plays_and_swings_are_tried() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"So {len(PLAYS)} plays are tried, from {1e6 * PLAYS[-1]:.0f} µrad to {PLAYS[0]:g} rad" in told
-    assert (PLAYS[1] / PLAYS[0], PROMISING, PROMISED) == (0.9, 0.1, 3.0), "the page says a tenth, a tenth, three times"
+    assert (PLAYS[1] / PLAYS[0], PROMISES[0], PROMISED) == (0.9, 0.1, 3.0), (
+        "the page says a tenth, a tenth, three times"
+    )
     assert f"If it lies between {RESONANCES[0]:.1f} and {RESONANCES[-1]:.0f} Hz" in told
     assert f"what its drive passes on to it in the first {BEGINNING:g} s" in told
 

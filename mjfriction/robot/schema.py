@@ -149,7 +149,7 @@ class Transmission(Table):
     lag s.  With ``damping_ratio`` (relative to critical damping at the link's usual inertia along a motion) the
     link oscillates on its compliance; without it, the deflection follows the load without delay.  With ``coasting``
     the link crosses its play by its own inertia when the load changes sign; where it oscillates too, it flies
-    between flanks that give. Without, the load sets its place in the play: tanh(load / ``crossing_load``) replaces
+    between flanks that give.  Without, the load sets its place in the play: tanh(load / ``crossing_load``) replaces
     sgn(load), and the link crosses instantly where ``crossing_load`` is 0.  With ``carries_friction`` the joint's
     friction acts on the link's side and is part of the load; with ``rubs_with_link`` it acts on the link's side but
     is not part of the load, as when it is the sensor's mount that is compliant.

@@ -94,8 +94,7 @@ def swinging(
     each.  Every piece of the motion is integrated by itself, at a ``rate`` (Hz) or more.
     """
     springs, dampers, hard = np.broadcast_arrays(np.atleast_1d(spring), damper, hardening)
-    finer = int(np.ceil(rate / motion.rate))
-    step, parts = 1.0 / (finer * motion.rate), []
+    (finer, step), parts = _steps(motion, rate), []
     for own in motion.pieces:
         piece = link.over(own)
         piece = piece._replace(stiffness=np.maximum(piece.stiffness, -MOST_WEIGHT * np.min(springs)))
@@ -144,8 +143,7 @@ def flying(
     As :func:`swinging`, but the spring acts beyond ±``half`` the play only.
     """
     halves, springs, dampers, hard = np.broadcast_arrays(np.atleast_1d(half), spring, damper, hardening)
-    finer = int(np.ceil(FLIGHT_RATE / motion.rate))
-    step = 1.0 / (finer * motion.rate)
+    finer, step = _steps(motion, FLIGHT_RATE)
     parts = [between_flanks(link.over(own), halves, springs, dampers, step, finer, hard) for own in motion.pieces]
     return np.concatenate(parts)
 
@@ -161,9 +159,14 @@ def coasting(motion: Motion, link: Lagging, backlash: float) -> Floats:
     pull, back, drag = (
         course / link.inertia for course in (link.load / (0.5 * backlash), link.stiffness, link.damping)
     )
-    finer = int(np.ceil(FLIGHT_RATE / motion.rate))
-    step = 1.0 / (finer * motion.rate)
+    finer, step = _steps(motion, FLIGHT_RATE)
     for own in motion.pieces:
         caught = round(1.0 / (step * motion.cutoff))
         out[own] = between_stops(pull[own], back[own], step, caught, finer, drag[own])
     return out
+
+
+def _steps(motion: Motion, rate: float) -> tuple[int, float]:
+    # How many steps to take per sample to integrate at a rate or more, and how long they are, s.
+    finer = int(np.ceil(rate / motion.rate))
+    return finer, 1.0 / (finer * motion.rate)

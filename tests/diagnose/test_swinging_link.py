@@ -247,7 +247,7 @@ def test_it_is_found_by_what_its_drive_passes_on_and_by_what_columns_damped_othe
     without: str, ringing_from_before: Log, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if without == "promising":
-        monkeypatch.setattr(Swinging, "promising", lambda *_: False)
+        monkeypatch.setattr(Swinging, "promises", None)
     else:
         for place in (elasticity, effort):
             monkeypatch.setattr(place, "given_along", lambda *_: None)

@@ -28,6 +28,16 @@ HOME = np.array([0.0, -1.2, 1.4, -0.4, 1.2, 0.0])
 UPRIGHT = np.array([0.0, -1.57, 0.0, -1.57, 0.0, 0.0])
 
 
+def test_between_its_stops_a_mass_falls_through_its_drag() -> None:
+    step, pull, drag = 1e-4, 8.0, 6.0
+    time = np.arange(3000) * step
+    pulls = np.where(time < 0.5 * step, -pull, pull)
+    place = between_stops(pulls, np.zeros(time.size), step, 0, 1, np.full(time.size, drag))
+    exact = pull / drag * (time - (1.0 - np.exp(-drag * time)) / drag) - 1.0
+    np.testing.assert_allclose(place, exact, atol=2e-3)
+    assert np.max(np.abs(between_stops(pulls, np.zeros(time.size), step, 0) - exact)) > 0.05
+
+
 def test_between_its_stops_a_mass_falls_freely() -> None:
     step, pull = 1e-4, 8.0
     time = np.arange(20000) * step

@@ -23,7 +23,7 @@ PLAYS = tuple(0.1 * 0.9**k for k in range(82))  # rad or m: from 0.1 to 20 µrad
 # Ratios of plays that are tried around one of these, up to half a step, and then around the best: a link that drops
 # slowly across its play lands tenths of a second later for each percent of it.
 FINER = (1.003, 1.01, 1.02, 1.03, 1.04, 1.055)
-PROMISING = 0.1  # least share of a play that shows in columns which land too early or too late
+PROMISES = (0.1, NEAR[1])  # a tenth of a play shows in columns that land too early or too late
 
 
 @final
@@ -38,6 +38,7 @@ class Backlash(Play):
     curved = True
     ranked_alone = True
     around_rounds = 4
+    promises = PROMISES
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every joint that would feel a shift, with many plays to coast across.
@@ -72,11 +73,6 @@ class Backlash(Play):
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """The play is near the one that the columns were computed for, and admissible as any play."""
         return as_drawn(site, strengths) and super().admissible(gap, site, strengths)
-
-    def promising(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """A part of the play shows in columns for another one."""
-        near = (PROMISING, NEAR[1])
-        return as_drawn(site, strengths, near) and super().admissible(gap, site, strengths)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Change the play, and let the link coast across it."""

@@ -10,7 +10,15 @@ from typing import ClassVar, final
 import numpy as np
 
 from mjfriction.diagnose.causes.cause import Quantity, Site, near_around
-from mjfriction.diagnose.causes.moved_link import MovedLink, as_drawn, changed, felt_by_itself, lagging, own_slopes
+from mjfriction.diagnose.causes.moved_link import (
+    NEAR,
+    MovedLink,
+    as_drawn,
+    changed,
+    felt_by_itself,
+    lagging,
+    own_slopes,
+)
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
@@ -47,7 +55,7 @@ DAMPINGS = (0.025, 0.05, 0.1, 0.2, 0.4)  # damping ratios to try
 # Damping ratio at which resonances are screened: with less, a link oscillates so long that columns for a resonance not
 # quite its own fall out of phase with it.
 SCREENED_AT = 0.2
-PROMISING = (0.4, 1.6)  # range of a strength screened so, relative to the one that its columns were computed around
+PROMISES = (0.4, NEAR[1])  # a link that is damped less swings on while columns screened so do not
 SCREENING_RATE = 500.0  # Hz, integration rate that is enough to rank resonances
 
 
@@ -195,6 +203,7 @@ class Swinging(_Elasticity):
     carries_friction = False
     curved = True
     ranked_alone = True
+    promises = PROMISES
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every examined joint, with resonances in the visible band that deflect it by less than the most."""
@@ -240,13 +249,6 @@ class Swinging(_Elasticity):
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """The compliance is near the one that the columns were computed for, and admissible as any compliance."""
         return as_drawn(site, strengths) and super().admissible(gap, site, strengths)
-
-    def promising(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """The compliance is not far from the one that the columns were computed for, with a damping that is none yet.
-
-        A link that is damped less swings on while the columns do not, so that less of these is found in it.
-        """
-        return as_drawn(site, strengths, PROMISING) and super().admissible(gap, site, strengths)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Change the compliance, and let the link oscillate on it."""

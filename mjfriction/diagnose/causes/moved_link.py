@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
+from typing import ClassVar
 
 import numpy as np
 
@@ -27,6 +28,8 @@ class MovedLink(Cause):
     """The link lags its sensor by ``shift`` per unit strength; every joint feels the resulting change of torque."""
 
     covariate = "effort"
+    # Range of strengths, relative to the one that columns are computed around, that promise more at another shape.
+    promises: ClassVar[tuple[float, float] | None] = None
 
     @abstractmethod
     def shift(self, gap: Gap, site: Site) -> list[Floats]:
@@ -48,6 +51,12 @@ class MovedLink(Cause):
             return {i: gap.reported(i, torques[:, [i]]) for i in gap.examined}
 
         return gap.kept.recall(key, made)
+
+    def promising(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """A part of the shift shows in columns that are computed around another one, which may itself be admissible."""
+        if self.promises is None or not as_drawn(site, strengths, self.promises):
+            return False
+        return self.admissible(gap, site, np.array([site.around]))
 
     def sites(self, gap: Gap) -> list[Site]:
         """Every joint whose shift any examined joint would feel."""

@@ -8,10 +8,10 @@ from typing import final
 
 import numpy as np
 
-from mjfriction.diagnose.causes.backlash import PROMISING
+from mjfriction.diagnose.causes.backlash import PROMISES
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.elasticity import COMPLIANCE, DAMPING_RATIO, most_given
-from mjfriction.diagnose.causes.moved_link import NEAR, as_drawn, felt_by_itself, lagging, own_slopes
+from mjfriction.diagnose.causes.moved_link import as_drawn, felt_by_itself, lagging, own_slopes
 from mjfriction.diagnose.causes.play import Play
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
@@ -35,6 +35,7 @@ class SpringyPlay(Play):
 
     curved = True
     ranked_alone = True
+    promises = PROMISES
     shape_parameters = (DAMPING_RATIO, COMPLIANCE)
     around_rounds = 16
     contains = ("drive.elasticity",)
@@ -89,11 +90,6 @@ class SpringyPlay(Play):
         """The play is near the one that the columns were computed for, and the flanks give no farther than any."""
         gives = self._gives(gap, site.joint, site.shape[1])
         return gives and as_drawn(site, strengths) and super().admissible(gap, site, strengths)
-
-    def promising(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """A part of the play shows in columns for another one, or for other flanks."""
-        near = as_drawn(site, strengths, (PROMISING, NEAR[1]))
-        return near and self._gives(gap, site.joint, site.shape[1]) and super().admissible(gap, site, strengths)
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """State the play, and let the link swing on its flanks."""
