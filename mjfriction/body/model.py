@@ -123,7 +123,7 @@ def load_body(
                 f"Its joints are {', '.join(known)}"
             )
     locked = [full.getJointId(name) for name in known if name not in joints]
-    _tell_apart(full, {name for name in known if name not in joints})
+    _tell_apart(full, known if locked else ())
     stated = unread(text)
     _check_last(path, "link_inertia", link_inertia or (), stated)
     _check_last(path, "link_shift", link_shift or (), stated)
@@ -206,8 +206,8 @@ def _as_configuration(entry: pin.JointModel, position: Floats) -> Floats:
 
 
 def _tell_apart(model: pin.Model, joints: Collection[str]) -> None:
-    # Pinocchio locks joints by the names of their frames.  A link may have the same name as a joint to be locked, so
-    # rename such a link; it is still found by the name of its joint.
+    # Pinocchio locks joints, and places the others anew, by the names of their frames.  A link may have the same name
+    # as a joint, so rename such a link; it is still found by the name of its joint.
     for frame in model.frames:
         if frame.type == pin.FrameType.BODY and frame.name in joints:
             frame.name = f"{frame.name} link"

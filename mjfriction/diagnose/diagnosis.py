@@ -10,20 +10,19 @@ from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.faults.mend import audited
 from mjfriction.diagnose.fit.exact import usual_nuisance
 from mjfriction.diagnose.fit.extend import adjustments, extend_robot
-from mjfriction.diagnose.fit.judged import judged
 from mjfriction.diagnose.fit.model import Model
 from mjfriction.diagnose.fit.nuisance import Nuisance
 from mjfriction.diagnose.search.field import Field, make_field
 from mjfriction.diagnose.search.second_look import compete_twice
-from mjfriction.diagnose.search.stroke_curve import stroke_curves
 from mjfriction.diagnose.search.unevenness import as_uneven, with_unevenness
 from mjfriction.diagnose.settle.stated import Settled, settle
 from mjfriction.diagnose.tell.findings import make_findings
 from mjfriction.diagnose.tell.free_run import FreeRun, run_freely
+from mjfriction.diagnose.tell.left_over import left_over
+from mjfriction.diagnose.tell.needless import without_needless
 from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.diagnose.tell.seen_play import play_findings, see_play, unseen
-from mjfriction.diagnose.tell.untold import find_untold
-from mjfriction.diagnose.tell.verdict import reach_verdict, summarize, unexplained, with_faults
+from mjfriction.diagnose.tell.verdict import reach_verdict, summarize, with_faults
 from mjfriction.diagnose.tell.what_gives import asked_of, doubt, gives_more, left_in_blows
 from mjfriction.errors import InputError
 from mjfriction.identify.effort_bandwidth import find_bandwidths, with_bandwidths
@@ -59,14 +58,13 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
         if gives_more(doubted, again.model, settled.model):
             settled, field, seen, doubted = again, anew, doubted.seen, None
     tell("proving what was found", PROVING)
+    over = left_over(settled)
+    spared = without_needless(settled, over.untold)
+    if spared is not settled:
+        settled, over = spared, left_over(spared)
     model, gap = settled.model, settled.model.gap
-    left, heldout = model.residual(oscillations=True, built=True), model.heldout_residual(oscillations=True)
-    clean = model.heldout_residual()
-    after = tuple(find_structure(judged(model), heldout))
-    curves = stroke_curves(model, clean)
-    remaining = tuple(unexplained(model, after, heldout, curves))
-    untold = find_untold(settled, remaining, curves, clean)
-    remaining += () if doubted is None else tuple(left_in_blows(doubted, model))
+    left, heldout, untold = model.residual(oscillations=True, built=True), over.heldout, over.untold
+    remaining = (*over.remaining, *(() if doubted is None else left_in_blows(doubted, model)))
     told = make_findings(settled, untold, field, seed)
     findings = sorted((*play_findings(seen, heldout, seed), *told.findings), key=lambda one: -one.gain.reduction)
     joints = tuple(joint_error(gap, joint, left, heldout, seed, stated=seen.stated) for joint in gap.examined)
@@ -83,7 +81,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
         findings=tuple(findings),
         adjustments=tuple(adjustments(model, told.untold)),
         structure_before=tuple(find_structure(gap, np.nan_to_num(seen.stated))),
-        structure_after=after,
+        structure_after=over.structure,
         remaining=remaining,
         faults=(*audit.faults, *audit.unused),
         refused=refused,

@@ -68,7 +68,7 @@ def _in_words(model: mujoco.MjModel) -> str:
     ET.SubElement(root, "compiler", angle="radian", autolimits="false")
     gravity = np.zeros(3) if _disabled(model, Disable.mjDSBL_GRAVITY) else model.opt.gravity
     ET.SubElement(root, "option", gravity=_words(gravity))
-    nodes = {0: ET.SubElement(root, "worldbody")}
+    nodes = {0: _world(root, model)}
     for i in range(1, model.nbody):
         first, name = int(model.body_jntadr[i]), model.body(i).name or f"body {i}"
         joints = [_joint(model, j) for j in range(first, first + int(model.body_jntnum[i]))]
@@ -90,6 +90,14 @@ def _in_words(model: mujoco.MjModel) -> str:
         for joint in joints[-1:]:
             ET.SubElement(body, "joint", joint)
     return ET.tostring(root, encoding="unicode")
+
+
+def _world(root: ET.Element, model: mujoco.MjModel) -> ET.Element:
+    # Where bodies on the world go.  Pinocchio reads only the first of them: where there are several, such as a table
+    # and an arm, or two arms, they are on one that is fixed.
+    world = ET.SubElement(root, "worldbody")
+    on_world = np.count_nonzero(np.asarray(model.body_parentid[1:]) == 0)
+    return ET.SubElement(world, "body", name="on the world") if on_world > 1 else world
 
 
 def _joint(model: mujoco.MjModel, j: int) -> dict[str, str]:

@@ -102,6 +102,25 @@ def test_a_links_own_inertia_takes_the_place_of_the_models(tmp_path: Path) -> No
     assert compare(changed(of_two_bodies, link_shift={"turn": (0.01, -0.02, 0.03)})) < 1e-9
 
 
+# A table, a cube that lies on it, and two arms beside it, each on the world.
+SCENE = """<mujoco><worldbody><body name="table" pos="0 0 -0.1"><geom type="box" size="1 1 .05"/></body>
+  <body name="cube" pos="0.3 0 0.1"><freejoint/><geom type="box" size=".02 .02 .02"/></body>
+  <body name="left" pos="0 1 0" euler="20 0 0"><joint name="left" axis="1 0 0"/>
+  <inertial pos="0 0.1 0.2" mass="5" diaginertia=".1 .1 .1"/>
+  <body name="upper" pos="0 0 .4"><joint name="upper" axis="0 1 0"/>
+  <inertial pos="0.1 0 0.2" mass="2" diaginertia=".1 .1 .1"/></body></body>
+  <body name="right" pos="1 0 0" euler="0 90 0"><joint name="right" axis="0 1 0"/>
+  <inertial pos="0.2 0 0.1" mass="3" diaginertia=".1 .1 .1"/></body></worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize("joints", [("left", "upper", "right"), ("right",), ("left", "upper")])
+def test_arms_may_stand_beside_others_and_beside_a_table(joints: tuple[str, ...], tmp_path: Path) -> None:
+    (tmp_path / "scene.xml").write_text(SCENE)
+    named = ", ".join(f'{{ name = "{joint}" }}' for joint in joints)
+    (tmp_path / "robot.toml").write_text(f'name = "scene"\nmodel = "scene.xml"\njoint = [ {named} ]\n')
+    assert compare(read_robot(tmp_path / "robot.toml")) < 1e-9
+
+
 def test_a_spring_is_the_stated_torque() -> None:
     robot = read_robot("ur5")
     joint = robot.joint("elbow_joint").model_copy(update={"spring": Spring(stiffness=8.0, preload=4.0)})

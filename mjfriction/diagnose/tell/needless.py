@@ -1,0 +1,31 @@
+"""Causes that are no findings and without which as little is left: an extended robot does not need them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from mjfriction.diagnose.fit.as_little import leaves_as_little
+from mjfriction.diagnose.fit.model import Model
+from mjfriction.diagnose.settle.stated import Settled
+from mjfriction.diagnose.tell.untold import Untold
+
+
+def without_needless(settled: Settled, untold: Untold) -> Settled:
+    """Return a settled model without causes that are not reported and without which it leaves as little everywhere.
+
+    Such a cause may cancel with a level or another cause along the recorded motion only: with joints that always move
+    together, the friction of one and a coupling from the other.  On another motion it then does harm.  They go one by
+    one, the least missed first.
+    """
+    model = settled.model
+    while (less := _without_least(model, settled.model, untold)) is not None:
+        model = less
+    return settled if model is settled.model else replace(settled, model=model)
+
+
+def _without_least(model: Model, whole: Model, untold: Untold) -> Model | None:
+    without = [model.without(choice) for choice in model.chosen if choice.key in untold.keys]
+    as_good = [less for less in without if leaves_as_little(less, whole)]
+    return min(as_good, key=lambda less: float(np.sum(less.heldout_errors)), default=None)

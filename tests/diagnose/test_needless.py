@@ -1,0 +1,102 @@
+"""A cause that is not told and is not needed does not stay in the extended robot: elsewhere it would do harm."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.coupling import SharedFriction
+from mjfriction.diagnose.fit.extend import extend_robot
+from mjfriction.diagnose.fit.model import Chosen, Model, build_model
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.settle.stated import Settled
+from mjfriction.diagnose.tell.needless import without_needless
+from mjfriction.diagnose.tell.untold import Untold
+from mjfriction.identify.measure import measure_gap
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from mjfriction.robot.robot import Robot
+
+CARRIAGES = """
+<mujoco>
+  <worldbody>
+    <body name="lower"><joint name="x" type="slide" axis="1 0 0"/><inertial pos="0 0 0" mass="5" diaginertia="1 1 1"/>
+      <body name="upper"><joint name="y" type="slide" axis="0 1 0"/><inertial pos="0 0 0" mass="3" diaginertia="1 1 1"/>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+ROBOT = """
+name = "carriages"
+model = "carriages.xml"
+[[joint]]
+name = "x"
+friction = { law = "coulomb_viscous", parameters = { coulomb = 12.0, viscous = 4.0 } }
+[[joint]]
+name = "y"
+friction = { law = "coulomb_viscous", parameters = { coulomb = 8.0, viscous = 3.0 } }
+"""
+LEVEL, NOISE, COUPLING = 20.0, 2.0, 6.0
+
+
+def course(time: np.ndarray, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    waves = [(rng.uniform(0.02, 0.08), 2.0 * np.pi * rng.uniform(0.1, 0.7), rng.uniform(0.0, 6.0)) for _ in range(5)]
+    phases = [(size, rate, rate * time + begun) for size, rate, begun in waves]
+    return (
+        np.asarray(sum(size * np.sin(phase) for size, _, phase in phases)),
+        np.asarray(sum(size * rate * np.cos(phase) for size, rate, phase in phases)),
+        np.asarray(sum(-size * rate**2 * np.sin(phase) for size, rate, phase in phases)),
+    )
+
+
+def written(folder: Path, name: str, seeds: tuple[int, int], *, coupled: bool = False) -> Path:
+    # Two carriages with nothing between them but, if so asked, friction of the upper one that enters the lower one.
+    rng, time = np.random.default_rng([*seeds, 3]), np.arange(10_000) / 250.0
+    columns = {"time": time}
+    moved = {joint: course(time, seed) for joint, seed in zip("xy", seeds, strict=True)}
+    for joint, mass, level, damping in (("x", 8.0, LEVEL, 4.0), ("y", 3.0, 8.0, 3.0)):
+        q, v, a = moved[joint]
+        effort = mass * a + level * np.tanh(v / 1e-3) + damping * v + NOISE * rng.normal(size=time.size)
+        if coupled and joint == "x":
+            effort = effort + COUPLING * np.tanh(moved["y"][1] / 1e-3)
+        columns |= {f"position.{joint}": q, f"effort.{joint}": effort}
+    pq.write_table(pa.table(columns), folder / name)
+    (folder / "carriages.xml").write_text(CARRIAGES, encoding="utf-8")
+    (folder / "robot.toml").write_text(ROBOT, encoding="utf-8")
+    return folder / name
+
+
+def with_a_coupling(log: Path) -> tuple[Model, Untold]:
+    gap = measure_gap(read_log(log), read_robot(log.parent / "robot.toml"), highest=60.0)
+    coupling = Chosen(SharedFriction(), Site(0, other=1))
+    model = build_model(gap, make_nuisance(gap), (coupling,))
+    return model, Untold(frozenset({coupling.key}), {}, model.heldout_residual())
+
+
+def error(robot: Robot, log: Path) -> float:
+    gap = measure_gap(read_log(log), robot, highest=60.0)
+    return gap.rms(gap.residual[:, 0], 0)
+
+
+def test_a_coupling_between_joints_that_only_move_together_leaves_the_level_to_one_of_them(tmp_path: Path) -> None:
+    model, untold = with_a_coupling(written(tmp_path, "together.parquet", (1, 1)))
+    less = without_needless(Settled(model, ()), untold).model
+    apart = written(tmp_path, "apart.parquet", (2, 3))
+    assert less.chosen == ()
+    assert error(extend_robot(less), apart) < 1.03 * NOISE < 0.5 * error(extend_robot(model), apart)
+
+
+@pytest.mark.parametrize("told", [False, True])
+def test_a_coupling_that_shows_stays_and_so_does_one_that_is_told(told: bool, tmp_path: Path) -> None:
+    seeds = (1, 1) if told else (2, 3)
+    model, untold = with_a_coupling(written(tmp_path, "log.parquet", seeds, coupled=not told))
+    asked = Untold(frozenset(), untold.left, untold.bare) if told else untold
+    settled = Settled(model, ())
+    assert without_needless(settled, asked) is settled
