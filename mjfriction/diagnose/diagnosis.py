@@ -61,7 +61,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     over = left_over(settled)
     spared = without_needless(settled, over.untold)
     if spared is not settled:
-        settled, over = spared, left_over(spared)
+        settled, over = spared, left_over(spared, untold=over.untold.keys)
     model, gap = settled.model, settled.model.gap
     left, heldout, untold = model.residual(oscillations=True, built=True), over.heldout, over.untold
     remaining = (*over.remaining, *(() if doubted is None else left_in_blows(doubted, model)))

@@ -12,11 +12,11 @@ from scipy.stats import norm, wilcoxon
 from mjfriction.record.log import Floats
 from mjfriction.record.runs import spans
 
-SPEEDS = np.geomspace(0.0015, 0.03, 16)  # shares of the fastest speed that are tried
+SPEEDS = np.geomspace(0.0015, 0.06, 20)  # shares of the fastest speed that are tried
 # Share of the fastest speed, up to which the stated curve is straight enough to be corrected by two numbers.
 USUAL = 0.4
 TURNED = 3.0  # times the turning speed, above which tanh is 1 to half a percent
-FEWEST_ROWS, FEWEST_SLOW = 50, 8  # rows of a joint, and rows within which friction turns
+FEWEST_ROWS, FEWEST_SLOW = 30, 8  # rows of a joint, and rows within which friction turns
 # Standard deviations of the mean, over visits of slow motion, by which the error removed must be above zero.
 SURELY = 2.5
 SHARE = 0.25  # share of the error in slow motion that must be removed

@@ -18,7 +18,7 @@ from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.body_tables import Payload as PayloadTable
 from mjfriction.robot.files import read_robot
-from tests.hidden.machine import Machine, write_case
+from tests.hidden.machine import UR5_COULOMB, UR5_VISCOUS, Machine, write_case
 
 LIFT, ELBOW = 1, 2
 
@@ -73,6 +73,21 @@ def test_friction_rises_or_falls_at_all_speeds(course: Step | WarmUpDrift, gap: 
     assert course.one_way(gap, site, np.array([-1.0, -0.5]))
     assert course.one_way(gap, site, np.array([1.0, -0.5 / fast]))  # less damping as the level rises: grease that ages
     assert not course.one_way(gap, site, np.array([-1.0, 4.0 / fast]))
+
+
+@pytest.mark.parametrize("course", [Step(), WarmUpDrift()])
+def test_friction_changes_by_a_few_times_what_it_is(course: Step | WarmUpDrift, gap: Gap) -> None:
+    site = Site(ELBOW, shape=(8.0,))
+    extent = float(np.ptp(course.course(gap, site)))
+    fast = float(np.quantile(np.abs(gap.at_rows("velocity")[gap.clear[:, ELBOW], ELBOW]), 0.9))
+    stated = UR5_COULOMB[ELBOW] + UR5_VISCOUS[ELBOW] * fast
+    for way in (np.array([1.0, 0.0]), np.array([0.0, 1.0 / fast])):
+        assert course.admissible(gap, site, 3.9 * stated / extent * way)
+        assert not course.admissible(gap, site, -4.1 * stated / extent * way)
+    level = gap.robot.table.joint[ELBOW].friction[0].model_copy(update={"parameters": {"coulomb": 0.0, "viscous": 0.0}})
+    frictionless = gap.robot.table.joint[ELBOW].model_copy(update={"friction": (level,)})
+    bare = replace(gap, robot=gap.robot.with_joint(frictionless))
+    assert course.admissible(bare, site, np.array([9.0 * stated, 0.0]))  # nothing is said of how much there is
 
 
 def test_a_few_grams_at_the_flange_are_the_last_links_own(gap: Gap) -> None:

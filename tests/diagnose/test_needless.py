@@ -15,6 +15,7 @@ from mjfriction.diagnose.fit.extend import extend_robot
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model
 from mjfriction.diagnose.fit.nuisance import make_nuisance
 from mjfriction.diagnose.settle.stated import Settled
+from mjfriction.diagnose.tell.left_over import left_over
 from mjfriction.diagnose.tell.needless import without_needless
 from mjfriction.diagnose.tell.untold import Untold
 from mjfriction.identify.measure import measure_gap
@@ -100,3 +101,10 @@ def test_a_coupling_that_shows_stays_and_so_does_one_that_is_told(told: bool, tm
     asked = Untold(frozenset(), untold.left, untold.bare) if told else untold
     settled = Settled(model, ())
     assert without_needless(settled, asked) is settled
+
+
+def test_what_was_untold_beside_a_cause_that_went_stays_untold(tmp_path: Path) -> None:
+    model, untold = with_a_coupling(written(tmp_path, "log.parquet", (2, 3), coupled=True))
+    settled = Settled(model, ())
+    assert left_over(settled).untold.keys == frozenset()
+    assert left_over(settled, untold=untold.keys).untold.keys == untold.keys

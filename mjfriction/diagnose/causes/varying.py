@@ -18,6 +18,7 @@ from mjfriction.laws.ambient import ROOM_TEMPERATURE
 from mjfriction.parameter import Parameter
 from mjfriction.record.fault import moment
 from mjfriction.record.log import Floats
+from mjfriction.robot.friction import stated_levels
 from mjfriction.robot.friction_tables import Event, Thermal, WarmUp
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import warmed
@@ -33,6 +34,7 @@ LEAST_WARMING = 1.0  # K, least range of temperature over a log for its effect t
 SPEEDS = (0.1, 0.9)  # quantiles of a joint's speed, slow and fast, at which the changes of friction are compared
 # Fraction of its change when slow by which friction may change the other way when fast: damping is hardly known.
 OPPOSITE = 0.5
+MOST_CHANGE = 4.0  # times the stated friction, at a fast speed, by which friction may change within a log
 MOMENTS = 60
 EDGE = 0.06  # fraction of the joint's motion at each end where no step is looked for
 SLOWEST = 3.0  # longest time constant, in multiples of the log's length: a longer one makes a straight line
@@ -64,15 +66,28 @@ class Varying(JointCause):
         beyond = self.beyond * np.ptp(course)
         return np.outer(np.linspace(np.min(course) - beyond, np.max(course) + beyond, SHIFTS), strengths)
 
+    def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """A change by at most four times the friction stated for a joint's fast speed.
+
+        Damping that grows a hundredfold is fitted where a joint only creeps from some moment on.
+        """
+        coulomb, viscous = stated_levels(gap.robot.table.joint[site.joint])
+        fast = float(np.quantile(self._speeds(gap, site), SPEEDS[1]))
+        change = abs(float(strengths @ (1.0, fast))) * float(np.ptp(self.course(gap, site)))
+        stated = coulomb + viscous * fast
+        return stated <= 0.0 or change <= MOST_CHANGE * stated
+
     def one_way(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """Return whether friction rises or falls as a whole.
 
         A change that lowers it when slow and raises it when fast, or the reverse, is another curve over speed and no
         course of time.
         """
-        speed = np.abs(gap.at_rows("velocity")[gap.clear[:, site.joint], site.joint])
-        slow, fast = (strengths[0] + strengths[1] * float(one) for one in np.quantile(speed, SPEEDS))
+        slow, fast = (strengths[0] + strengths[1] * float(one) for one in np.quantile(self._speeds(gap, site), SPEEDS))
         return bool(slow * fast >= 0.0 or abs(fast) < OPPOSITE * abs(slow))
+
+    def _speeds(self, gap: Gap, site: Site) -> Floats:
+        return np.asarray(np.abs(gap.at_rows("velocity")[gap.clear[:, site.joint], site.joint]))
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """The changes of Coulomb level and damping."""

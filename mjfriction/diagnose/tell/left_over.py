@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Collection
+from dataclasses import dataclass, replace
 
 from mjfriction.diagnose.fit.judged import judged
+from mjfriction.diagnose.fit.model import Key
 from mjfriction.diagnose.search.stroke_curve import stroke_curves
 from mjfriction.diagnose.settle.stated import Settled
 from mjfriction.diagnose.tell.untold import Untold, find_untold
@@ -27,11 +29,12 @@ class LeftOver:
     untold: Untold
 
 
-def left_over(settled: Settled) -> LeftOver:
-    """Return what a settled model leaves."""
+def left_over(settled: Settled, *, untold: Collection[Key] = ()) -> LeftOver:
+    """Return what a settled model leaves; the causes that are ``untold`` already stay so."""
     model = settled.model
     heldout, clean = model.heldout_residual(oscillations=True), model.heldout_residual()
     structure = tuple(find_structure(judged(model), heldout))
     curves = stroke_curves(model, clean)
     remaining = tuple(unexplained(model, structure, heldout, curves))
-    return LeftOver(heldout, structure, remaining, find_untold(settled, remaining, curves, clean))
+    found = find_untold(settled, remaining, curves, clean)
+    return LeftOver(heldout, structure, remaining, replace(found, keys=found.keys | set(untold)))
