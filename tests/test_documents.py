@@ -30,7 +30,7 @@ from mjfriction.diagnose.causes.presliding import LEAST_PART, LONGEST_OF_ELEMENT
 from mjfriction.diagnose.causes.springy_play import FEWER_PLAYS, FLANKS
 from mjfriction.diagnose.causes.steepening_viscous import POWERS
 from mjfriction.diagnose.causes.stribeck import EXPONENTS, GONE_BY, UNFINISHED
-from mjfriction.diagnose.causes.varying import EDGE, MOST_CHANGE, Step
+from mjfriction.diagnose.causes.varying import ALIKE, EDGE, MOST_CHANGE, Step
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.faults import mend, misplaced
 from mjfriction.diagnose.faults.audit import AS_KNOWN
@@ -303,6 +303,7 @@ def test_how_it_decides_tells_what_is_too_faint() -> None:
         f"without which the error is at most {100 * (AS_GOOD - 1.0):.0f} % larger at every joint does not stay" in told
     )
     assert f"is refused; so is one by more than {MOST_CHANGE:g} times the stated friction" in told
+    assert f"after which the joint is less than {ALIKE:g} as fast" in told
 
 
 def test_the_pages_tell_which_joints_and_traces_are_left_out() -> None:

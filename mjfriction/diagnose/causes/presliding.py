@@ -236,6 +236,7 @@ class DampedPresliding(LevelBristle):
     This damping acts after a reversal and fades as the bristle slides.  Without it the fitted travel is too short.
     """
 
+    simpler = Presliding
     richer = SlippingElements
 
     def samples(self, gap: Gap, site: Site) -> Floats:

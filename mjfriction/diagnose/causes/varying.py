@@ -35,6 +35,7 @@ SPEEDS = (0.1, 0.9)  # quantiles of a joint's speed, slow and fast, at which the
 # Fraction of its change when slow by which friction may change the other way when fast: damping is hardly known.
 OPPOSITE = 0.5
 MOST_CHANGE = 4.0  # times the stated friction, at a fast speed, by which friction may change within a log
+ALIKE = 0.25  # least ratio of usual speeds, early and late in the course, at which a change over time shows
 MOMENTS = 60
 EDGE = 0.06  # fraction of the joint's motion at each end where no step is looked for
 SLOWEST = 3.0  # longest time constant, in multiples of the log's length: a longer one makes a straight line
@@ -67,15 +68,20 @@ class Varying(JointCause):
         return np.outer(np.linspace(np.min(course) - beyond, np.max(course) + beyond, SHIFTS), strengths)
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """A change by at most four times the friction stated for a joint's fast speed.
+        """A change by at most four times the friction stated for a joint's fast speed, that shows at alike speeds.
 
-        Damping that grows a hundredfold is fitted where a joint only creeps from some moment on.
+        Where a joint only creeps from some moment on, what its friction does then is of its speed and not of the time.
         """
         coulomb, viscous = stated_levels(gap.robot.table.joint[site.joint])
-        fast = float(np.quantile(self._speeds(gap, site), SPEEDS[1]))
-        change = abs(float(strengths @ (1.0, fast))) * float(np.ptp(self.course(gap, site)))
+        speed, course = self._speeds(gap, site), self._at_rows(gap, site)
+        fast = float(np.quantile(speed, SPEEDS[1]))
+        change = abs(float(strengths @ (1.0, fast))) * float(np.ptp(course))
         stated = coulomb + viscous * fast
-        return stated <= 0.0 or change <= MOST_CHANGE * stated
+        if stated > 0.0 and change > MOST_CHANGE * stated:
+            return False
+        late = course > 0.5 * (np.min(course) + np.max(course))
+        slower, faster = sorted(float(np.median(speed[own])) for own in (late, ~late))
+        return slower > ALIKE * faster
 
     def one_way(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """Return whether friction rises or falls as a whole.
@@ -85,6 +91,10 @@ class Varying(JointCause):
         """
         slow, fast = (strengths[0] + strengths[1] * float(one) for one in np.quantile(self._speeds(gap, site), SPEEDS))
         return bool(slow * fast >= 0.0 or abs(fast) < OPPOSITE * abs(slow))
+
+    def _at_rows(self, gap: Gap, site: Site) -> Floats:
+        # The course at the rows where the joint moves clearly.
+        return np.asarray(np.interp(_clear(gap, site), gap.motion.time, self.course(gap, site)))
 
     def _speeds(self, gap: Gap, site: Site) -> Floats:
         return np.asarray(np.abs(gap.at_rows("velocity")[gap.clear[:, site.joint], site.joint]))

@@ -21,7 +21,7 @@ from mjfriction.diagnose.search.one_gear import geared
 from mjfriction.diagnose.search.one_transmission import leaning
 from mjfriction.diagnose.search.oscillations import new_oscillations
 from mjfriction.diagnose.search.refusal import proved, refused
-from mjfriction.diagnose.search.richer import curves_apart, enriched, in_richer_form
+from mjfriction.diagnose.search.richer import PAYS, curves_apart, enriched, in_richer_form
 from mjfriction.diagnose.search.short_list import SHORT_LIST, all_tried, best_bent, fairly, passing, ranked
 from mjfriction.identify.gap import Gap
 from mjfriction.progress import Tell, silently
@@ -87,7 +87,7 @@ def compete(
             nuisance, heard = nuisance.along(gap, (*nuisance.sources, *sources)), True
             continue
         no_causes = refused(model)
-        asked, asked_before = _narrowed(asked, no_causes), asked
+        asked, asked_before = _without_richer(_narrowed(asked, no_causes), no_causes), asked
         begin, began = tuple(choice for choice in begin if choice.key not in {one.key for one in no_causes}), begin
         # What is refused may be a form that does not compete, such as a richer one: the search would find it again.
         if hopeless or (asked == asked_before and begin == began):
@@ -121,6 +121,12 @@ def _narrowed(field: Field, no_causes: list[Chosen]) -> Field:
         if min(orders, default=entrant.times) > 0:
             out.append(replace(entrant, times=min([*orders, entrant.times])))
     return tuple(out)
+
+
+def _without_richer(field: Field, no_causes: list[Chosen]) -> Field:
+    # The field without richer forms of refused causes: they would stand in for what refused the simpler ones.
+    plain = {(type(one.cause), one.site.joint) for one in no_causes}
+    return tuple(entrant for entrant in field if (entrant.cause.simpler, entrant.joint) not in plain)
 
 
 def _forward(
@@ -194,16 +200,23 @@ def _richer(model: Model, trial: Trial) -> Model | None:
 
 
 def _best(model: Model, field: Field, trials: list[Trial]) -> Trial:
-    # The trial of largest merit. Among trials whose merit differs too little to count, or whose columns are the same
-    # under another name (e.g. a link that only turns about its own vertical joint, and the rotor), the first in the
-    # field.
+    # The trial of largest merit, or of a simpler form of that cause where the richer one does not pay. Among trials
+    # whose merit differs too little to count, or whose columns are the same under another name (e.g. a link that only
+    # turns about its own vertical joint, and the rotor), the first in the field.
     causes = [type(entrant.cause) for entrant in field]
     best = max(trials, key=lambda trial: trial.merit)
+    simpler = [
+        trial
+        for trial in trials
+        if (type(trial.chosen.cause), trial.chosen.site.joint) == (best.chosen.cause.simpler, best.chosen.site.joint)
+        and trial.merit > best.merit - PAYS
+    ]
+    best = max(simpler, key=lambda trial: trial.merit, default=best)
     return min(
         (
             trial
             for trial in trials
-            if trial.merit > best.merit - NO_DIFFERENCE or same_columns(model.gap, trial.chosen, best.chosen)
+            if abs(trial.merit - best.merit) < NO_DIFFERENCE or same_columns(model.gap, trial.chosen, best.chosen)
         ),
         key=lambda trial: causes.index(type(trial.chosen.cause)),
     )
