@@ -161,7 +161,7 @@ def load_body(
             "the model, as CAD exports often leave them out"
         )
     order = list(columns)
-    lower, upper = _limits(model, joints)
+    lower, upper = _limits(model, joints, stated)
     return Body(
         joints=tuple(joints),
         links=tuple(str(name) for name in list(model.names)[1:]),
@@ -268,11 +268,14 @@ def _link_frame(model: pin.Model, name: str) -> pin.Frame | None:
     return next(iter(named + moved), None)
 
 
-def _limits(model: pin.Model, joints: Sequence[str]) -> tuple[Floats, Floats]:
-    # An empty range means that a URDF states no limits; MuJoCo reads it the same way.
+def _limits(model: pin.Model, joints: Sequence[str], stated: Mapping[str, Unread]) -> tuple[Floats, Floats]:
+    # An empty range means that a URDF states no limits; MuJoCo reads it the same way.  Pinocchio counts the range of a
+    # joint with a reference from that, but not its position.
     lower, upper = np.full(len(joints), -np.inf), np.full(len(joints), np.inf)
     for i, joint in enumerate(joints):
         entry = model.joints[model.getJointId(joint)]
         if entry.nq == 1 and model.lowerPositionLimit[entry.idx_q] < model.upperPositionLimit[entry.idx_q]:
-            lower[i], upper[i] = model.lowerPositionLimit[entry.idx_q], model.upperPositionLimit[entry.idx_q]
+            reference = stated[joint].reference if joint in stated else 0.0
+            lower[i] = model.lowerPositionLimit[entry.idx_q] + reference
+            upper[i] = model.upperPositionLimit[entry.idx_q] + reference
     return lower, upper

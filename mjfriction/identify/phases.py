@@ -15,6 +15,7 @@ STEADY = 0.05  # share of a phase's speed by which the speed may vary within it
 STANDING = 0.02  # share of a joint's fastest speed, below which it stands still
 SHORTEST = 0.1  # s
 LEAST_PART = 0.4  # share of a pass that must have constant speed: a smooth move is fast only for a moment
+LEAST_WAY = 1e-4  # share of the joint's stroke that a phase covers: simulated friction lets joints creep at their rests
 SETTLED = 0.1  # s at both ends of a phase, in which filters still respond to the change of speed
 
 
@@ -39,7 +40,8 @@ def constant_speed_phases(motion: Motion) -> list[Phase]:
         sure = free & (np.abs(velocity) > motion.resting_speed[joint])
         for first, past in _runs(sure, np.sign(velocity), motion.piece):
             phase = _steady_part(motion, joint, first, past)
-            if phase is not None:
+            least = LEAST_WAY * float(np.ptp(motion.position[:, joint]))
+            if phase is not None and abs(phase.velocity) * (phase.past - phase.first) > least * motion.rate:
                 out.append(phase)
     return sorted(out, key=lambda phase: phase.first)
 

@@ -20,7 +20,7 @@ from mjfriction.robot.robot import Robot
 from mjfriction.robot.simulation import robot_laws, robot_spec
 from mjfriction.sim.attach import attach
 from mjfriction.sim.replay import replay
-from mjfriction.sim.spec import compiled
+from mjfriction.sim.spec import compiled, drop_actuators
 
 LONGEST_STEP = 1e-3  # s
 COMPARED_EVERY = 0.01  # s between the positions that are compared
@@ -159,12 +159,13 @@ def _on_steps(values: Floats, begins: Integers, at: Floats) -> Floats:
 def missed(gap: Gap, robots: Sequence[Robot], stretches: Stretches) -> Floats:
     """Return where each robot's simulation goes, less where the machine went, (robots, stretches, compared, joints).
 
-    Each robot reads the reported efforts through its own sensors.  A simulation that diverges is a thousand rad or m
-    off.
+    Each robot reads the reported efforts through its own sensors, and its model's own actuators are left out.  A
+    simulation that diverges is a thousand rad or m off.
     """
     models, efforts = [], []
     for robot in robots:
         spec = robot_spec(robot)
+        drop_actuators(spec)
         spec.option.timestep = stretches.step
         for name in stretches.held:
             spec.joint(name).armature = UNMOVED

@@ -25,8 +25,8 @@ from mjfriction.record.log import PUSH, VOLTAGE
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Spring
 from mjfriction.robot.simulation import robot_laws, robot_spec
-from mjfriction.sim.closed_loop import Drive, Played, drop_actuators, play
-from mjfriction.sim.spec import Spec
+from mjfriction.sim.closed_loop import Drive, Played, play
+from mjfriction.sim.spec import Spec, drop_actuators
 from mjfriction.sim.transmission import DeadZone, couple_drive, split_transmission
 
 FOLLOWED = 0.5  # a joint that travels less than this fraction of the wanted travel has not followed

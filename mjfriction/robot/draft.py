@@ -10,9 +10,8 @@ import numpy as np
 import tomli_w
 
 from mjfriction.body.model import load_body, single_axis_joints
-from mjfriction.body.model_file import followers
 from mjfriction.errors import RobotError, suggestion
-from mjfriction.robot.plain_model import in_plain_words
+from mjfriction.robot.plain_model import coupled, in_plain_words
 from mjfriction.robot.robot import packaged_model, resolve_model
 
 HEAD = """\
@@ -30,8 +29,8 @@ def draft_robot(model: str, folder: Path, wanted: Sequence[str] | None = None) -
     """Return the text of a robot file for a URDF or MJCF, to be written into ``folder``.
 
     ``model`` is a path, or ``package://example-robot-data/…``.  The joints are those of ``wanted``, in that order, or
-    by default every hinge and slide of the model except a gripper's and those that follow another by ``<mimic>``.
-    Raises :class:`RobotError` for a model that cannot be read or has no such joints.
+    by default every hinge and slide of the model except a gripper's and those that are coupled with others, by
+    ``<mimic>`` or an equality.  Raises :class:`RobotError` for a model that cannot be read or has no such joints.
     """
     packaged = model.startswith("package://")
     path = resolve_model(model, Path()) if packaged else Path(model)
@@ -43,7 +42,7 @@ def draft_robot(model: str, folder: Path, wanted: Sequence[str] | None = None) -
                 f"{path}: there is no hinge or slide '{name}' on a body of its own{suggestion(name, known)} "
                 f"There are {', '.join(known) or 'none'}; joints that share a body need one each"
             )
-    following = followers(path)
+    following = coupled(path, known)
     joints = list(wanted or _of_the_arm([name for name in known if name not in following]))
     if not joints:
         raise RobotError(

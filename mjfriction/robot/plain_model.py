@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mjfriction.body.model_file import MOST_KEPT, changed, followers, root_of
 from mjfriction.errors import RobotError, SimulationError
+
+if TYPE_CHECKING:
+    from mjfriction.sim.beside_the_tree import Beside
 
 
 def in_plain_words(path: Path) -> str | None:
@@ -35,21 +39,36 @@ def check_tree(path: Path, joints: Collection[str]) -> None:
 
     MuJoCo would simulate them, and whatever they make would look like an error of the model.
     """
-    for what, acting, instead in _beside(path, changed(path), frozenset(joints)):
-        raise RobotError(
-            f"{path}: {what} acts on joint '{acting}', and predictions of efforts cannot include that; {instead}"
-        )
+    if root_of(path).tag != "mujoco":
+        for name in followers(path):
+            if name in joints:
+                raise RobotError(_refusal(path, "<mimic>", [name], "leave joints that follow others out"))
+        return
+    for one in _beside(path, changed(path)):
+        if acts := one.acts_on(joints):
+            raise RobotError(_refusal(path, one.what, sorted(acts), one.instead))
+
+
+def coupled(path: Path, joints: Collection[str]) -> frozenset[str]:
+    """Return those of a model file's ``joints`` that follow others, or that an equality couples with others."""
+    if root_of(path).tag != "mujoco":
+        return frozenset(followers(path)) & frozenset(joints)
+    return frozenset().union(*(one.acts_on(joints) for one in _beside(path, changed(path)) if one.couples))
+
+
+def _refusal(path: Path, what: str, acting: Sequence[str], instead: str) -> str:
+    named = ", ".join(f"'{joint}'" for joint in acting)
+    return (
+        f"{path}: {what} acts on joint{'s' if len(acting) > 1 else ''} {named}, and predictions of efforts cannot "
+        f"include that; {instead}"
+    )
 
 
 @functools.lru_cache(MOST_KEPT)
-def _beside(path: Path, _changed: int, joints: frozenset[str]) -> tuple[tuple[str, str, str], ...]:
-    if root_of(path).tag != "mujoco":
-        instead = "leave joints that follow others out of the robot file"
-        return tuple(("<mimic>", name, instead) for name in followers(path) if name in joints)
+def _beside(path: Path, _changed: int) -> tuple[Beside, ...]:
     from mjfriction.sim.beside_the_tree import beside_the_tree  # noqa: PLC0415  (a URDF needs no MuJoCo)
 
     try:
-        beside = beside_the_tree(path)
+        return beside_the_tree(path)
     except SimulationError as error:
         raise RobotError(str(error)) from None
-    return tuple((one.what, sorted(acts)[0], one.instead) for one in beside if (acts := one.acts_on(joints)))

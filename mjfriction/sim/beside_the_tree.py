@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from mjfriction.errors import SimulationError
-from mjfriction.sim.spec import BY_JOINT, COUPLES
+from mjfriction.sim.spec import BY_JOINT, COUPLES, nameless
 
 INSTEAD = "take it out of the model, and state {} at the joints"
 HELD = (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
@@ -20,13 +20,15 @@ HELD = (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
 class Beside:
     """An element of a model file, in words, the ``joints`` whose motion it acts on, and what to do ``instead``.
 
-    One that needs all of them (``together``) is gone with the first joint that a robot file leaves out.
+    One that needs all of them (``together``) is gone with the first joint that a robot file leaves out.  An equality
+    ``couples`` them.
     """
 
     what: str
     joints: frozenset[str]
     instead: str
     together: bool = False
+    couples: bool = False
 
     def acts_on(self, listed: Collection[str]) -> frozenset[str]:
         """Return those of the ``listed`` joints that it acts on."""
@@ -45,7 +47,7 @@ def beside_the_tree(path: Path) -> tuple[Beside, ...]:
     except ValueError as error:
         raise SimulationError(f"{path}: MuJoCo cannot read it: {' '.join(str(error).split())}") from None
     for i, joint in enumerate(spec.joints):
-        joint.name = joint.name or f"joint {i}"
+        joint.name = joint.name or nameless(i)
     return (*_equalities(spec), *_tendons(spec), *_compensations(spec), *_fluid(spec), *_yielding(spec))
 
 
@@ -55,15 +57,16 @@ def _equalities(spec: mujoco.MjSpec) -> Iterator[Beside]:
     for one in spec.equalities:
         if not one.active:
             continue
-        joints = frozenset[str]()
-        for name in (one.name1, one.name2):
-            if one.type in COUPLES:
-                joints |= _wrapped(spec.tendon(name)) if one.type == mujoco.mjtEq.mjEQ_TENDON else {name} - {""}
-            elif one.type in HELD:
-                of_site = one.objtype == mujoco.mjtObj.mjOBJ_SITE
-                joints |= _moving(spec.site(name).parent if of_site else spec.body(name))
+        names, joints = (one.name1, one.name2), frozenset[str]()
+        if one.type in HELD:
+            of_site = one.objtype == mujoco.mjtObj.mjOBJ_SITE
+            joints = _between(spec.site(name).parent if of_site else spec.body(name) for name in names)
+        elif one.type == mujoco.mjtEq.mjEQ_TENDON:
+            joints = joints.union(*(_wrapped(spec.tendon(name)) for name in names))
+        elif one.type in COUPLES:
+            joints = frozenset(names) - {""}
         instead = "leave joints that it couples out of the robot file, or take it out of the model"
-        yield Beside(f"the equality{_named(one.name)}", joints, instead, together=one.type in COUPLES)
+        yield Beside(f"the equality{_named(one.name)}", joints, instead, together=one.type in COUPLES, couples=True)
 
 
 def _tendons(spec: mujoco.MjSpec) -> Iterator[Beside]:
@@ -98,13 +101,15 @@ def _yielding(spec: mujoco.MjSpec) -> Iterator[Beside]:
 def _wrapped(tendon: mujoco.MjsTendon | None) -> frozenset[str]:
     if tendon is None:
         return frozenset()
-    joints = frozenset[str]()
-    for wrap in tendon.path:
-        if wrap.type == BY_JOINT:
-            joints |= {wrap.target.name}
-        elif wrap.target is not None:
-            joints |= _moving(wrap.target.parent)
-    return joints
+    path = list(tendon.path)
+    along = frozenset(wrap.target.name for wrap in path if wrap.type == BY_JOINT)
+    return along | _between(wrap.target.parent for wrap in path if wrap.type != BY_JOINT and wrap.target is not None)
+
+
+def _between(bodies: Iterable[mujoco.MjsBody | None]) -> frozenset[str]:
+    # The joints that move some of the bodies against others: what is within a gripper does not act on its arm.
+    moving = [_moving(body) for body in bodies]
+    return frozenset.union(*moving) - frozenset.intersection(*moving) if moving else frozenset()
 
 
 def _moving(body: mujoco.MjsBody | None) -> frozenset[str]:

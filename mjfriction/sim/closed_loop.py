@@ -163,9 +163,3 @@ def _broken(model: mujoco.MjModel, data: mujoco.MjData, time: float) -> str:
         f"the run went out of bounds{where} near {time:.3g} s: lower the controller's bandwidth, raise the rate or "
         "slow the trajectory down"
     )
-
-
-def drop_actuators(spec: mujoco.MjSpec) -> None:
-    """Remove a model's own actuators from a spec, in place: the drives act on the joints directly."""
-    for actuator in list(spec.actuators):
-        spec.delete(actuator)

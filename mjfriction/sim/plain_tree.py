@@ -14,6 +14,8 @@ import mujoco
 import numpy as np
 
 from mjfriction.errors import SimulationError
+from mjfriction.sim.shapes import leave_out_missing, weighs
+from mjfriction.sim.spec import nameless
 
 Disable = mujoco.mjtDisableBit
 TYPES = {
@@ -36,18 +38,17 @@ def plain_tree(path: Path) -> str:
     try:
         spec = mujoco.MjSpec.from_file(str(path))
         _strip(spec)
+        leave_out_missing(spec, path)
         return _in_words(spec.compile())
     except ValueError as error:
         raise SimulationError(f"{path}: MuJoCo cannot read it: {' '.join(str(error).split())}") from None
 
 
 def _strip(spec: mujoco.MjSpec) -> None:
-    # Delete everything that no mass depends on, so that missing files (e.g. of meshes or textures) do no harm.
+    # Delete everything that no mass that moves depends on, so that missing files (e.g. of meshes or textures) do no
+    # harm.
     spec.compiler.fusestatic = False
-    by_shape = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
-    for body in spec.bodies:
-        if body.parent is None or (body.explicitinertial and not by_shape):
-            _delete(spec, body.geoms)
+    _delete(spec, [geom for geom in spec.geoms if not weighs(spec, geom)])
     for kind in (spec.sensors, spec.actuators, spec.tendons, spec.equalities, spec.pairs, spec.excludes, spec.keys):
         _delete(spec, kind)
     for geom in spec.geoms:
@@ -68,7 +69,9 @@ def _in_words(model: mujoco.MjModel) -> str:
     ET.SubElement(root, "compiler", angle="radian", autolimits="false")
     gravity = np.zeros(3) if _disabled(model, Disable.mjDSBL_GRAVITY) else model.opt.gravity
     ET.SubElement(root, "option", gravity=_words(gravity))
-    nodes = {0: _world(root, model)}
+    # Of what is on the world, Pinocchio reads the first body only, and not how it is placed unless a joint moves it.
+    # All are on one more, which is fixed: a table and an arm, two arms, or one arm that hangs from the ceiling.
+    nodes = {0: ET.SubElement(ET.SubElement(root, "worldbody"), "body", name="on the world")}
     for i in range(1, model.nbody):
         first, name = int(model.body_jntadr[i]), model.body(i).name or f"body {i}"
         joints = [_joint(model, j) for j in range(first, first + int(model.body_jntnum[i]))]
@@ -92,21 +95,13 @@ def _in_words(model: mujoco.MjModel) -> str:
     return ET.tostring(root, encoding="unicode")
 
 
-def _world(root: ET.Element, model: mujoco.MjModel) -> ET.Element:
-    # Where bodies on the world go.  Pinocchio reads only the first of them: where there are several, such as a table
-    # and an arm, or two arms, they are on one that is fixed.
-    world = ET.SubElement(root, "worldbody")
-    on_world = np.count_nonzero(np.asarray(model.body_parentid[1:]) == 0)
-    return ET.SubElement(world, "body", name="on the world") if on_world > 1 else world
-
-
 def _joint(model: mujoco.MjModel, j: int) -> dict[str, str]:
     kind, dof = TYPES[int(model.jnt_type[j])], int(model.jnt_dofadr[j])
     limited = bool(model.jnt_limited[j])
     damped = not _disabled(model, Disable.mjDSBL_DAMPER)
     rubs = not _disabled(model, Disable.mjDSBL_FRICTIONLOSS)
     out = {
-        "name": model.joint(j).name or f"joint {j}",
+        "name": model.joint(j).name or nameless(j),
         "type": kind,
         "pos": _words(model.jnt_pos[j]),
         "limited": "true" if limited else "false",

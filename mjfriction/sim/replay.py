@@ -20,7 +20,7 @@ def replay(
 
     ``position`` and ``velocity`` (stretches, joints) are the initial state of each stretch; its bristles start relaxed.
     ``effort`` (models, stretches, steps, joints) acts on the joints, held constant over each step.  The first returned
-    position is the initial one; the position after the last step is left out.  Actuators stay at zero.
+    position is the initial one; the position after the last step is left out.  Controls of actuators stay at zero.
     """
     first = models[0]
     places = np.array([first.jnt_qposadr[first.joint(name).id] for name in joints])

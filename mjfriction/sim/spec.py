@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 
 from mjfriction.errors import SimulationError, suggestion
+from mjfriction.sim.shapes import leave_out_missing, moves
 
 Spec = mujoco.MjSpec
 BY_JOINT = mujoco.mjtWrap.mjWRAP_JOINT
@@ -62,7 +63,8 @@ def read_spec(
     added as a body of that name.  ``link_inertia`` replaces the model's inertia of the link that a
     joint moves, ``link_shift`` moves that link's own centre of mass (m, in the body's frame), and ``link_scale``
     multiplies its mass and inertia, including its loads.  ``rotor_inertia`` (kg·m² or kg at the joint) is added as
-    armature.  Shapes and meshes of a URDF are left out: they do not affect the motion.
+    armature.  Shapes of a URDF are left out, since they do not affect the motion, and so are those of an MJCF whose
+    mesh files are missing.  Joints without a name get that of :func:`nameless`.
 
     Raises :class:`SimulationError` when the file cannot be read or a joint or body does not exist.
     """
@@ -99,6 +101,21 @@ def read_spec(
         spec.compiler.boundmass = max(spec.compiler.boundmass, NO_MASS)
         spec.compiler.boundinertia = max(spec.compiler.boundinertia, NO_MASS)
     return spec
+
+
+def nameless(number: int) -> str:
+    """Return the name that the package gives a joint without one, by its number in the file."""
+    return f"joint {number}"
+
+
+def drop_actuators(spec: mujoco.MjSpec) -> None:
+    """Remove a model's own actuators from a spec, in place, and what its keyframes say of them: efforts act on the
+    joints directly.
+    """
+    for actuator in list(spec.actuators):
+        spec.delete(actuator)
+    for key in spec.keys:
+        key.ctrl = key.act = []
 
 
 def compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
@@ -145,12 +162,8 @@ def _make_sound(spec: mujoco.MjSpec) -> None:
             continue
         if lacking < NO_MASS + ROUNDED * most:
             body.fullinertia = np.asarray(body.fullinertia) + lacking * np.repeat([1.0, 0.0], 3)
-        elif not _moves(body):
+        elif not moves(body):
             body.fullinertia = np.full(6, np.nan)
-
-
-def _moves(body: mujoco.MjsBody | None) -> bool:
-    return body is not None and (bool(body.joints) or _moves(body.parent))
 
 
 def _matrix(moments: np.ndarray) -> np.ndarray:
@@ -215,6 +228,9 @@ def _read(path: Path) -> mujoco.MjSpec:
             # The spec may later be written elsewhere, so the folders of its meshes and textures become absolute.
             spec.meshdir = str((path.parent / spec.meshdir).resolve())
             spec.texturedir = str((path.parent / spec.texturedir).resolve())
+            leave_out_missing(spec, path)
+            for i, joint in enumerate(spec.joints):
+                joint.name = joint.name or nameless(i)
             _weigh(spec)
             return spec
         for link in root.iter("link"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from dataclasses import replace
 
 import numpy as np
 import pyarrow as pa
@@ -43,6 +44,7 @@ from mjfriction.robot.files import read_robot
 from mjfriction.robot.friction_tables import FrictionTerm
 from mjfriction.robot.robot import Robot
 
+ELBOW = 2
 # Table 1 of the manipulator paper, joint 3, a tenth of it: the UR5 is a smaller arm.
 ELBOW_LAW = {
     "static": 0.11257,
@@ -116,6 +118,16 @@ def test_phases_of_constant_speed_are_where_they_were_planned() -> None:
         np.testing.assert_allclose(sorted(v for v in speeds if v > 0.0), planned, rtol=0.02)
         np.testing.assert_allclose(sorted(-v for v in speeds if v < 0.0), planned, rtol=0.02)
     assert {phase.joint for phase in phases} == {2, 3}
+
+
+def test_a_joint_that_creeps_at_its_rests_makes_no_passes() -> None:
+    # As one does that MuJoCo's dry friction holds, in a log without noise.
+    robot = machine()
+    planned = plan_passes(robot, ["elbow_joint"], count=5).trajectory
+    away = np.where(np.arange(planned.time.size) < planned.time.size // 2, 1.0, -1.0)[:, None]
+    creeping = replace(planned, position=planned.position + 1e-8 * np.cumsum(away, axis=0))
+    still, creeps = (constant_speed_phases(motion_along(robot, course)) for course in (planned, creeping))
+    assert [phase.joint for phase in creeps] == [phase.joint for phase in still] == [ELBOW] * len(still)
 
 
 def points_of(values: dict[str, float], speed: np.ndarray, noise: float = 0.0, seed: int = 5) -> FrictionMap:
