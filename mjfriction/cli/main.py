@@ -105,7 +105,7 @@ def _usage_message(error: Exception) -> str | None:
         return None
     context = getattr(error, "ctx", None)
     where = context.command_path if context is not None else "mjfriction"
-    return f"{str(text()).splitlines()[0]} See '{where} --help'."
+    return f"{str(text()).splitlines()[0].removesuffix('.')}. See '{where} --help'."
 
 
 def _interrupted() -> NoReturn:

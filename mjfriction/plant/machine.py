@@ -133,6 +133,11 @@ def run_machine(
     if control.observer is not None or control.friction == "law":
         idle = "is moved by oil, not by a drive: friction is neither fed forward nor observed there"
         notes += [f"joint '{name}' {idle}" for name in cylinders]
+    if touching := float(np.count_nonzero(played.touching)) * step:
+        notes.append(
+            f"shapes of the model touch each other for {touching:.3g} s; what that takes is in the log, and in no "
+            "prediction of efforts"
+        )
     return Run(time, course.position, played, cylinders, servo.estimates, tuple(notes))
 
 

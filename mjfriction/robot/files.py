@@ -18,6 +18,7 @@ from mjfriction.robot.robot import Robot, bundled_robots
 from mjfriction.robot.schema import RobotTable
 
 MODELS = {".urdf", ".xml", ".mjcf"}
+TYPES = ("float", "int", "str", "bool")
 MOST_SHOWN = 80  # characters of a wrong value that a message shows
 
 
@@ -96,6 +97,8 @@ def _one_line(detail: ErrorDetails, table: dict[str, Any], path: Path) -> str:
         allowed = list(_model_at(detail["loc"][:-1]).model_fields)
         key = str(detail["loc"][-1])
         return f"{path}: {where}: unknown key '{key}'{suggestion(key, allowed)} Allowed: {', '.join(allowed)}"
+    if detail["type"] == "missing" and isinstance(detail["loc"][-1], int):
+        return f"{path}: '{where}' has {len(detail['input'])} values, which are too few"
     if detail["type"] == "missing":
         return f"{path}: '{where}' is missing; state it"
     said = repr(detail["input"])
@@ -104,8 +107,9 @@ def _one_line(detail: ErrorDetails, table: dict[str, Any], path: Path) -> str:
 
 
 def _place(location: tuple[int | str, ...], table: dict[str, Any]) -> str:
-    # Example: ('joint', 3, 'friction', 0, 'side') becomes "joint 'elbow_joint': friction.side".
-    words = [str(part) for part in location if not isinstance(part, int)]
+    # Example: ('joint', 3, 'friction', 0, 'side') becomes "joint 'elbow_joint': friction.side".  Where a value may be of
+    # several types, its location ends with the one that was tried.
+    words = [part for part in location if isinstance(part, str) and part not in TYPES and "[" not in part]
     if len(location) > 1 and location[0] == "joint" and isinstance(location[1], int):
         joint = table["joint"][location[1]]
         name = (

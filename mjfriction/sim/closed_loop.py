@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from mjfriction.errors import SimulationError
 from mjfriction.laws.law import Floats
@@ -28,7 +29,8 @@ class Played:
     """What the joints did, at the beginning of every step.
 
     Motor-side position and velocity, drive torque, friction through the step, and position of the links, each
-    (n, joints).  ``states`` are the states of the friction laws by joint, (n, states), where they were requested.
+    (n, joints).  ``states`` are the states of the friction laws by joint, (n, states), where they were requested;
+    ``touching`` is whether any shapes touched each other, (n,).
     """
 
     position: Floats
@@ -37,6 +39,7 @@ class Played:
     friction: Floats
     link_position: Floats
     states: dict[str, Floats]
+    touching: NDArray[np.bool_]
 
 
 class Around(NamedTuple):
@@ -103,7 +106,7 @@ def play(
     blank = np.zeros((count, len(joints)))
     kept = {name: reader.state(name) for name in reader.joints} if reader and whole else {}
     states = {name: np.empty((count, place.stop - place.start)) for name, place in kept.items()}
-    out = Played(blank, blank.copy(), blank.copy(), blank.copy(), blank.copy(), states)
+    out = Played(blank, blank.copy(), blank.copy(), blank.copy(), blank.copy(), states, np.zeros(count, dtype=bool))
     applied, acceleration = np.zeros(model.nv), np.zeros(len(joints))
     with friction_active(), messages_dropped():
         for step_number in range(-settling, count):
@@ -131,16 +134,21 @@ def play(
                 rewrite(model, changed)
             for name, mass in ((masses_at and masses_at(k)) or {}).items():
                 _weigh(model, name, mass)
-            before = data.time
-            mujoco.mj_step(model, data)
-            if data.time <= before:  # MuJoCo restarted from its initial state
-                raise SimulationError(_broken(model, data, k * step))
+            _advance(model, data, k * step)
             acceleration = data.qacc[dofs]
+            out.touching[k] = bool(np.any(data.contact.efc_address >= 0))
             if reader is not None:
                 out.friction[k, rubbing] = data.userdata[reader.torque]
                 for name, own in kept.items():
                     states[name][k] = data.userdata[own]
     return out
+
+
+def _advance(model: mujoco.MjModel, data: mujoco.MjData, time: float) -> None:
+    before = data.time
+    mujoco.mj_step(model, data)
+    if data.time <= before:  # MuJoCo restarted from its initial state
+        raise SimulationError(_broken(model, data, time))
 
 
 def _weigh(model: mujoco.MjModel, name: str, mass: float) -> None:

@@ -98,6 +98,8 @@ def test_a_packaged_model_keeps_its_name_and_one_that_includes_others_its_place(
         (("friction =", "fricton ="), "unknown key 'fricton'; did you mean 'friction'"),
         (('name = "arm"', 'nam = "arm"'), "unknown key 'nam'|name: Field required"),
         (("gear_ratio = 101.0", "gear_ratio = 0.0"), "a gear ratio of 0 moves nothing"),
+        (("coulomb = 10.0", 'coulomb = "10"'), r"friction\.parameters\.coulomb: .*number.*given: '10'"),
+        (("[[joint]]", "gravity = [0.0, 0.0]\n[[joint]]"), "'gravity' has 2 values, which are too few"),
         (("gear_ratio = 101.0", 'gear_ratio = "big"'), r"gear_ratio: .*number.*given: 'big'"),
         (("torque_constant = 0.12", "torque_constant = -1.0"), "torque_constant: .*greater than 0.*given: -1.0"),
         (("coulomb = 10.0", "coulomb = -10.0"), "parameter 'coulomb' = -10 N·m: allowed is at least 0"),

@@ -154,3 +154,10 @@ def test_joints_without_a_name_have_one_everywhere(tmp_path: Path) -> None:
     text = arm().replace('name="j1"', "").replace('name="j2"', "")
     robot = written(tmp_path, text, ("joint 0", "joint 1"))
     assert worst(robot) < 1e-9
+
+
+def test_a_run_in_which_something_is_touched_says_so(tmp_path: Path) -> None:
+    ball, wall = '<geom size=".05" pos="0 0 .3"/>', '<geom type="plane" size="1 1 1" pos="0 0 1.2" zaxis="0 0 -1"/>'
+    text = arm(hand=ball).replace("<worldbody>", f"<worldbody>{wall}")
+    with pytest.warns(UserWarning, match="shapes of the model touch each other for"):
+        recorded(written(tmp_path, text), 1.0)
