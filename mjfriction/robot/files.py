@@ -107,8 +107,8 @@ def _one_line(detail: ErrorDetails, table: dict[str, Any], path: Path) -> str:
 
 
 def _place(location: tuple[int | str, ...], table: dict[str, Any]) -> str:
-    # Example: ('joint', 3, 'friction', 0, 'side') becomes "joint 'elbow_joint': friction.side".  Where a value may be of
-    # several types, its location ends with the one that was tried.
+    # Example: ('joint', 3, 'friction', 0, 'side') becomes "joint 'elbow_joint': friction.side".  Where a value may be
+    # of several types, its location ends with the one that was tried.
     words = [part for part in location if isinstance(part, str) and part not in TYPES and "[" not in part]
     if len(location) > 1 and location[0] == "joint" and isinstance(location[1], int):
         joint = table["joint"][location[1]]
