@@ -200,6 +200,8 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
         assert f"| {value} | {100 * off:g} % | {100 * FARTHEST * off:g} % |" in told
     slowest, fastest = turning.SPEEDS[[0, -1]]
     assert f"within {100 * slowest:g} to {100 * fastest:g} % of their fastest speed" in told
+    assert f"within {100 * turning.MOST_OFF:.0f} % of the level, and friction may turn within" in told
+    assert f"may turn within {100 * turning.FARTHER[-1]:.0f} % of the fastest speed" in told
     assert (turning.FEWEST_JOINTS, turning.ALL_BUT, turning.SHARE, turning.TURNED) == (3, 0.5, 0.25, 3.0), "in words"
     assert (UNFINISHED, STEPS_PER_LOBE, ONE_OF_MANY, AROUND) == (2.0, 2, 0.25, 2.0), "in words"
     assert f"refused within {100 * (NEAR - 1.0):.0f} % of the frequencies at which a link swings" in told

@@ -7,12 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
 from scipy.stats import norm, wilcoxon
 
 from mjfriction.record.log import Floats
 from mjfriction.record.runs import spans
 
 SPEEDS = np.geomspace(0.0015, 0.06, 20)  # shares of the fastest speed that are tried
+FARTHER = np.geomspace(0.0015, 0.3, 28)  # the same of a joint that is fast or creeps, and nothing between
+# It is that where of its rows below the usual share of its fastest speed nearly all are below this one.
+CREEPING, NEARLY_ONLY = 0.15, 0.8
+MOST_OFF = 0.3  # its level and its damping may then be off by this share of the level, each at its fastest speed
 # Share of the fastest speed, up to which the stated curve is straight enough to be corrected by two numbers.
 USUAL = 0.4
 TURNED = 3.0  # times the turning speed, above which tanh is 1 to half a percent
@@ -69,26 +74,33 @@ class _SlowRows:
     """Rows of slow motion: which they are (``rows``), and their values.
 
     ``ahead`` is the speed, as a share of the fastest; ``lost`` is the residual along the motion, as a share of the
-    level, negative where friction is lacking.
+    level, negative where friction is lacking.  A joint that is fast or creeps, and nothing between (``apart``), has all
+    of its rows here, with level and damping near what is stated: with speeds of two kinds, they could be anything.
     """
 
     rows: NDArray[np.bool_]
     ahead: Floats
     lost: Floats
+    apart: bool = False
 
     @functools.cached_property
     def _best(self) -> tuple[float, Floats]:
         # The best share of the fastest speed within which friction turns over, and the squared errors that it leaves.
-        lefts = [self._squares(1.0 - np.tanh(self.ahead / share)) for share in SPEEDS]
+        shares = FARTHER if self.apart else SPEEDS
+        lefts = [self._squares(1.0 - np.tanh(self.ahead / share)) for share in shares]
         best = int(np.argmin([np.sum(left) for left in lefts]))
-        return float(SPEEDS[best]), lefts[best]
+        return float(shares[best]), lefts[best]
 
     def _squares(self, missing: Floats) -> Floats:
         # The squared errors, relative to the level, of a model that lacks a share of the level; level and damping are
         # refitted.
         columns = np.column_stack([1.0 - missing, self.ahead])
         wanted = self.lost + missing
-        return np.asarray(np.square(wanted - columns @ np.linalg.lstsq(columns, wanted, rcond=None)[0]))
+        if self.apart:
+            fitted = lsq_linear(columns, wanted, (-MOST_OFF, MOST_OFF)).x
+        else:
+            fitted = np.linalg.lstsq(columns, wanted, rcond=None)[0]
+        return np.asarray(np.square(wanted - columns @ fitted))
 
     def turning(self) -> float:
         """Return the share of the fastest speed within which friction turns over, 0 where none explains the error."""
@@ -119,7 +131,10 @@ class _SlowRows:
 
 
 def _slow_rows(speed: Floats, error: Floats, clear: NDArray[np.bool_]) -> _SlowRows | None:
-    rows = clear & (np.abs(speed) < USUAL) & (speed != 0.0)
+    moving = clear & (speed != 0.0)
+    rows = moving & (np.abs(speed) < USUAL)
     if np.sum(rows) < FEWEST_ROWS:
         return None
-    return _SlowRows(rows, np.abs(speed[rows]), error[rows] * np.sign(speed[rows]))
+    apart = bool(np.mean(np.abs(speed[rows]) < CREEPING) > NEARLY_ONLY)
+    rows = moving if apart else rows
+    return _SlowRows(rows, np.abs(speed[rows]), error[rows] * np.sign(speed[rows]), apart)

@@ -81,6 +81,17 @@ def test_one_long_creep_is_enough_where_nearly_all_error_in_slow_motion_goes() -
     assert found(lost, velocity)[0] == pytest.approx(TURNED * 0.01, rel=0.3)
 
 
+def test_a_joint_that_is_fast_or_creeps_has_level_and_damping_near_what_is_stated() -> None:
+    # With speeds of two kinds and nothing between, a lower level and more damping say the same as friction that turns.
+    velocity = motion(6)
+    velocity[np.abs(velocity) < 0.15] = 0.0
+    creeping = (np.arange(ROWS) % 500) < 60
+    velocity[creeping, 0] = np.where(np.arange(ROWS)[creeping] % 1000 < 500, 0.03, -0.04)
+    velocity[~creeping, 0] = np.where(np.abs(velocity[~creeping, 0]) > 0.4, velocity[~creeping, 0], 0.0)
+    lost = (np.tanh(np.abs(velocity) / 0.1) - 1.0) * np.array([1.0, 0.0, 0.0, 0.0])
+    assert found(lost, velocity)[0] == pytest.approx(TURNED * 0.1, rel=0.4)
+
+
 def test_friction_of_one_joint_that_builds_up_over_its_travel_is_for_the_diagnosis_to_tell() -> None:
     velocity = motion(6)
     lost = -np.exp(-travel_of(velocity) / 0.01)

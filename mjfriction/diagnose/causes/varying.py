@@ -80,6 +80,8 @@ class Varying(JointCause):
         if stated > 0.0 and change > MOST_CHANGE * stated:
             return False
         late = course > 0.5 * (np.min(course) + np.max(course))
+        if not np.any(late):
+            return False  # the course is the same wherever the joint moves clearly
         slower, faster = sorted(float(np.median(speed[own])) for own in (late, ~late))
         return slower > ALIKE * faster
 
