@@ -42,24 +42,28 @@ def turning_speeds(
     off by its whole level, in whichever direction.  This is not a fault of one joint: where most joints show it, what
     they do below 3·v_t is not counted against any law.  The other joints get the lowest turning speed of these, in m or
     rad per second or as a share of their fastest speed, whichever is less.  A joint that alone shows it, because the
-    others never creep, must show it more clearly than friction that builds up over travel would.
+    others never creep, must show it more clearly than friction that builds up over travel would.  Beside such a joint
+    it is enough for another one to show it likewise, in however few visits of slow motion.
 
     ``velocity``, ``travel`` since the last turn, ``residual`` and ``clear`` (the rows not in doubt so far) are (rows,
     joints).  ``level`` (joints,) is the friction that a joint is stated to hold at rest, ``top`` (joints,) its top
     speed.
     """
     measured = np.flatnonzero(np.isfinite(residual[0]) & (level > 0.0) & (top > 0.0))
-    found, alone = {}, {}
+    found, likely, alone = {}, {}, False
     for joint in measured.tolist():
         slow = _slow_rows(velocity[:, joint] / top[joint], residual[:, joint] / level[joint], clear[:, joint])
         turning = slow.turning() if slow is not None else 0.0
-        if slow is not None and turning > 0.0:
+        if slow is None or turning == 0.0:
+            continue
+        if slow.surely():
             found[joint] = turning
-            if slow.beyond(travel[:, joint]):
-                alone[joint] = turning
+        if slow.beyond(travel[:, joint]):
+            likely[joint] = turning
+            alone = alone or joint in found
     out = np.zeros_like(top)
     if len(found) < min(FEWEST_JOINTS, max(2, int(np.ceil(ALL_BUT * measured.size)))):
-        for joint, share in alone.items():
+        for joint, share in likely.items() if alone else ():
             out[joint] = TURNED * share * top[joint]
         return out
     slowest = min(share * top[joint] for joint, share in found.items())
@@ -106,9 +110,15 @@ class _SlowRows:
         """Return the share of the fastest speed within which friction turns over, 0 where none explains the error."""
         as_stated = self._squares(np.zeros_like(self.ahead))
         share, left = self._best
+        slow = self.ahead < TURNED * share
+        taken = np.sum((as_stated - left)[slow])
+        return share if np.sum(slow) >= FEWEST_SLOW and taken >= SHARE * np.sum(as_stated[slow]) else 0.0
+
+    def surely(self) -> bool:
+        """Return whether the error that is explained is surely no chance."""
+        as_stated = self._squares(np.zeros_like(self.ahead))
+        share, left = self._best
         taken, slow = as_stated - left, self.ahead < TURNED * share
-        if np.sum(slow) < FEWEST_SLOW or np.sum(taken[slow]) < SHARE * np.sum(as_stated[slow]):
-            return 0.0
         everywhere, gained = np.zeros(self.rows.size, dtype=bool), np.zeros(self.rows.size)
         everywhere[np.flatnonzero(self.rows)[slow]] = True
         gained[np.flatnonzero(self.rows)] = taken
@@ -117,7 +127,7 @@ class _SlowRows:
         # all of the error is removed.
         sure = visits.size > 2 and np.mean(visits) > SURELY * np.std(visits, ddof=1) / np.sqrt(visits.size)
         sure = sure or wilcoxon(visits, alternative="greater").pvalue < norm.sf(SURELY)
-        return share if sure or np.sum(taken[slow]) > NEARLY_ALL * np.sum(as_stated[slow]) else 0.0
+        return bool(sure or np.sum(taken[slow]) > NEARLY_ALL * np.sum(as_stated[slow]))
 
     def beyond(self, travel: Floats) -> bool:
         """Return whether friction that turns over with speed leaves far less than friction that builds up over travel.

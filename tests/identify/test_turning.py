@@ -92,6 +92,18 @@ def test_a_joint_that_is_fast_or_creeps_has_level_and_damping_near_what_is_state
     assert found(lost, velocity)[0] == pytest.approx(TURNED * 0.1, rel=0.4)
 
 
+def test_beside_a_joint_that_surely_shows_it_one_visit_is_enough_for_another() -> None:
+    velocity = motion(6)
+    velocity[np.abs(velocity[:, 1]) < 0.08, 1] = 0.0
+    still = (np.arange(ROWS) > 1000) & (np.arange(ROWS) < 1200)
+    velocity[still, 1] = np.linspace(0.02, 0.004, np.sum(still))
+    lost = np.tanh(np.abs(velocity) / 0.01) - 1.0
+    uneven = 0.2 * np.repeat(np.random.default_rng(2).standard_normal(ROWS // 10), 10)
+    lost[:, 1] += uneven * (np.abs(velocity[:, 1]) < 0.03)
+    for shown, doubted in (([0.0, 1.0, 0.0, 0.0], False), ([1.0, 1.0, 0.0, 0.0], True)):
+        assert bool(found(lost * np.array(shown), velocity)[1] > 0.0) is doubted
+
+
 def test_friction_of_one_joint_that_builds_up_over_its_travel_is_for_the_diagnosis_to_tell() -> None:
     velocity = motion(6)
     lost = -np.exp(-travel_of(velocity) / 0.01)
