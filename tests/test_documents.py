@@ -198,11 +198,6 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert f"of what was explained, {100 * LEAST_FRICTION:g} % of the joint's friction" in told
     for value, off in (("inertia of each rotor", ROTOR), ("torque constant of each drive", CONSTANT)):
         assert f"| {value} | {100 * off:g} % | {100 * FARTHEST * off:g} % |" in told
-    slowest, fastest = turning.SPEEDS[[0, -1]]
-    assert f"within {100 * slowest:g} to {100 * fastest:g} % of their fastest speed" in told
-    assert f"within {100 * turning.MOST_OFF:.0f} % of the level, and friction may turn within" in told
-    assert f"may turn within {100 * turning.FARTHER[-1]:.0f} % of the fastest speed" in told
-    assert (turning.FEWEST_JOINTS, turning.ALL_BUT, turning.SHARE, turning.TURNED) == (3, 0.5, 0.25, 3.0), "in words"
     assert (UNFINISHED, STEPS_PER_LOBE, ONE_OF_MANY, AROUND) == (2.0, 2, 0.25, 2.0), "in words"
     assert f"refused within {100 * (NEAR - 1.0):.0f} % of the frequencies at which a link swings" in told
     assert f"leaves the noise flat below {EVEN_BELOW:g} Hz at least" in told
@@ -306,6 +301,15 @@ def test_how_it_decides_tells_what_is_too_faint() -> None:
     )
     assert f"is refused; so is one by more than {MOST_CHANGE:g} times the stated friction" in told
     assert f"after which the joint is less than {ALIKE:g} as fast" in told
+
+
+def test_how_it_decides_tells_how_joints_creep() -> None:
+    told = " ".join(text("docs/how_it_decides.md").split())
+    slowest, fastest = turning.SPEEDS[[0, -1]]
+    assert f"within {100 * slowest:g} to {100 * fastest:g} % of their fastest speed" in told
+    assert (turning.FEWEST_JOINTS, turning.ALL_BUT, turning.SHARE, turning.TURNED) == (3, 0.5, 0.25, 3.0), "in words"
+    assert f"within {100 * turning.MOST_OFF:.0f} % of the level, and friction may turn within" in told
+    assert f"may turn within {100 * turning.FARTHER[-1]:.0f} % of the fastest speed" in told
 
 
 def test_the_pages_tell_which_joints_and_traces_are_left_out() -> None:

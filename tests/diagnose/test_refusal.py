@@ -12,6 +12,7 @@ import pytest
 from scipy.signal import butter, sosfiltfilt
 
 from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.coupling import SharedMotion
 from mjfriction.diagnose.causes.delay import JointDelay, LogDelay
 from mjfriction.diagnose.causes.load import Load
 from mjfriction.diagnose.causes.presliding import Presliding
@@ -176,6 +177,18 @@ def test_a_step_that_lowers_friction_when_fast_and_raises_it_when_slow_is_refuse
     gap = gap_of_machine(tmp_path, Machine(hidden={ELBOW: stepped}))
     model = build_model(gap, make_nuisance(gap), (Chosen(Step(), Site(ELBOW, shape=(15.0,))),))
     assert len(refused(model)) == refusals
+
+
+@pytest.mark.parametrize(("joints", "refusals"), [((1, 2), 0), ((1, 2, 3), 3)])
+def test_accelerations_that_joints_all_over_the_arm_feel_are_no_couplings(
+    joints: tuple[int, ...], refusals: int, tmp_path: Path
+) -> None:
+    def felt(instant: Instant) -> np.ndarray:
+        return 0.6 * np.gradient(instant.velocities[:, 0], instant.time)
+
+    gap = gap_of_machine(tmp_path, Machine(hidden=dict.fromkeys(joints, felt)))
+    couplings = tuple(Chosen(SharedMotion(), Site(joint, other=0)) for joint in joints)
+    assert len(refused(build_model(gap, make_nuisance(gap), couplings))) == refusals
 
 
 def test_a_level_that_fades_while_the_joint_moves_is_proved_by_rows_in_some_doubt(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mjfriction.diagnose.causes.asymmetry import Asymmetry
+from mjfriction.diagnose.causes.coupling import SharedMotion
 from mjfriction.diagnose.causes.delay import JointDelay, late
 from mjfriction.diagnose.causes.friction_spot import FrictionSpot
 from mjfriction.diagnose.causes.play import Play
@@ -25,6 +26,7 @@ BENDING = frozenset(cause.name for cause in (ViscousNonlinear, Stribeck, Preslid
 PROOF_SEED = 0  # of the resampling that tests a gain against zero
 ON_THE_WAY = 0.5  # share of its gain that friction which builds up over travel must gain while its joint moves
 APART, SURELY_APART = 0.5, 2.0  # delays differ if they do so by this share of one, and this many standard deviations
+SHAKEN = 3  # joints that feel the acceleration of another one's drive, from which on something else moves them all
 EARLY = 0.03  # s, the most that one joint's effort may seem early because of a slow filter of its position
 BLURRED = 0.1  # periods of the position filter's cutoff, to which the moment at which a joint turns is known
 
@@ -35,11 +37,11 @@ def refused(model: Model) -> list[Chosen]:
     These are causes whose held-out gain may be zero while joints move; causes whose size cannot be told from zero
     beside another curve on their joint; efforts that seem early beside play; delays that friction does not share with
     the rest of the effort, that one joint's own undoes, or that only what is quicker than the motion shows; courses of
-    friction over time that raise it when slow and lower it when fast, or the other way round; and a spot along a stroke
-    beside waves of friction.
+    friction over time that raise it when slow and lower it when fast, or the other way round; a spot along a stroke
+    beside waves of friction; and accelerations of other joints that three or more feel through their transmissions.
     """
     unproved = [choice for choice in model.chosen if not proved(model, choice)]
-    rules = (_dissolved, _of_landings, _torn, _undone, _too_quick, _both_ways, _among_waves)
+    rules = (_dissolved, _of_landings, _torn, _undone, _too_quick, _both_ways, _among_waves, _shaken)
     return [*unproved, *(choice for rule in rules for choice in rule(model))]
 
 
@@ -106,6 +108,13 @@ def _among_waves(model: Model) -> list[Chosen]:
     # preferred.
     waving = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, PositionFriction)}
     return [choice for choice in model.chosen if isinstance(choice.cause, FrictionSpot) and choice.site.joint in waving]
+
+
+def _shaken(model: Model) -> list[Chosen]:
+    # A transmission is shared with a neighbour.  Where joints all over the arm seem to feel others accelerate, it is
+    # the whole arm that moves, as on a mounting that is loose.
+    felt = [choice for choice in model.chosen if isinstance(choice.cause, SharedMotion)]
+    return felt if len({choice.site.joint for choice in felt}) >= SHAKEN else []
 
 
 def _both_ways(model: Model) -> list[Chosen]:
