@@ -59,7 +59,7 @@ from mjfriction.diagnose.search.free_links import BAR, FEWEST_GAINING, LEAST_GAI
 from mjfriction.diagnose.search.kin import FULLER_CHANCE, KIN_CHANCE, LEAST_KIN_EFFECT
 from mjfriction.diagnose.search.oscillations import INSTEAD, LEAST_TOLD, NEAR, QUIETER, RESONANT
 from mjfriction.diagnose.search.refusal import APART as UNDONE
-from mjfriction.diagnose.search.refusal import ON_THE_WAY
+from mjfriction.diagnose.search.refusal import ON_THE_WAY, SHAKEN
 from mjfriction.diagnose.search.richer import PAYS
 from mjfriction.diagnose.search.short_list import NEAR_BEST, PROMISED
 from mjfriction.diagnose.search.stroke_curve import HARMONIC, HARMONIC_TWO, HIGHEST
@@ -305,6 +305,8 @@ def test_how_it_decides_tells_what_is_too_faint() -> None:
 
 def test_how_it_decides_tells_how_joints_creep() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
+    assert f"It is chosen where it gains at least {PAYS:g} more than one that is not damped" in told
+    assert SHAKEN == 3, "the page says three joints or more"
     slowest, fastest = turning.SPEEDS[[0, -1]]
     assert f"within {100 * slowest:g} to {100 * fastest:g} % of their fastest speed" in told
     assert (turning.FEWEST_JOINTS, turning.ALL_BUT, turning.SHARE, turning.TURNED) == (3, 0.5, 0.25, 3.0), "in words"

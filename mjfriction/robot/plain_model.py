@@ -42,18 +42,27 @@ def check_tree(path: Path, joints: Collection[str]) -> None:
     if root_of(path).tag != "mujoco":
         for name in followers(path):
             if name in joints:
-                raise RobotError(_refusal(path, "<mimic>", [name], "leave joints that follow others out"))
+                raise RobotError(
+                    _refusal(path, "<mimic>", [name], "leave joints that follow others out of the robot file")
+                )
         return
     for one in _beside(path, changed(path)):
         if acts := one.acts_on(joints):
             raise RobotError(_refusal(path, one.what, sorted(acts), one.instead))
 
 
-def coupled(path: Path, joints: Collection[str]) -> frozenset[str]:
-    """Return those of a model file's ``joints`` that follow others, or that an equality couples with others."""
+def coupled(path: Path, joints: Sequence[str]) -> frozenset[str]:
+    """Return those of a model file's ``joints`` that follow others, or that an equality couples with others.
+
+    Of joints whose coupling is gone with any of them, the first is not among these.
+    """
     if root_of(path).tag != "mujoco":
         return frozenset(followers(path)) & frozenset(joints)
-    return frozenset().union(*(one.acts_on(joints) for one in _beside(path, changed(path)) if one.couples))
+    out = frozenset[str]()
+    for one in _beside(path, changed(path)):
+        acting = sorted(one.acts_on(joints), key=joints.index) if one.couples else []
+        out |= frozenset(acting[1:] if one.together else acting)
+    return out
 
 
 def _refusal(path: Path, what: str, acting: Sequence[str], instead: str) -> str:

@@ -138,11 +138,15 @@ def test_a_loop_within_a_gripper_does_not_act_on_the_arm(tmp_path: Path) -> None
         written(tmp_path, arm(hand=GRIPPER, more=to_the_world)).body()
 
 
-def test_a_draft_leaves_out_what_an_equality_couples(tmp_path: Path) -> None:
-    written(tmp_path, arm(hand=GRIPPER, more=CLOSED))
+@pytest.mark.parametrize(
+    ("equality", "listed"),
+    [(CLOSED, ("j1", "j2")), ('<equality><joint joint1="right" joint2="left"/></equality>', ("j1", "j2", "left"))],
+)
+def test_a_draft_leaves_out_what_an_equality_couples(equality: str, listed: tuple[str, ...], tmp_path: Path) -> None:
+    written(tmp_path, arm(hand=GRIPPER, more=equality))
     draft = draft_robot(str(tmp_path / "arm.xml"), tmp_path)
     (tmp_path / "draft.toml").write_text(draft, encoding="utf-8")
-    assert read_robot(tmp_path / "draft.toml").body().joints == ("j1", "j2")
+    assert read_robot(tmp_path / "draft.toml").body().joints == listed
 
 
 def test_the_range_of_a_joint_with_a_reference_is_mujocos(tmp_path: Path) -> None:
