@@ -29,7 +29,7 @@ from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.presliding import LEAST_PART, LONGEST_OF_ELEMENTS, SLIPS
 from mjfriction.diagnose.causes.springy_play import FEWER_PLAYS, FLANKS
 from mjfriction.diagnose.causes.steepening_viscous import POWERS
-from mjfriction.diagnose.causes.stribeck import EXPONENTS, GONE_BY, UNFINISHED
+from mjfriction.diagnose.causes.stribeck import EXPONENTS, FALLEN, GONE_BY, UNFINISHED
 from mjfriction.diagnose.causes.varying import ALIKE, EDGE, MOST_CHANGE, Step
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.faults import mend, misplaced
@@ -307,6 +307,7 @@ def test_how_it_decides_tells_how_joints_creep() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"It is chosen where it gains at least {PAYS:g} more than one that is not damped" in told
     assert SHAKEN == 3, "the page says three joints or more"
+    assert f"but {100 * FALLEN:g} % of it must have faded there" in told
     slowest, fastest = turning.SPEEDS[[0, -1]]
     assert f"within {100 * slowest:g} to {100 * fastest:g} % of their fastest speed" in told
     assert (turning.FEWEST_JOINTS, turning.ALL_BUT, turning.SHARE, turning.TURNED) == (3, 0.5, 0.25, 3.0), "in words"

@@ -25,7 +25,7 @@ def new(model: Model, out: Out, log: LogOption = None, map_: MapSource = None) -
     from mjfriction.cli.logs import read_logs
     from mjfriction.errors import InputError, OutputError
     from mjfriction.report.folder import whole_file
-    from mjfriction.robot.draft import draft_robot
+    from mjfriction.robot.draft import draft_robot, joints_of
     from mjfriction.robot.files import read_robot
 
     if out.exists():
@@ -38,6 +38,9 @@ def new(model: Model, out: Out, log: LogOption = None, map_: MapSource = None) -
         draft.write_text(text, encoding="utf-8")
         robot = read_robot(draft)
     typer.echo(f"written: {out}, with {len(robot.joints)} joints: {', '.join(robot.joints)}")
+    others = [name for name in joints_of(model) if name not in robot.joints]
+    if others:
+        typer.echo(f"Left out: {', '.join(others)}")
     if log is None:
         typer.echo(
             "Take out of it the joints that your logs lack; like a gripper's, they are held where the model has them."

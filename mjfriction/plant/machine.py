@@ -133,6 +133,12 @@ def run_machine(
     if control.observer is not None or control.friction == "law":
         idle = "is moved by oil, not by a drive: friction is neither fed forward nor observed there"
         notes += [f"joint '{name}' {idle}" for name in cylinders]
+    for joint, samples in zip(robot.joints, np.count_nonzero(played.stopped, axis=0).tolist(), strict=True):
+        if samples:
+            notes.append(
+                f"joint '{joint}' is at a stop of its range for {samples * step:.3g} s; what that takes is in the log, "
+                "and in no prediction of efforts"
+            )
     if touching := float(np.count_nonzero(played.touching)) * step:
         notes.append(
             f"shapes of the model touch each other for {touching:.3g} s; what that takes is in the log, and in no "

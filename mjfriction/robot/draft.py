@@ -32,8 +32,7 @@ def draft_robot(model: str, folder: Path, wanted: Sequence[str] | None = None) -
     by default every hinge and slide of the model except a gripper's and those that are coupled with others, by
     ``<mimic>`` or an equality.  Raises :class:`RobotError` for a model that cannot be read or has no such joints.
     """
-    packaged = model.startswith("package://")
-    path = resolve_model(model, Path()) if packaged else Path(model)
+    packaged, path = model.startswith("package://"), _path(model)
     text = in_plain_words(path)
     known = single_axis_joints(path, text)
     for name in wanted or ():
@@ -59,6 +58,16 @@ def draft_robot(model: str, folder: Path, wanted: Sequence[str] | None = None) -
         friction = FRICTION.format(body.dry_friction[i], body.damping[i])
         lines += ["", "[[joint]]", f"{_line('name', name)}  # {kind}{range_}", DRIVE, friction]
     return "\n".join(lines) + "\n"
+
+
+def joints_of(model: str) -> tuple[str, ...]:
+    """Return every hinge and slide of a URDF or MJCF; ``model`` and errors as in :func:`draft_robot`."""
+    path = _path(model)
+    return single_axis_joints(path, in_plain_words(path))
+
+
+def _path(model: str) -> Path:
+    return resolve_model(model, Path()) if model.startswith("package://") else Path(model)
 
 
 def _of_the_arm(known: Sequence[str]) -> list[str]:

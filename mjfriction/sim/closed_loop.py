@@ -30,7 +30,8 @@ class Played:
 
     Motor-side position and velocity, drive torque, friction through the step, and position of the links, each
     (n, joints).  ``states`` are the states of the friction laws by joint, (n, states), where they were requested;
-    ``touching`` is whether any shapes touched each other, (n,).
+    ``touching`` is whether any shapes touched each other, (n,), and ``stopped`` which joints were beyond a stop of
+    their range, (n, joints).
     """
 
     position: Floats
@@ -40,6 +41,7 @@ class Played:
     link_position: Floats
     states: dict[str, Floats]
     touching: NDArray[np.bool_]
+    stopped: NDArray[np.bool_]
 
 
 class Around(NamedTuple):
@@ -106,7 +108,8 @@ def play(
     blank = np.zeros((count, len(joints)))
     kept = {name: reader.state(name) for name in reader.joints} if reader and whole else {}
     states = {name: np.empty((count, place.stop - place.start)) for name, place in kept.items()}
-    out = Played(blank, blank.copy(), blank.copy(), blank.copy(), blank.copy(), states, np.zeros(count, dtype=bool))
+    touching, stopped = np.zeros(count, dtype=bool), np.zeros(blank.shape, dtype=bool)
+    out = Played(blank, blank.copy(), blank.copy(), blank.copy(), blank.copy(), states, touching, stopped)
     applied, acceleration = np.zeros(model.nv), np.zeros(len(joints))
     with friction_active(), messages_dropped():
         for step_number in range(-settling, count):
@@ -136,11 +139,20 @@ def play(
                 _weigh(model, name, mass)
             _advance(model, data, k * step)
             acceleration = data.qacc[dofs]
-            out.touching[k] = bool(np.any(data.contact.efc_address >= 0))
+            out.touching[k], out.stopped[k] = np.any(data.contact.efc_address >= 0), _at_a_stop(model, data)[dofs]
             if reader is not None:
                 out.friction[k, rubbing] = data.userdata[reader.torque]
                 for name, own in kept.items():
                     states[name][k] = data.userdata[own]
+    return out
+
+
+def _at_a_stop(model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.bool_]:
+    # Of each degree of freedom, whether a limit pushes it back.
+    out = np.zeros(model.nv, dtype=bool)
+    if data.nl:
+        limits = data.efc_id[data.efc_type == mujoco.mjtConstraint.mjCNSTR_LIMIT_JOINT]
+        out[model.jnt_dofadr[limits]] = True
     return out
 
 

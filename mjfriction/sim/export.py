@@ -15,6 +15,7 @@ from mjfriction.laws.catalog import LAWS
 from mjfriction.laws.friction import Friction, Level, friction
 from mjfriction.laws.law import Floats
 from mjfriction.laws.rules import Values
+from mjfriction.sim.spec import leave_room_for_digits
 
 NO_INPUT = 16  # ctrlspec of an actuator that only adds friction; input="none" in MJCF compiles to it
 UNFADED = 1e9  # rad/s; bristle damping that fades only beyond this velocity counts as constant
@@ -72,6 +73,7 @@ def export_spec(
     """
     spec = spec.copy()
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    leave_room_for_digits(spec)
     loads, report = gravity_loads(spec), []
     for name, own in laws.items():
         if spec.joint(name) is None:

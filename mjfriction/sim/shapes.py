@@ -1,32 +1,44 @@
-"""Shapes of a model file: those that masses depend on, and those whose meshes are not there."""
+"""Shapes of a model file: those that masses depend on, and those whose files are not there."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import mujoco
 
 from mjfriction.errors import SimulationError
 
 
-def leave_out_missing(spec: mujoco.MjSpec, path: Path) -> int:
-    """Delete the shapes of a spec whose mesh files are missing, in place; return how many there were.
+def leave_out_missing(spec: mujoco.MjSpec, path: Path) -> None:
+    """Delete, in place, the shapes of a spec whose files of meshes or heights are missing, and missing pictures.
 
     ``path`` is the file that the spec was read from.  Raises :class:`SimulationError` if the mass of a body that moves
     would have to be computed from such a shape.
     """
     folder = path.parent / spec.meshdir
-    lost = {mesh.name: mesh.file for mesh in spec.meshes if mesh.file and not (folder / mesh.file).is_file()}
-    shapes = [geom for geom in spec.geoms if geom.meshname in lost]
+    meshes, fields = _lost(spec.meshes, folder), _lost(spec.hfields, folder)
+    pictures = _lost(spec.textures, path.parent / spec.texturedir)
+    shapes = [geom for geom in spec.geoms if geom.meshname in meshes or geom.hfieldname in fields]
     for geom in shapes:
         if weighs(spec, geom):
             raise SimulationError(
                 f"{path}: body '{geom.parent.name}' states no inertia, and the mesh to compute it from is missing: "
-                f"{folder / lost[geom.meshname]}; bring the mesh, or write the body's <inertial> into the model"
+                f"{meshes[geom.meshname]}; bring the mesh, or write the body's <inertial> into the model"
             )
-    for element in (*shapes, *(mesh for mesh in spec.meshes if mesh.name in lost)):
+    for material in spec.materials:
+        material.textures = ["" if name in pictures else name for name in material.textures]
+    assets = ((spec.meshes, meshes), (spec.hfields, fields), (spec.textures, pictures))
+    gone = [one for elements, lost in assets for one in elements if one.name in lost]
+    for element in (*shapes, *gone):
         spec.delete(element)
-    return len(shapes)
+
+
+def _lost(elements: Iterable[Any], folder: Path) -> dict[str, Path]:
+    # Where files of those elements should be of which any is missing, by the elements' names.
+    named = [(one.name, file) for one in elements for file in (one.file, *getattr(one, "cubefiles", ())) if file]
+    return {name: folder / file for name, file in named if not (folder / file).is_file()}
 
 
 def weighs(spec: mujoco.MjSpec, geom: mujoco.MjsGeom) -> bool:

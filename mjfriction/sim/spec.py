@@ -17,6 +17,7 @@ Spec = mujoco.MjSpec
 BY_JOINT = mujoco.mjtWrap.mjWRAP_JOINT
 COUPLES = (mujoco.mjtEq.mjEQ_JOINT, mujoco.mjtEq.mjEQ_TENDON)
 NO_MASS = 1e-12  # kg and kg·m²
+DIGITS = 1e-5  # share of a body's largest moment that the rounding of all three to six digits may come to
 ROUNDED = 1e-4  # share of a body's largest moment of inertia that counts as rounding
 
 
@@ -164,6 +165,19 @@ def _make_sound(spec: mujoco.MjSpec) -> None:
             body.fullinertia = np.asarray(body.fullinertia) + lacking * np.repeat([1.0, 0.0], 3)
         elif not moves(body):
             body.fullinertia = np.full(6, np.nan)
+
+
+def leave_room_for_digits(spec: mujoco.MjSpec) -> None:
+    """Keep the moments of inertia of a spec's bodies such as a body can have when written with six digits, in place."""
+    for body in spec.bodies[1:]:
+        full = bool(np.all(np.isfinite(body.fullinertia)))
+        own = np.linalg.eigvalsh(_matrix(body.fullinertia)) if full else np.sort(np.asarray(body.inertia))
+        least, middle, most = own.tolist()
+        lacking = DIGITS * most - (least + middle - most)
+        if lacking > 0.0 and full:
+            body.fullinertia = np.asarray(body.fullinertia) + lacking * np.repeat([1.0, 0.0], 3)
+        elif lacking > 0.0:
+            body.inertia = np.asarray(body.inertia) + lacking
 
 
 def _matrix(moments: np.ndarray) -> np.ndarray:

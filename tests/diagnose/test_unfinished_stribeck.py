@@ -10,7 +10,7 @@ import pytest
 
 from mjfriction.benchmark.drawing import draw_case
 from mjfriction.diagnose.causes.cause import Site
-from mjfriction.diagnose.causes.stribeck import EXPONENTS, Stribeck
+from mjfriction.diagnose.causes.stribeck import EXPONENTS, Stribeck, UnfinishedStribeck
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.fit.exact import usual_nuisance
 from mjfriction.diagnose.fit.model import Chosen, build_model
@@ -48,6 +48,17 @@ def test_it_is_neither_levels_that_are_off_nor_a_bend(tmp_path: Path, monkeypatc
     for module in (stated, alike):
         monkeypatch.setattr(module, "in_place_of_levels", lambda *_, **__: ())
     assert found(tmp_path / "unasked", fading).cause == "friction.viscous_nonlinear"
+
+
+@pytest.mark.parametrize(("velocity", "exponent", "own"), [(2.0, 2.0, False), (2.0, 1.0, True), (1.2, 2.0, True)])
+def test_what_hardly_falls_within_the_motion_is_a_level(
+    velocity: float, exponent: float, own: bool, tmp_path: Path
+) -> None:
+    # Of a curve that stays up to the top speed nothing but a higher Coulomb level is seen.
+    log, robot = write_case(tmp_path, Machine(), seed=6, seconds=15.0, rate=120.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    shape = (velocity * float(gap.motion.top_speed[WRIST]), exponent)
+    assert UnfinishedStribeck().own_shape(gap, Site(WRIST, shape=shape)) is own
 
 
 @pytest.mark.deep

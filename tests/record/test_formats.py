@@ -89,8 +89,13 @@ def mat_of_hdf5(path: Path) -> Path:
     return path / "log.mat"
 
 
-def write_bag(path: Path, told: Sequence[tuple[str, Sequence[str], Sequence[int]]]) -> Path:
-    """A bag of joint states: (topic, joints, rows) each a series of messages."""
+def write_bag(
+    path: Path, told: Sequence[tuple[str, Sequence[str], Sequence[int]]], bare: dict[str, float] | None = None
+) -> Path:
+    """A bag of joint states: (topic, joints, rows) each a series of messages.
+
+    Topics that are ``bare`` have no efforts, and positions that are so much higher.
+    """
     stream = io.BytesIO()
     writer = Writer(stream)
     schema = writer.register_msgdef("sensor_msgs/msg/JointState", JOINT_STATE)
@@ -101,9 +106,9 @@ def write_bag(path: Path, told: Sequence[tuple[str, Sequence[str], Sequence[int]
         message = {
             "header": {"stamp": {"sec": whole, "nanosec": round(1e9 * (stamp - whole))}, "frame_id": ""},
             "name": list(joints),
-            "position": [columns()[f"position.{joint}"][row] for joint in joints],
+            "position": [columns()[f"position.{joint}"][row] + (bare or {}).get(topic, 0.0) for joint in joints],
             "velocity": [],
-            "effort": [columns()[f"effort.{joint}"][row] for joint in joints],
+            "effort": [] if topic in (bare or {}) else [columns()[f"effort.{joint}"][row] for joint in joints],
         }
         writer.write_message(topic, schema, message, log_time=int(1e9 * stamp), publish_time=int(1e9 * stamp))
     writer.finish()
@@ -139,6 +144,22 @@ def test_joints_in_topics_of_their_own_are_brought_together(tmp_path: Path) -> N
     assert log.time.size == 399
     np.testing.assert_allclose(log.columns["position.shoulder"], columns()["position.shoulder"][:399], atol=1e-9)
     np.testing.assert_allclose(log.columns["position.elbow"], columns()["position.elbow"][:399], atol=1e-4)
+
+
+@pytest.mark.parametrize(("topic", "has_effort"), [("/aaa/joint_commands", True), ("/aaa", False)])
+def test_of_two_topics_the_one_that_measures_is_read(topic: str, has_effort: bool, tmp_path: Path) -> None:
+    told = [(topic, JOINTS, range(400)), ("/joint_states", JOINTS, range(0, 400, 2))]
+    bare = {} if has_effort else {topic: 0.3}
+    log = read_log(write_bag(tmp_path / "bag.mcap", told, bare))
+    assert log.time.size == 200
+    np.testing.assert_allclose(log.columns["position.elbow"], columns()["position.elbow"][::2], atol=1e-9)
+
+
+def test_a_message_of_something_else_does_not_cut_a_log_short(tmp_path: Path) -> None:
+    told = [("/joint_states", ("shoulder",), range(400)), ("/gripper", ("elbow",), [7])]
+    log = read_log(write_bag(tmp_path / "bag.mcap", told))
+    assert log.joints == ("shoulder",)
+    assert log.time.size == 400
 
 
 def test_joints_may_change_their_order_and_files_theirs(tmp_path: Path) -> None:

@@ -92,6 +92,21 @@ def test_shapes_whose_meshes_are_missing_are_left_out(tmp_path: Path) -> None:
     np.testing.assert_allclose(recorded(robot).columns["effort.j2"], efforts, atol=1e-9)
 
 
+@pytest.mark.parametrize(
+    "asset",
+    [
+        '<texture name="t" type="2d" file="lost.png"/>',
+        '<texture name="t" type="cube" fileright="lost.png" fileleft="lost.png"/>',
+        '<texture name="t" builtin="flat" type="2d" width="2" height="2"/><hfield name="h" file="lost.png" '
+        'size="1 1 1 1"/>',
+    ],
+)
+def test_pictures_that_are_missing_are_left_out(asset: str, tmp_path: Path) -> None:
+    painted = f'<asset>{asset}<material name="m" texture="t"/></asset>'
+    ball = '<geom size=".01" material="m" contype="0" conaffinity="0"/>'
+    assert worst(written(tmp_path, arm(hand=ball, more=painted))) < 1e-9
+
+
 def test_a_body_that_needs_a_missing_mesh_for_its_mass_is_named(tmp_path: Path) -> None:
     robot = written(tmp_path, arm(link=SHAPE, more=LOST))
     for needs in (robot.body, lambda: robot_spec(robot)):
@@ -158,6 +173,12 @@ def test_joints_without_a_name_have_one_everywhere(tmp_path: Path) -> None:
     text = arm().replace('name="j1"', "").replace('name="j2"', "")
     robot = written(tmp_path, text, ("joint 0", "joint 1"))
     assert worst(robot) < 1e-9
+
+
+def test_a_run_against_a_stop_says_so(tmp_path: Path) -> None:
+    robot = written(tmp_path, arm(joint='range="-20 20"'))
+    with pytest.warns(UserWarning, match="joint 'j2' is at a stop of its range for"):
+        recorded(robot, 2.0)
 
 
 def test_a_run_in_which_something_is_touched_says_so(tmp_path: Path) -> None:

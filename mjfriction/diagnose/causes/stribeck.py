@@ -30,6 +30,7 @@ OF_STEP = 0.97  # fraction of the highest exponent from which on a level falls l
 # The same as FASTEST where the end of the curve is not seen: what fades later still falls in a straight line, as lower
 # damping does.
 UNFINISHED = 2.0
+FALLEN = 0.3  # least share that has faded at the top speed where the end is not seen: what stays is a level that is off
 
 
 class Stribeck(JointCause):
@@ -69,12 +70,15 @@ class Stribeck(JointCause):
 
     def own_shape(self, gap: Gap, site: Site) -> bool:
         """A level that neither stays and then falls like a step nor, where its end is seen, falls over the whole range
-        of speeds.
+        of speeds; where it is not seen, one that falls within that range.
 
-        Such levels are no Stribeck curves; published exponents end at 2.
+        Other levels are no Stribeck curves; published exponents end at 2.
         """
         top = float(gap.motion.top_speed[site.joint])
-        fades = not self.ends or self.faded_at(site) < GONE_BY * top
+        if self.ends:
+            fades = self.faded_at(site) < GONE_BY * top
+        else:
+            fades = float(self.left_at(np.array([top]), site)[0]) < 1.0 - FALLEN
         return fades and site.shape[1] < OF_STEP * EXPONENT_RANGE[1]
 
     def left_at(self, speed: Floats, site: Site) -> Floats:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sized
 from pathlib import Path
 from typing import Any
 
@@ -14,20 +15,24 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
 from mjfriction.errors import LogError
-from mjfriction.record.log import EFFORT, POSITION, VELOCITY
+from mjfriction.record.log import EFFORT, POSITION, SET_WORDS, VELOCITY
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 FIELDS = (POSITION, VELOCITY, EFFORT)
+LEAST_COVERED = 0.5  # share of the time of the topic that sets the clock that another one must cover to be used
 Stamped = tuple[float, Any]
+Course = tuple[np.ndarray, np.ndarray]
 
 
 def read_table(path: Path) -> pa.Table:
     """Read every ``sensor_msgs/JointState`` of an .mcap file, or of the .mcap files of a bag's folder.
 
     Time is the messages' own stamp (the log's, where they have none), starting at 0.  Joints may come in any order, and
-    in separate messages or topics: all are interpolated linearly at the instants of the most frequent messages, within
-    the time that all of them cover.  Raises :class:`LogError` for a file that cannot be parsed, and for one without
-    joint states.
+    in separate messages or topics: all are interpolated linearly at the instants of one topic's messages, within the
+    time that all of them cover.  That topic is one whose name does not speak of a command or a reference, that has
+    positions and efforts, and that has the most messages, in this order; of a joint in several topics, the first so
+    ordered is used.  Topics that cover less than half of its time are left out.  Raises :class:`LogError` for a file
+    that cannot be parsed, and for one without joint states.
     """
     files = sorted(path.glob("*.mcap")) if path.is_dir() else [path]
     if not files:
@@ -44,20 +49,30 @@ def read_table(path: Path) -> pa.Table:
         raise LogError(f"{path}: there are no joint states ({JOINT_STATE}) in it. Found: {listed}")
     for told in groups.values():
         told.sort(key=lambda entry: entry[0])  # files and topics come in any order
-    order = sorted(groups, key=lambda key: (-len(groups[key]), key[0], sorted(key[1])))
-    courses: dict[str, tuple[np.ndarray, np.ndarray]] = {}
-    for key in order:
-        for name, course in _courses(groups[key]).items():
-            courses.setdefault(name, course)  # where several topics report a joint, the most frequent one is used
-    if not courses:
+    told_of = {key: _courses(messages) for key, messages in groups.items()}
+    order = sorted((key for key in groups if told_of[key]), key=lambda key: _rank(key, told_of[key], groups[key]))
+    if not order:
         raise LogError(f"{path}: its joint states hold no finite positions")
     clock = np.array([stamp for stamp, _ in groups[order[0]]])
+    courses: dict[str, Course] = {}
+    for key in order:
+        for name, course in told_of[key].items():
+            if np.ptp(course[0]) >= LEAST_COVERED * np.ptp(clock):
+                courses.setdefault(name, course)
     first, last = max(stamps[0] for stamps, _ in courses.values()), min(stamps[-1] for stamps, _ in courses.values())
     clock = clock[(clock >= first) & (clock <= last)]
     if not clock.size:
         raise LogError(f"{path}: the joints were recorded at different times; a log needs them together")
     columns = {name: np.interp(clock, stamps, values) for name, (stamps, values) in sorted(courses.items())}
     return pa.table({"time": clock - clock[0], **columns})
+
+
+def _rank(key: tuple[str, frozenset[str]], courses: Mapping[str, Course], messages: Sized) -> tuple[Any, ...]:
+    topic, joints = key
+    words = re.split(r"[^a-z]+", topic.lower())
+    asked = any(word.removesuffix("s") in SET_WORDS for word in words)
+    quantities = {name.partition(".")[0] for name in courses}
+    return asked, not {POSITION, EFFORT} <= quantities, -len(messages), topic, sorted(joints)
 
 
 def _messages(file: Path) -> Iterator[tuple[str, str, float, Any]]:
@@ -81,7 +96,7 @@ def _messages(file: Path) -> Iterator[tuple[str, str, float, Any]]:
         raise LogError(f"{file}: not a readable MCAP file: {str(error).splitlines()[0]}") from None
 
 
-def _courses(messages: list[Stamped]) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+def _courses(messages: list[Stamped]) -> dict[str, Course]:
     told: dict[str, tuple[list[float], list[float]]] = defaultdict(lambda: ([], []))
     for stamp, message in messages:
         for field in FIELDS:
