@@ -18,8 +18,7 @@ from mjfriction.diagnose.search.unevenness import as_uneven, with_unevenness
 from mjfriction.diagnose.settle.stated import Settled, settle
 from mjfriction.diagnose.tell.findings import make_findings
 from mjfriction.diagnose.tell.free_run import FreeRun, run_freely
-from mjfriction.diagnose.tell.left_over import left_over
-from mjfriction.diagnose.tell.needless import without_needless
+from mjfriction.diagnose.tell.needless import spared
 from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.diagnose.tell.seen_play import play_findings, see_play, unseen
 from mjfriction.diagnose.tell.verdict import reach_verdict, summarize, with_faults
@@ -58,10 +57,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
         if gives_more(doubted, again.model, settled.model):
             settled, field, seen, doubted = again, anew, doubted.seen, None
     tell("proving what was found", PROVING)
-    over = left_over(settled)
-    spared = without_needless(settled, over.untold)
-    if spared is not settled:
-        settled, over = spared, left_over(spared, untold=over.untold.keys)
+    settled, over = spared(settled)
     model, gap = settled.model, settled.model.gap
     left, heldout, untold = model.residual(oscillations=True, built=True), over.heldout, over.untold
     remaining = (*over.remaining, *(() if doubted is None else left_in_blows(doubted, model)))

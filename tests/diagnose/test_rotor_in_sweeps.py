@@ -42,5 +42,5 @@ def test_a_rotor_is_told_from_the_ends_of_passes(monkeypatch: pytest.MonkeyPatch
     truth = HEAVIER * stated.joint("elbow_joint").actuator.rotor_inertia
     assert finding.parameters[0].value == pytest.approx(truth, rel=0.03)
     assert finding.gain.low > 0.0
-    monkeypatch.setattr(RotorInertia, "brief", False)
+    monkeypatch.setattr(RotorInertia, "brief_in_passes", False)
     assert all(other.cause != finding.cause for other in diagnose_log(log, stated).findings)

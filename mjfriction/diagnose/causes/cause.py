@@ -81,6 +81,7 @@ class Cause(ABC):
     of_sensor: ClassVar[bool] = False  # whether it acts on all torques, including those of other causes
     of_body: ClassVar[bool] = False  # whether it changes the links' loads, on which other causes' effects depend
     brief: ClassVar[bool] = False  # whether its effort comes in few rows, as that of a play's landings
+    brief_in_passes: ClassVar[bool] = False  # the same of a motion whose speed is constant but for its ends
     # The least size of its peak effort, beyond what refitted levels can absorb, relative to the joint's friction.
     least_of_friction: ClassVar[float] = 0.04
     least_told: ClassVar[float] = 0.0  # the same for it to be reported, if higher: below it is only refitted along

@@ -25,7 +25,7 @@ class RotorInertia(JointCause):
 
     name = "drive.rotor_inertia"
     covariate = "acceleration"
-    brief = True  # as in sweeps, whose speed is constant but for their ends
+    brief_in_passes = True
 
     def samples(self, gap: Gap, site: Site) -> Floats:
         """The joint's acceleration, (n, 1)."""

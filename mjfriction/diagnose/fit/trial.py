@@ -24,6 +24,7 @@ EVENEST = 0.25  # size required of a cause on the most even machine, relative to
 # (relative to friction) is counted: larger ones are not the machine's unevenness.
 STANDS_OUT, WAVIEST = 1.5, 0.06
 MOST = 0.95  # quantile over the rows that is taken for the maximum of an effort
+OF_FEW = 0.3  # an effort comes in few rows where the one quantile is less than this fraction of the other
 MOST_OF_FEW = 0.995  # the same for an effort that several joints feel, or that comes in few rows
 
 
@@ -169,10 +170,11 @@ def at_its_most(model: Model, choice: Chosen, columns: Columns, made: Floats, jo
 
     Friction that grows with load, for example, is mostly a higher level and little besides.  The largest value is a
     high quantile.  It is higher for a cause that several joints feel, which is not unevenness of one joint's friction,
-    and for one that by its nature shows in few rows, as play does.
+    and for one that shows in few rows: by its nature, as play does, or because the motion accelerates in few.
     """
-    share = MOST_OF_FEW if choice.cause.brief or len(columns) > 1 else MOST
-    return float(np.quantile(np.abs(model.beyond_levels(made, joint)), share))
+    usual, most = np.quantile(np.abs(model.beyond_levels(made, joint)), (MOST, MOST_OF_FEW)).tolist()
+    few = choice.cause.brief or len(columns) > 1 or (choice.cause.brief_in_passes and usual < OF_FEW * most)
+    return float(most if few else usual)
 
 
 def negligible(model: Model, choice: Chosen, strengths: Floats, before: Floats, after: Floats) -> bool:

@@ -9,7 +9,23 @@ import numpy as np
 from mjfriction.diagnose.fit.as_little import leaves_as_little
 from mjfriction.diagnose.fit.model import Model
 from mjfriction.diagnose.settle.stated import Settled
+from mjfriction.diagnose.tell.left_over import LeftOver, left_over
 from mjfriction.diagnose.tell.untold import Untold
+
+
+def spared(settled: Settled) -> tuple[Settled, LeftOver]:
+    """Return a settled model without needless causes (:func:`without_needless`), and what it leaves.
+
+    They stay where without them something would no longer be told to be unexplained: a curve along a stroke is seen by
+    the causes that approximate it.
+    """
+    over = left_over(settled)
+    less = without_needless(settled, over.untold)
+    if less is settled:
+        return settled, over
+    then = left_over(less, untold=over.untold.keys)
+    lost = {one.joint for one in over.remaining} - {one.joint for one in then.remaining}
+    return (settled, over) if lost else (less, then)
 
 
 def without_needless(settled: Settled, untold: Untold) -> Settled:
