@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -17,6 +19,8 @@ from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.fit.model import Chosen, build_model
 from mjfriction.diagnose.fit.nuisance import make_nuisance
 from mjfriction.diagnose.fit.shapes import best_shape
+from mjfriction.diagnose.search import compete
+from mjfriction.diagnose.search.field import make_field
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.measure import measure_gap
 from mjfriction.laws.catalog import find_law
@@ -148,3 +152,28 @@ def test_a_curve_that_is_stated_and_not_there_is_told_beside_presliding() -> Non
     log = stribeck_gap(machine, stated).log
     told = {(one.cause, one.joint) for one in diagnose_log(log, stated).findings}
     assert told == {("friction.presliding", UR5_JOINTS[ELBOW]), ("friction.stribeck", UR5_JOINTS[ELBOW])}
+
+
+def tried(cause: Presliding | DampedPresliding, merit: float) -> Any:
+    return SimpleNamespace(chosen=Chosen(cause, Site(ELBOW, shape=(1e-3,))), merit=merit)
+
+
+@pytest.mark.parametrize(("ahead", "chosen"), [(5.0, Presliding), (15.0, DampedPresliding)])
+def test_the_damping_counts_where_it_pays_for_itself(
+    ahead: float, chosen: type[Presliding | DampedPresliding], tmp_path: Path
+) -> None:
+    # It fits a late effort too, and would stand in for that.
+    log, robot = write_case(tmp_path, Machine(), seed=4, seconds=15.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    model = build_model(gap, make_nuisance(gap), ())
+    field = make_field(gap, (Presliding(), DampedPresliding()))
+    best = compete._best(model, field, [tried(Presliding(), 200.0), tried(DampedPresliding(), 200.0 + ahead)])
+    assert type(best.chosen.cause) is chosen
+
+
+def test_where_a_bristle_was_refused_its_damped_form_is_too(tmp_path: Path) -> None:
+    log, robot = write_case(tmp_path, Machine(), seed=4, seconds=15.0)
+    field = make_field(measure_gap(read_log(log), read_robot(robot)), (Presliding(), DampedPresliding()))
+    left = compete._without_richer(field, [tried(Presliding(), 0.0).chosen])
+    assert {one.joint for one in field if one not in left} == {ELBOW}
+    assert {type(one.cause) for one in field if one not in left} == {DampedPresliding}
