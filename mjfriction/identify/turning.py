@@ -13,7 +13,7 @@ from scipy.stats import norm, wilcoxon
 from mjfriction.record.log import Floats
 from mjfriction.record.runs import spans
 
-SPEEDS = np.geomspace(0.0015, 0.06, 20)  # shares of the fastest speed that are tried
+SPEEDS = np.geomspace(0.0015, 0.03, 16)  # shares of the fastest speed that are tried
 FARTHER = np.geomspace(0.0015, 0.3, 28)  # the same of a joint that is fast or creeps, and nothing between
 # It is that where of its rows below the usual share of its fastest speed nearly all are below this one.
 CREEPING, NEARLY_ONLY = 0.15, 0.8
@@ -145,6 +145,6 @@ def _slow_rows(speed: Floats, error: Floats, clear: NDArray[np.bool_]) -> _SlowR
     rows = moving & (np.abs(speed) < USUAL)
     if np.sum(rows) < FEWEST_ROWS:
         return None
-    apart = bool(np.mean(np.abs(speed[rows]) < CREEPING) > NEARLY_ONLY)
+    apart = bool(np.mean(np.abs(speed[rows]) < CREEPING) >= NEARLY_ONLY)
     rows = moving if apart else rows
     return _SlowRows(rows, np.abs(speed[rows]), error[rows] * np.sign(speed[rows]), apart)
