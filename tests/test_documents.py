@@ -48,6 +48,7 @@ from mjfriction.diagnose.fit.trial import (
     LEAST_EFFECT,
     MOST,
     MOST_OF_FEW,
+    OF_FEW,
     STANDS_OUT,
     UNEVEN,
     WAVIEST,
@@ -307,6 +308,7 @@ def test_how_it_decides_tells_how_joints_creep() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"It is chosen where it gains at least {PAYS:g} more than one that is not damped" in told
     assert SHAKEN == 3, "the page says three joints or more"
+    assert f"where the one effort is less than {OF_FEW:g} of the other" in told
     assert f"but {100 * FALLEN:g} % of it must have faded there" in told
     slowest, fastest = turning.SPEEDS[[0, -1]]
     assert f"within {100 * slowest:g} to {100 * fastest:g} % of their fastest speed" in told

@@ -65,7 +65,8 @@ def simulate(
 
     ``controller_robot`` is the model that the controller computes with, the robot itself if not given.  The same seed
     gives the same log to the byte.  Raises :class:`RobotError` for a trajectory of other joints and
-    :class:`~mjfriction.errors.SimulationError` when the run breaks down; warns of a cylinder that cavitates.
+    :class:`~mjfriction.errors.SimulationError` when the run breaks down; warns of a cylinder that cavitates, of joints
+    at their stops, and of shapes that touch.
     """
     recorder = recorder or Recorder()
     run = run_machine(robot, trajectory, recorder.rate, control, controller_robot)

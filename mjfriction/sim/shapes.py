@@ -21,6 +21,8 @@ def leave_out_missing(spec: mujoco.MjSpec, path: Path) -> None:
     meshes, fields = _lost(spec.meshes, folder), _lost(spec.hfields, folder)
     pictures = _lost(spec.textures, path.parent / spec.texturedir)
     shapes = [geom for geom in spec.geoms if geom.meshname in meshes or geom.hfieldname in fields]
+    if not (meshes or fields or pictures) or _compiles(spec):
+        return
     for geom in shapes:
         if weighs(spec, geom):
             raise SimulationError(
@@ -33,6 +35,15 @@ def leave_out_missing(spec: mujoco.MjSpec, path: Path) -> None:
     gone = [one for elements, lost in assets for one in elements if one.name in lost]
     for element in (*shapes, *gone):
         spec.delete(element)
+
+
+def _compiles(spec: mujoco.MjSpec) -> bool:
+    # Files of an attached model, and names whose folders are stripped, are found by MuJoCo only.
+    try:
+        spec.copy().compile()
+    except ValueError:
+        return False
+    return True
 
 
 def _lost(elements: Iterable[Any], folder: Path) -> dict[str, Path]:

@@ -155,6 +155,12 @@ def test_of_two_topics_the_one_that_measures_is_read(topic: str, has_effort: boo
     np.testing.assert_allclose(log.columns["position.elbow"], columns()["position.elbow"][::2], atol=1e-9)
 
 
+def test_what_was_commanded_is_no_measurement_where_nothing_else_has_it(tmp_path: Path) -> None:
+    told = [("/arm/des", JOINTS, range(400)), ("/joint_states", JOINTS, range(400))]
+    log = read_log(write_bag(tmp_path / "bag.mcap", told, {"/joint_states": 0.0}))
+    assert set(log.columns) == {f"position.{joint}" for joint in JOINTS}
+
+
 def test_a_message_of_something_else_does_not_cut_a_log_short(tmp_path: Path) -> None:
     told = [("/joint_states", ("shoulder",), range(400)), ("/gripper", ("elbow",), [7])]
     log = read_log(write_bag(tmp_path / "bag.mcap", told))

@@ -107,6 +107,33 @@ def test_pictures_that_are_missing_are_left_out(asset: str, tmp_path: Path) -> N
     assert worst(written(tmp_path, arm(hand=ball, more=painted))) < 1e-9
 
 
+CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=np.float32)
+FACES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
+
+
+def test_meshes_that_only_mujoco_finds_are_there(tmp_path: Path) -> None:
+    # That of a model that is attached lies beside that model; the folders of a file name may be stripped.
+    (tmp_path / "hand").mkdir()
+    sides = b"".join(
+        np.r_[np.zeros((1, 3)), 0.1 * CORNERS[list(face)]].astype("<f4").tobytes() + b"\0\0" for face in FACES
+    )
+    (tmp_path / "hand" / "m.stl").write_bytes(b"\0" * 80 + len(FACES).to_bytes(4, "little") + sides)
+    mesh, shape = '<asset><mesh name="m" file="{}"/></asset>', '<geom type="mesh" mesh="m"/>'
+    hand = f'<mujoco>{mesh.format("m.stl")}<worldbody><body name="hand">{shape}</body></worldbody></mujoco>'
+    (tmp_path / "hand" / "hand.xml").write_text(hand, encoding="utf-8")
+    attached = arm(
+        hand='<attach model="hand" body="hand" prefix="g_"/>',
+        more='<asset><model name="hand" file="hand/hand.xml"/></asset>',
+    )
+    stripped = arm(
+        hand=f"<body>{shape}</body>", more=f'<compiler strippath="true" meshdir="hand"/>{mesh.format("far/m.stl")}'
+    )
+    for text in (attached, stripped):
+        robot = written(tmp_path, text)
+        assert robot_spec(robot).compile().ngeom == 1
+        assert worst(robot) < 1e-9
+
+
 def test_a_body_that_needs_a_missing_mesh_for_its_mass_is_named(tmp_path: Path) -> None:
     robot = written(tmp_path, arm(link=SHAPE, more=LOST))
     for needs in (robot.body, lambda: robot_spec(robot)):

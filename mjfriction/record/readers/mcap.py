@@ -31,8 +31,8 @@ def read_table(path: Path) -> pa.Table:
     in separate messages or topics: all are interpolated linearly at the instants of one topic's messages, within the
     time that all of them cover.  That topic is one whose name does not speak of a command or a reference, that has
     positions and efforts, and that has the most messages, in this order; of a joint in several topics, the first so
-    ordered is used.  Topics that cover less than half of its time are left out.  Raises :class:`LogError` for a file
-    that cannot be parsed, and for one without joint states.
+    ordered is used.  Beside it, commands and references are left out, and topics that cover less than half of its
+    time.  Raises :class:`LogError` for a file that cannot be parsed, and for one without joint states.
     """
     files = sorted(path.glob("*.mcap")) if path.is_dir() else [path]
     if not files:
@@ -50,7 +50,9 @@ def read_table(path: Path) -> pa.Table:
     for told in groups.values():
         told.sort(key=lambda entry: entry[0])  # files and topics come in any order
     told_of = {key: _courses(messages) for key, messages in groups.items()}
-    order = sorted((key for key in groups if told_of[key]), key=lambda key: _rank(key, told_of[key], groups[key]))
+    ranks = {key: _rank(key, told_of[key], groups[key]) for key in groups if told_of[key]}
+    order = sorted(ranks, key=ranks.__getitem__)
+    order = [key for key in order if ranks[key][0] == ranks[order[0]][0]]  # commands beside measurements are not read
     if not order:
         raise LogError(f"{path}: its joint states hold no finite positions")
     clock = np.array([stamp for stamp, _ in groups[order[0]]])
@@ -70,7 +72,7 @@ def read_table(path: Path) -> pa.Table:
 def _rank(key: tuple[str, frozenset[str]], courses: Mapping[str, Course], messages: Sized) -> tuple[Any, ...]:
     topic, joints = key
     words = re.split(r"[^a-z]+", topic.lower())
-    asked = any(word.removesuffix("s") in SET_WORDS for word in words)
+    asked = any({word, word.removesuffix("s")} & SET_WORDS for word in words)
     quantities = {name.partition(".")[0] for name in courses}
     return asked, not {POSITION, EFFORT} <= quantities, -len(messages), topic, sorted(joints)
 
