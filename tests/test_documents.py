@@ -18,7 +18,7 @@ from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.coupling import RATIOS
 from mjfriction.diagnose.causes.delay import USUALLY_LATE
 from mjfriction.diagnose.causes.elasticity import RESONANCE_BAND, RESONANCES, STIFFER
-from mjfriction.diagnose.causes.friction_at_place import PASSES
+from mjfriction.diagnose.causes.friction_at_place import FLANK, PASSES
 from mjfriction.diagnose.causes.friction_edge import SHARPEST
 from mjfriction.diagnose.causes.friction_edge import WIDEST as LEVEL_FROM
 from mjfriction.diagnose.causes.friction_spot import NARROWEST, WIDEST
@@ -27,10 +27,12 @@ from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOMENTS, LEAST_M
 from mjfriction.diagnose.causes.load import LEAST_ROTOR
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.presliding import LEAST_PART, LONGEST_OF_ELEMENTS, SLIPS
+from mjfriction.diagnose.causes.rotor_inertia import USUALLY_OFF as ROTOR_OFF
 from mjfriction.diagnose.causes.springy_play import FEWER_PLAYS, FLANKS
 from mjfriction.diagnose.causes.steepening_viscous import POWERS
 from mjfriction.diagnose.causes.stribeck import EXPONENTS, FALLEN, GONE_BY, UNFINISHED
-from mjfriction.diagnose.causes.varying import ALIKE, EDGE, MOST_CHANGE, Step
+from mjfriction.diagnose.causes.torque_constant import USUALLY_OFF as CONSTANT_OFF
+from mjfriction.diagnose.causes.varying import ALIKE, EDGE, FASTER, MOST_CHANGE, Step
 from mjfriction.diagnose.causes.waves import Cogging, PositionFriction
 from mjfriction.diagnose.faults import mend, misplaced
 from mjfriction.diagnose.faults.audit import AS_KNOWN
@@ -60,19 +62,20 @@ from mjfriction.diagnose.search.free_links import BAR, FEWEST_GAINING, LEAST_GAI
 from mjfriction.diagnose.search.kin import FULLER_CHANCE, KIN_CHANCE, LEAST_KIN_EFFECT
 from mjfriction.diagnose.search.oscillations import INSTEAD, LEAST_TOLD, NEAR, QUIETER, RESONANT
 from mjfriction.diagnose.search.refusal import APART as UNDONE
-from mjfriction.diagnose.search.refusal import ON_THE_WAY, SHAKEN
+from mjfriction.diagnose.search.refusal import AT_TURNS, ON_THE_WAY, SHAKEN, SOON
 from mjfriction.diagnose.search.richer import PAYS
 from mjfriction.diagnose.search.short_list import NEAR_BEST, PROMISED
 from mjfriction.diagnose.search.stroke_curve import HARMONIC, HARMONIC_TWO, HIGHEST
 from mjfriction.diagnose.search.unevenness import TOLD_BY
 from mjfriction.diagnose.settle.held_links import NEARLY_ALL, NEARLY_EXACT
 from mjfriction.diagnose.settle.levels_kept import LEAST_OFF, NEARER
+from mjfriction.diagnose.settle.one_factor import LEAST_OFF as LEAST_FACTOR
 from mjfriction.diagnose.settle.stated import FADED, LEFT, OUTLYING
 from mjfriction.diagnose.tell import free_run, what_gives
 from mjfriction.diagnose.tell.alike import AT_THE_BAR, EVEN, MOST_CONFIDENT, ROOM
 from mjfriction.diagnose.tell.contacts import NO_CONTACT, RIGID
 from mjfriction.diagnose.tell.findings import FAINTEST, ONE_OF_MANY
-from mjfriction.diagnose.tell.link_finding import ALWAYS_NOTED, SURELY
+from mjfriction.diagnose.tell.link_finding import ALWAYS_NOTED, NOTED_OF_FEW, SURELY
 from mjfriction.diagnose.tell.untold import BRISTLE_MISFIT, DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
 from mjfriction.diagnose.tell.verdict import FEWEST_SHOWN, LEAST_FRICTION, LEAST_SHOWN, MANY_AT_A_JOINT, MUCH_COLOURED
 from mjfriction.identify import bursts, choose, conclude, landings, measure, turning
@@ -301,13 +304,16 @@ def test_how_it_decides_tells_what_is_too_faint() -> None:
         f"without which the error is at most {100 * (AS_GOOD - 1.0):.0f} % larger at every joint does not stay" in told
     )
     assert f"is refused; so is one by more than {MOST_CHANGE:g} times the stated friction" in told
-    assert f"after which the joint is less than {ALIKE:g} as fast" in told
+    assert f"three quarters of the joint's motion are slower than {ALIKE:g} of its usual speed" in told
+    assert FASTER == 0.75, "the page says three quarters"
 
 
 def test_how_it_decides_tells_how_joints_creep() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"It is chosen where it gains at least {PAYS:g} more than one that is not damped" in told
     assert SHAKEN == 3, "the page says three joints or more"
+    assert f"At least {AT_TURNS:g} of what play gains must come within {SOON:g} s of that" in told
+    assert FLANK == 2.0, "the page says two widths"
     assert f"where the one effort is less than {OF_FEW:g} of the other" in told
     assert f"but {100 * FALLEN:g} % of it must have faded there" in told
     slowest, fastest = turning.SPEEDS[[0, -1]]
@@ -376,7 +382,11 @@ def test_the_pages_build_without_a_warning(tmp_path: Path) -> None:
 def test_how_it_decides_tells_how_far_links_are_off() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"more than {100 * LEAST_NOTED:g} % (or three times" in told
-    assert f"up to {100 * ALWAYS_NOTED:g} %), and by more than {100 * SURELY:g} %" in told
+    assert f"up to {100 * ALWAYS_NOTED:g} %; {100 * NOTED_OF_FEW:g} % if fewer than" in told
+    assert f"examined), and by more than {100 * SURELY:g} %" in told
+    assert f"| torque constant | it is off by {100 * CONSTANT_OFF:g} % |" in told
+    assert f"the bounds of {100 * CONSTANT_OFF:g} % and {100 * ROTOR_OFF:g} % hold" in told
+    assert f"links as stated, is off by more than {100 * LEAST_FACTOR:g} %, and neither" in told
     assert f"{FINEST} half waves over the stroke" in told
     assert f"by {PAYS:g} of merit, or leaves as little (within {100 * (AS_GOOD - 1.0):g} %)" in told
     assert f"a power of speed between {POWERS[0]:g} and {POWERS[1]:g}" in told

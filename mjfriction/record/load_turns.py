@@ -24,12 +24,14 @@ class LoadTurns:
     """Turns of a load along a motion, whose number of ``samples`` and ``rate`` (Hz) are kept.
 
     Of each turn, (turns,): the samples at which the load ``left`` one side and ``reached`` the other, and the sign
-    ``to`` which it turned, −1 or 1.
+    ``to`` which it turned, −1 or 1.  ``through`` (passages,) are the samples at which it went through zero in between,
+    of turns in which it did so once: of a load that rests near zero, noise decides when that is.
     """
 
     left: Integers
     reached: Integers
     to: Floats
+    through: Integers
     samples: int
     rate: float
 
@@ -43,6 +45,13 @@ class LoadTurns:
         near = NEAR * self.rate
         within = (at[:, None] >= self.left - near) & (at[:, None] <= self.reached + near)
         return np.asarray(np.any(within & (self.to == np.sign(way)[:, None]), axis=1))
+
+    def near(self, seconds: float) -> NDArray[np.bool_]:
+        """Return which samples lie within so many ``seconds`` of a turn's beginning, passage or end, (samples,)."""
+        near, lies = round(seconds * self.rate), np.zeros(self.samples, dtype=bool)
+        for moment in np.concatenate([self.left, self.through, self.reached]):
+            lies[max(moment - near, 0) : moment + near + 1] = True
+        return lies
 
     @functools.cached_property
     def _share(self) -> float:
@@ -63,4 +72,7 @@ def load_turns(motion: Motion, load: Floats) -> LoadTurns:
     clear = np.flatnonzero(np.abs(slow) > CLEARLY * np.max(np.abs(slow), initial=0.0))
     side = np.sign(slow[clear])
     turns = np.flatnonzero((np.diff(side) != 0.0) & (np.diff(motion.piece[clear]) == 0))
-    return LoadTurns(clear[turns], clear[turns + 1], side[turns + 1], load.size, motion.rate)
+    left, reached = clear[turns], clear[turns + 1]
+    zeros = np.flatnonzero(np.diff(np.sign(slow)) != 0.0)
+    first, past = np.searchsorted(zeros, left), np.searchsorted(zeros, reached)
+    return LoadTurns(left, reached, side[turns + 1], zeros[first[past == first + 1]], load.size, motion.rate)

@@ -97,10 +97,16 @@ def test_a_change_over_time_shows_at_alike_speeds(course: Step | WarmUpDrift, ga
     late = along > 0.5 * np.max(along)
     speed = np.abs(gap.at_rows("velocity")[:, ELBOW])
     change = np.array([0.3 * UR5_COULOMB[ELBOW], 0.0])
-    for moves, told in ((~late | (speed < 0.1 * np.median(speed)), False), (~late | (speed > 0.0), True)):
-        clear = gap.clear.copy()
-        clear[:, ELBOW] &= moves
-        assert course.admissible(replace(gap, clear=clear), site, change) is told
+    clear = gap.clear[:, ELBOW]
+    creeps = np.flatnonzero(late & clear & (speed < 0.15 * np.median(speed)))
+    quick = np.flatnonzero(late & clear & (speed > np.median(speed)))
+    for share, told in ((0.0, False), (0.15, False), (0.4, True)):
+        # So much of its late motion the joint is quick, and it creeps else.
+        kept = np.concatenate([creeps, quick[: round(creeps.size * share / (1.0 - share))]])
+        moves = gap.clear.copy()
+        moves[:, ELBOW] &= ~late | np.isin(np.arange(speed.size), kept)
+        assert course.admissible(replace(gap, clear=moves), site, change) is told
+    assert course.admissible(gap, site, change)
 
 
 def test_a_few_grams_at_the_flange_are_the_last_links_own(gap: Gap) -> None:

@@ -65,6 +65,16 @@ def test_a_worn_place_is_told_with_where_it_is_and_how_wide(share: float, width:
 
 
 @pytest.mark.deep
+def test_a_worn_place_is_told_by_its_flank(tmp_path: Path) -> None:
+    """It lies beyond the stroke by one and a half of its widths."""
+    found = diagnosed(tmp_path, worn(-0.15, 0.1))
+    (finding,) = found.findings
+    assert (finding.cause, finding.joint) == ("friction.position", UR5_JOINTS[ELBOW])
+    (elbow,) = [joint for joint in found.joints if joint.joint == UR5_JOINTS[ELBOW]]
+    assert elbow.rms_heldout_after < 1.1 * elbow.noise_floor
+
+
+@pytest.mark.deep
 def test_waves_alone_leave_more_of_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     machine = worn(0.4, 0.05)
     left = []

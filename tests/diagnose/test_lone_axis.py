@@ -16,7 +16,7 @@ from mjfriction.plant.motions import excitation
 from mjfriction.plant.sensors import Recorder
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
-from mjfriction.robot.friction_tables import FrictionTerm
+from mjfriction.robot.friction_tables import FrictionTerm, WarmUp
 from mjfriction.robot.robot import Robot
 from tests.diagnose.test_planar_arm import JOINT, LINK
 
@@ -78,6 +78,48 @@ def test_a_torque_constant_is_told_beside_levels_that_are_as_stated_with_it(tmp_
     (finding,) = diagnose_log(log_from_table(pa.table(columns), "swing"), robot).findings
     assert finding.cause == "drive.torque_constant"
     assert finding.parameters[0].value == pytest.approx(0.93, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("cause", "of_all", "of_link"), [("drive.torque_constant", 0.92, 1.0), ("body.link_inertia", 1.0, 0.9)]
+)
+def test_one_number_explains_more_than_several_that_are_off_alike(
+    cause: str, of_all: float, of_link: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without a rotor, free levels beside a free link leave nothing of a torque constant; and beside a torque constant,
+    levels that undo it leave nothing of a link.
+    """
+    stated = pendulum(tmp_path, "stated", inertia=0.08, rotor=0.0, coulomb=COULOMB)
+    machine = pendulum(tmp_path, "machine", inertia=of_link * 0.08, rotor=0.0, coulomb=COULOMB, mass=of_link * 4.0)
+    motion = excitation(("swing",), np.zeros(1), np.full(1, 1.2), np.full(1, 4.0), 40.0, seed=3)
+    columns = simulate(machine, motion, recorder=Recorder(250.0), controller_robot=stated, seed=1)
+    columns["effort.swing"] = of_all * columns["effort.swing"]
+    log = log_from_table(pa.table(columns), "swing")
+    (finding,) = diagnose_log(log, stated).findings
+    assert finding.cause == cause
+    assert finding.parameters[0].value == pytest.approx(of_all * of_link, abs=0.01)
+    monkeypatch.setattr("mjfriction.diagnose.settle.stated.one_number", lambda model: model)
+    assert cause not in {finding.cause for finding in diagnose_log(log, stated).findings}
+
+
+@pytest.mark.deep
+def test_a_link_a_tenth_off_is_no_finding_where_nothing_tells_how_far_friction_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Friction that changes as the joint warms is as stated at some moment.  A joint alone does not show whether its
+    link or its torque constant is off, and both may be by some percent.
+    """
+    stated = pendulum(tmp_path, "stated", inertia=0.08, rotor=0.0, coulomb=COULOMB)
+    light = pendulum(tmp_path, "machine", inertia=0.9 * 0.08, rotor=0.0, coulomb=COULOMB, mass=0.9 * 4.0)
+    warm_up = WarmUp(coulomb=-0.5 * COULOMB, viscous=0.0, time_constant=12.0, begin=0.0)
+    machine = light.with_joint(light.table.joint[0].model_copy(update={"warm_up": warm_up}))
+    motion = excitation(("swing",), np.zeros(1), np.full(1, 1.2), np.full(1, 4.0), 40.0, seed=3)
+    columns = simulate(machine, motion, recorder=Recorder(250.0), controller_robot=stated, seed=1)
+    log = log_from_table(pa.table(columns), "swing")
+    causes = [finding.cause for finding in diagnose_log(log, stated).findings]
+    assert causes == ["friction.temperature"]
+    monkeypatch.setattr("mjfriction.diagnose.tell.link_finding.NOTED_OF_FEW", 0.08)
+    assert "body.link_inertia" in {finding.cause for finding in diagnose_log(log, stated).findings}
 
 
 @pytest.mark.deep

@@ -8,9 +8,11 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
+from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.coupling import SharedMotion
 from mjfriction.diagnose.causes.delay import JointDelay, LogDelay
@@ -26,9 +28,16 @@ from mjfriction.diagnose.search.refusal import refused
 from mjfriction.diagnose.search.unevenness import with_unevenness
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.measure import measure_gap
+from mjfriction.plant.machine import simulate
+from mjfriction.plant.motions import forward_backward
+from mjfriction.plant.sensors import Recorder
 from mjfriction.progress import silently
+from mjfriction.record.load_turns import load_turns
 from mjfriction.record.readers import read_log
+from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
+from mjfriction.robot.robot import Robot
+from tests.diagnose.test_lone_axis import pendulum
 from tests.hidden.machine import UR5_COULOMB, UR5_VISCOUS, Instant, Machine, write_case
 
 SHOULDER, ELBOW = 1, 2
@@ -54,6 +63,33 @@ def test_a_joint_that_mostly_rests_is_weighed_by_the_noise_of_its_motion(tmp_pat
     model = build_model(replace(gap, doubt=doubt, clear=clear, residual=residual), make_nuisance(gap), ())
     least = 1.0 / float(np.max(model.system.rows.weight[:, ELBOW]))
     assert least == pytest.approx(float(gap.noise_floor[ELBOW]), rel=0.3)
+
+
+@pytest.mark.parametrize("at_turns", [True, False])
+def test_play_is_crossed_where_its_load_turns(*, at_turns: bool, tmp_path: Path) -> None:
+    """What looks like play elsewhere is noise of the position, from which the load of a link that hardly has any is
+    computed.
+    """
+    robot = pendulum(tmp_path, "weightless", inertia=0.08, rotor=6e-5, coulomb=0.8)
+    robot = Robot(robot.table.model_copy(update={"gravity": (0.0, 0.0, 0.0)}), robot.folder)
+    motion = forward_backward("swing", -1.0, 2.0, (0.3, 0.5, 1.5), 6.0)
+    columns = simulate(robot, motion, recorder=Recorder(250.0), seed=1)
+    columns["position.swing"] = 2e-4 * np.round(columns["position.swing"] / 2e-4)
+    gap = measure_gap(log_from_table(pa.table(columns), "swing"), robot)
+    crossed = Chosen(Backlash(), Site(0, around=2e-4))
+    effort = 2e-4 * cause_block(gap, crossed)[0][0][:, 0]
+    turns = load_turns(gap.motion, gap.known.effort.load[:, 0])
+    near = np.interp(gap.chain.time, gap.motion.time, turns.near(0.3)) > 0.0
+    assert 0.0 < np.mean(near) < 0.5
+    shows = near == at_turns
+    residual = gap.residual + 40.0 * np.where(shows, effort, 0.0)[:, None]
+    # The other rows do not count: a load that seems to turn may have columns as large where it really turns.
+    doubt, clear = gap.doubt + np.where(shows, 0.0, 10.0)[:, None], gap.clear & shows[:, None]
+    told = replace(gap, residual=residual, doubt=doubt, clear=clear)
+    model = build_model(told, make_nuisance(told).without_links(), (crossed,))
+    before, after = model.without(crossed).heldout_residual()[:, 0], model.heldout_residual()[:, 0]
+    assert told.rms(after, 0) < 0.5 * told.rms(before, 0)
+    assert (model.chosen[0] in refused(model)) is not at_turns
 
 
 @pytest.mark.parametrize("part", ["all", "friction"])

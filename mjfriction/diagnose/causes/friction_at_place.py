@@ -18,6 +18,7 @@ from mjfriction.record.motion import Motion
 
 HEIGHT = Parameter("coulomb", "{force}", "how much higher the friction level is there")
 PASSES = 4  # least number of passes over a place, in both directions: fewer may show a chance event there
+FLANK = 2.0  # widths from its place to where a spot or an edge is still felt
 PLACES = 256  # number of positions along the stroke at which passes are counted
 
 
@@ -55,10 +56,10 @@ class FrictionAtPlace(JointCause):
         return out
 
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
-        """A place within the stroke, and a width that is a fraction of it."""
-        position = gap.motion.position[:, site.joint]
-        least, most = (share * float(np.ptp(position)) for share in self.width_range)
-        return [(float(np.min(position)), float(np.max(position))), (least, most)]
+        """A place of which the joint often passes a flank at least, and a width that is a fraction of the stroke."""
+        often, stroke = _places(gap, site.joint), float(np.ptp(gap.motion.position[:, site.joint]))
+        least, most = (share * stroke for share in self.width_range)
+        return [(float(np.min(often)) - FLANK * most, float(np.max(often)) + FLANK * most), (least, most)]
 
     def shape_steps(self, gap: Gap, site: Site) -> tuple[float, ...]:
         """A third of the distance of the places that are tried, and of the width."""
@@ -66,10 +67,9 @@ class FrictionAtPlace(JointCause):
         return (self.spacing(width / stroke) * stroke / 3.0, width / 3.0)
 
     def own_shape(self, gap: Gap, site: Site) -> bool:
-        """A place that is within its width of one that the joint passes often, in both directions."""
-        joint, (place, width) = site.joint, site.shape
-        often = gap.kept.recall(f"places passed {joint}", lambda: {joint: _often(gap.motion, joint)})[joint]
-        return bool(often.size and np.min(np.abs(often - place)) <= width)
+        """A place that is within two widths of one that the joint passes often, in both directions."""
+        often, (place, width) = _places(gap, site.joint), site.shape
+        return bool(often.size and np.min(np.abs(often - place)) <= FLANK * width)
 
     def apart(self, gap: Gap, site: Site, other: Site) -> bool:
         """It can be told from a wave, but not from another cause with as many shape parameters."""
@@ -91,6 +91,10 @@ class FrictionAtPlace(JointCause):
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """How much higher the level is."""
         return (Quantity(HEIGHT),)
+
+
+def _places(gap: Gap, joint: int) -> Floats:
+    return gap.kept.recall(f"places passed {joint}", lambda: {joint: _often(gap.motion, joint)})[joint]
 
 
 def _often(motion: Motion, joint: int) -> Floats:

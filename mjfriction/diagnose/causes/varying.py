@@ -35,7 +35,9 @@ SPEEDS = (0.1, 0.9)  # quantiles of a joint's speed, slow and fast, at which the
 # Fraction of its change when slow by which friction may change the other way when fast: damping is hardly known.
 OPPOSITE = 0.5
 MOST_CHANGE = 4.0  # times the stated friction, at a fast speed, by which friction may change within a log
-ALIKE = 0.25  # least ratio of usual speeds, early and late in the course, at which a change over time shows
+# Early or late in the course, a joint may usually be slower.  This quantile of its speed then has to reach this
+# fraction of its usual speed in the other part, or nothing tells the change over time from one over speed.
+FASTER, ALIKE = 0.75, 0.25
 MOMENTS = 60
 EDGE = 0.06  # fraction of the joint's motion at each end where no step is looked for
 SLOWEST = 3.0  # longest time constant, in multiples of the log's length: a longer one makes a straight line
@@ -82,8 +84,8 @@ class Varying(JointCause):
         late = course > 0.5 * (np.min(course) + np.max(course))
         if not np.any(late):
             return False  # the course is the same wherever the joint moves clearly
-        slower, faster = sorted(float(np.median(speed[own])) for own in (late, ~late))
-        return slower > ALIKE * faster
+        slower, faster = sorted((speed[own] for own in (late, ~late)), key=np.median)
+        return float(np.quantile(slower, FASTER)) > ALIKE * float(np.median(faster))
 
     def one_way(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """Return whether friction rises or falls as a whole.

@@ -44,7 +44,10 @@ def best_shape(model: Model, choice: Chosen, bounds: Bounds | None = None) -> Ch
     relative = choice.cause.relative_shape
 
     def shape_at(x: Floats) -> tuple[float, ...]:
-        return tuple((np.exp(x) if relative else first + x).tolist())
+        # Mirrored at the limits: if all that lies beyond one were that limit, the simplex would collapse onto it.
+        low, high = limits.T
+        within = np.clip(high - np.abs(high - low - np.abs(x - low)), low, high)
+        return tuple((np.exp(within) if relative else first + within).tolist())
 
     def loss(x: Floats) -> float:
         return lost(choice.site.shaped(shape_at(x)))
@@ -59,7 +62,7 @@ def best_shape(model: Model, choice: Chosen, bounds: Bounds | None = None) -> Ch
         start, limits = np.zeros(first.size), limits - first[:, None]
     simplex = np.vstack([start, start + np.diag(steps)])
     options = {"maxfev": 60, "xatol": 1e-2 * float(np.min(steps)), "initial_simplex": simplex}
-    found = minimize(loss, start, method="Nelder-Mead", bounds=limits.tolist(), options=options)
+    found = minimize(loss, start, method="Nelder-Mead", options=options)
     return Chosen(choice.cause, choice.site.shaped(shape_at(found.x))) if found.fun < loss(start) else choice
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mjfriction.diagnose.causes.asymmetry import Asymmetry
 from mjfriction.diagnose.causes.coupling import SharedMotion
@@ -18,6 +19,7 @@ from mjfriction.diagnose.fit.intervals import half_widths
 from mjfriction.diagnose.fit.model import Chosen, Model, cause_block
 from mjfriction.diagnose.fit.nearness import nearness_of, relief
 from mjfriction.identify.proof import measure_gain
+from mjfriction.record.load_turns import load_turns
 from mjfriction.record.motion_frequency import quickest_motion
 from mjfriction.robot.bandwidth import HARMONICS
 
@@ -26,6 +28,8 @@ BENDING = frozenset(cause.name for cause in (ViscousNonlinear, Stribeck, Preslid
 PROOF_SEED = 0  # of the resampling that tests a gain against zero
 ON_THE_WAY = 0.5  # share of its gain that friction which builds up over travel must gain while its joint moves
 APART, SURELY_APART = 0.5, 2.0  # delays differ if they do so by this share of one, and this many standard deviations
+# Share of its gain that play must gain within this time (s) of a turn of the load: a link lands soon after that.
+AT_TURNS, SOON = 0.3, 0.3
 SHAKEN = 3  # joints that feel the acceleration of another one's drive, from which on something else moves them all
 EARLY = 0.03  # s, the most that one joint's effort may seem early because of a slow filter of its position
 BLURRED = 0.1  # periods of the position filter's cutoff, to which the moment at which a joint turns is known
@@ -52,7 +56,8 @@ def proved(model: Model, choice: Chosen) -> bool:
     A joint at rest holds its friction at any level below Coulomb's for as long as it rests: many rows that carry one
     piece of information.  What shows only there, and not while the joint moves, is no finding.  Rows are weighted by
     how certain they are.  Friction that builds up over travel does so on the way, so at least half of its gain has to
-    come while its joint moves.
+    come while its joint moves.  A link crosses its play when the load turns, so a part of its gain has to come soon
+    before or after that: what comes elsewhere is noise of the position, which makes the load seem to turn.
     """
     gap, weight = model.gap, model.system.rows.weight
     without = model.without(choice)
@@ -69,11 +74,23 @@ def proved(model: Model, choice: Chosen) -> bool:
         gain = np.square(before[:, joint]) - np.square(after[:, joint])
         if np.sum(gain[moving[:, joint]]) < ON_THE_WAY * np.sum(gain):
             return False
+    if isinstance(choice.cause, Play):
+        joint = choice.site.joint
+        gain = np.square(before[:, joint]) - np.square(after[:, joint])
+        if np.sum(gain[_at_turns(model, joint)]) < AT_TURNS * np.sum(gain):
+            return False
     return any(
         measure_gain(before[own, joint], after[own, joint], gap.blocks.row[own], PROOF_SEED).low > 0.0
         for joint, own in ((joint, moving[:, joint]) for joint in touched)
         if np.any(own)
     )
+
+
+def _at_turns(model: Model, joint: int) -> NDArray[np.bool_]:
+    # The rows that are near a turn of a joint's load, (rows,).
+    gap = model.gap
+    turns = load_turns(gap.motion, gap.known.effort.load[:, joint])
+    return np.interp(gap.chain.time, gap.motion.time, turns.near(SOON)) > 0.0
 
 
 def _dissolved(model: Model) -> list[Chosen]:

@@ -3,6 +3,9 @@
 A joint's stated levels agree with each other no better than stated levels do elsewhere on the robot.  So the torque
 constant is tried with levels kept as near to what is stated as those of the other joints are.  At a joint that carries
 next to nothing, free levels would leave nothing to detect it by.
+
+On a machine of few joints, free links beside free levels leave nothing either.  But that both are off by one factor is
+hardly a coincidence, and no more is it that levels undo a factor which only the link needs.
 """
 
 from __future__ import annotations
@@ -12,15 +15,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.links import LinkScale
 from mjfriction.diagnose.causes.rotor_inertia import RotorInertia
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.fit.as_little import leaves_as_little
 from mjfriction.diagnose.fit.exact import EXACT, usually_off
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model
 from mjfriction.diagnose.fit.nuisance import FARTHEST
+from mjfriction.diagnose.fit.refitted import FEWEST_JOINTS
 from mjfriction.diagnose.fit.trial import Trial
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_levels
+
+LEAST_OFF = 0.04  # a torque constant that is off by less is not worth a name in place of levels
 
 
 @dataclass(frozen=True)
@@ -54,9 +61,7 @@ def scaled_levels(model: Model, held: Model, own: Trial, change: dict[int, float
     fewer = tuple(choice for choice in held.chosen if choice.key != rotor)
     for rest in (fewer, held.chosen) if len(fewer) < len(held.chosen) else (fewer,):
         near, moved = _near(build_model(model.gap, model.nuisance, (*rest, factor)), joint, spread)
-        strength = near.strengths[near.places[-1]]
-        possible = factor.cause.admissible(model.gap, factor.site, strength) and not _common(near, factor)
-        if possible and np.all(moved <= FARTHEST**2) and leaves_as_little(near, free):
+        if _possible(near, factor) and np.all(moved <= FARTHEST**2) and leaves_as_little(near, free):
             return Scaled(near, spread, bool(np.mean(moved) <= 1.0) or len(rest) < len(held.chosen))
     return None
 
@@ -81,6 +86,42 @@ def beside_factors(model: Model, change: dict[int, float]) -> tuple[Model, dict[
     return model, alike
 
 
+def one_number(model: Model) -> Model:
+    """Return a model with one number in place of several that are off by about one factor, on a machine with too few
+    joints to tell how exactly it is stated.
+
+    A torque constant takes the place of a joint's levels and of all links, which are then as stated, where that leaves
+    as little and neither levels nor links alone do.  A link takes the place of a torque constant beside levels that
+    undo it.
+    """
+    nuisance = model.nuisance
+    if len(model.gap.examined) >= FEWEST_JOINTS or nuisance.drives or not nuisance.links:
+        return model
+    for level in nuisance.levels:
+        joint = level.site.joint
+        factor, stated = Chosen(TorqueConstant(), Site(joint)), nuisance.without_level(joint)
+        rest = tuple(choice for choice in model.chosen if choice.key != factor.key)
+        held = build_model(model.gap, stated.without_links(), rest)
+        # Refitted links are kept near what is stated; a link that is far off has to compete as a cause.
+        links = [held.with_also(Chosen(LinkScale(), site)) for site in LinkScale().sites(model.gap)]
+        of_link = next((there for there in links if leaves_as_little(there, model)), None)
+        scaled = held.with_also(factor)
+        by_factor = leaves_as_little(scaled, model) and _possible(scaled, factor)
+        if len(rest) < len(model.chosen):
+            if of_link is not None and not by_factor:
+                return of_link
+        elif by_factor and of_link is None:
+            halves = (model.without_links(), build_model(model.gap, stated, rest))
+            if not any(leaves_as_little(half, scaled) for half in halves):
+                return scaled
+    return model
+
+
+def _possible(model: Model, factor: Chosen) -> bool:
+    strength = model.strengths_of(factor)
+    return factor.cause.admissible(model.gap, factor.site, strength) and not _common(model, factor)
+
+
 def with_factor(model: Model, joint: int, spread: float) -> Model:
     """Return a model with a torque constant in place of a joint's levels, which are kept near what is stated by
     ``spread``.
@@ -102,5 +143,5 @@ def _near(model: Model, joint: int, spread: float) -> tuple[Model, Floats]:
 
 
 def _common(model: Model, choice: Chosen) -> bool:
-    # Whether a cause's change is within what such stated values are off by on any robot.
-    return choice.cause.usual(model.gap, choice.site, model.strengths_of(choice))
+    # Whether a torque constant's change is within what such stated values are off by on any robot.
+    return bool(abs(float(model.strengths_of(choice)[0])) < LEAST_OFF)

@@ -43,7 +43,7 @@ from mjfriction.diagnose.settle.levels_kept import (
     with_levels_as_stated,
 )
 from mjfriction.diagnose.settle.load_at_flange import as_load
-from mjfriction.diagnose.settle.one_factor import beside_factors, scaled_levels
+from mjfriction.diagnose.settle.one_factor import beside_factors, one_number, scaled_levels
 from mjfriction.robot.friction import stated_levels
 
 MOST_LINK_CHANGE = 0.8  # relative change of a link's scale above which the fit is no link but a sign of something else
@@ -88,7 +88,7 @@ def settle(model: Model, asked: Field) -> Settled:
     them and leave no less, and curves along strokes that of causes that only approximate them.
     """
     field_size = len(model.nuisance.levels)
-    model = with_levels_as_stated(drives_besides(model))
+    model = one_number(with_levels_as_stated(drives_besides(model)))
     change, off, most = level_changes(model), least_off(model), may_be_off(model)
     model, alike = beside_factors(model, change)
     findings: list[Chosen] = []

@@ -13,7 +13,7 @@ from mjfriction.diagnose.fit.base_changes import base_changes
 from mjfriction.diagnose.fit.exact import OUTLYING, levels_off
 from mjfriction.diagnose.fit.intervals import HalfWidths
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model
-from mjfriction.diagnose.fit.refitted import PER_LINK
+from mjfriction.diagnose.fit.refitted import FEWEST_JOINTS, PER_LINK
 from mjfriction.diagnose.search.field import Field
 from mjfriction.diagnose.settle.load_at_flange import of_last_link
 from mjfriction.diagnose.tell.alike import EVEN, MOST_CONFIDENT, Standing, standing
@@ -25,6 +25,8 @@ from mjfriction.identify.proof import gain_at
 
 SURELY = 0.05  # of a link's stated mass and inertia: the whole interval of its change must be beyond this
 ALWAYS_NOTED = 0.09  # of a link's mass: a larger change is a finding however far off friction is
+# The same with too few joints to tell a torque constant by: it may be off by as much as a mass, and looks like one.
+NOTED_OF_FEW = 0.12
 MOST_LISTED = 12  # most combinations of inertias that a finding lists
 
 
@@ -69,7 +71,8 @@ def _scaled(model: Model, widths: HalfWidths, field: Field) -> _Off | None:
     # The links whose scale is off, with the standing of the one that is most off; None where there is none.
     nuisance, changes = model.nuisance, model.link_changes[:, 0]
     half = widths.nuisance[nuisance.of_links].reshape(-1, PER_LINK)[:, 0]
-    least = min(max(LEAST_NOTED, OUTLYING * levels_off(model)), ALWAYS_NOTED)
+    few = len(model.gap.examined) < FEWEST_JOINTS
+    least = NOTED_OF_FEW if few else min(max(LEAST_NOTED, OUTLYING * levels_off(model)), ALWAYS_NOTED)
     noted = (np.abs(changes) > least) & (np.abs(changes) - half > SURELY)
     if not np.any(noted):
         return None
