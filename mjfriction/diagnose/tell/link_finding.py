@@ -25,8 +25,8 @@ from mjfriction.identify.proof import gain_at
 
 SURELY = 0.05  # of a link's stated mass and inertia: the whole interval of its change must be beyond this
 ALWAYS_NOTED = 0.09  # of a link's mass: a larger change is a finding however far off friction is
-# The same with too few joints to tell a torque constant by: it may be off by as much as a mass, and looks like one.
-NOTED_OF_FEW = 0.12
+# Examined joints that tell a link from a torque constant, which may be off by as much and looks the same on fewer.
+ENOUGH_JOINTS = FEWEST_JOINTS
 MOST_LISTED = 12  # most combinations of inertias that a finding lists
 
 
@@ -71,8 +71,9 @@ def _scaled(model: Model, widths: HalfWidths, field: Field) -> _Off | None:
     # The links whose scale is off, with the standing of the one that is most off; None where there is none.
     nuisance, changes = model.nuisance, model.link_changes[:, 0]
     half = widths.nuisance[nuisance.of_links].reshape(-1, PER_LINK)[:, 0]
-    few = len(model.gap.examined) < FEWEST_JOINTS
-    least = NOTED_OF_FEW if few else min(max(LEAST_NOTED, OUTLYING * levels_off(model)), ALWAYS_NOTED)
+    if len(model.gap.examined) < ENOUGH_JOINTS:
+        return None
+    least = min(max(LEAST_NOTED, OUTLYING * levels_off(model)), ALWAYS_NOTED)
     noted = (np.abs(changes) > least) & (np.abs(changes) - half > SURELY)
     if not np.any(noted):
         return None
