@@ -69,6 +69,7 @@ from mjfriction.diagnose.search.stroke_curve import HARMONIC, HARMONIC_TWO, HIGH
 from mjfriction.diagnose.search.unevenness import TOLD_BY
 from mjfriction.diagnose.settle.held_links import NEARLY_ALL, NEARLY_EXACT
 from mjfriction.diagnose.settle.levels_kept import LEAST_OFF, NEARER
+from mjfriction.diagnose.settle.one_factor import CLEAN
 from mjfriction.diagnose.settle.one_factor import LEAST_OFF as LEAST_FACTOR
 from mjfriction.diagnose.settle.stated import FADED, LEFT, OUTLYING
 from mjfriction.diagnose.tell import free_run, what_gives
@@ -386,7 +387,8 @@ def test_how_it_decides_tells_how_far_links_are_off() -> None:
     assert ENOUGH_JOINTS == 3, "the page says three joints"
     assert f"| torque constant | it is off by {100 * CONSTANT_OFF:g} % |" in told
     assert f"the bounds of {100 * CONSTANT_OFF:g} % and {100 * ROTOR_OFF:g} % hold" in told
-    assert f"links as stated, is off by more than {100 * LEAST_FACTOR:g} %, and neither" in told
+    assert f"drives as stated, is off by more than {100 * LEAST_FACTOR:g} %, and neither" in told
+    assert f"What is left must be less than {CLEAN:g} times the sensor's noise" in told
     assert f"{FINEST} half waves over the stroke" in told
     assert f"by {PAYS:g} of merit, or leaves as little (within {100 * (AS_GOOD - 1.0):g} %)" in told
     assert f"a power of speed between {POWERS[0]:g} and {POWERS[1]:g}" in told

@@ -103,6 +103,23 @@ def test_one_number_explains_more_than_several_that_are_off_alike(
 
 
 @pytest.mark.deep
+def test_a_torque_constant_is_told_beside_a_delay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beside a late effort, levels look off by various shares at first, and the drive's data sheet is in doubt."""
+    stated = pendulum(tmp_path, "stated", inertia=0.08, rotor=6e-5, coulomb=COULOMB)
+    motion = excitation(("swing",), np.zeros(1), np.full(1, 1.2), np.full(1, 4.0), 40.0, seed=3)
+    columns = simulate(stated, motion, recorder=Recorder(250.0), seed=1)
+    late = np.interp(columns["time"] - 0.016, columns["time"], columns["effort.swing"])
+    columns["effort.swing"] = 0.92 * late
+    log = log_from_table(pa.table(columns), "swing")
+    found = {finding.cause: finding.parameters[0].value for finding in diagnose_log(log, stated).findings}
+    assert found.keys() == {"drive.torque_constant", "sensor.delay"}
+    assert found["drive.torque_constant"] == pytest.approx(0.92, abs=0.01)
+    assert found["sensor.delay"] == pytest.approx(0.016, abs=0.002)
+    monkeypatch.setattr("mjfriction.diagnose.settle.stated.one_number", lambda model: model)
+    assert [finding.cause for finding in diagnose_log(log, stated).findings] == ["sensor.delay"]
+
+
+@pytest.mark.deep
 def test_a_link_a_tenth_off_is_no_finding_where_nothing_tells_how_far_friction_is(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -27,6 +27,9 @@ from mjfriction.diagnose.fit.trial import Trial
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_levels
 
+# Times the sensor's noise that may be left of an effort which one factor explains: of what no cause fits, factors,
+# links and levels all fit a part.
+CLEAN = 1.5
 LEAST_OFF = 0.04  # a torque constant that is off by less is not worth a name in place of levels
 
 
@@ -90,15 +93,17 @@ def one_number(model: Model) -> Model:
     """Return a model with one number in place of several that are off by about one factor, on a machine with too few
     joints to tell how exactly it is stated.
 
-    A torque constant takes the place of a joint's levels and of all links, which are then as stated, where that leaves
-    as little and neither levels nor links alone do.  A link takes the place of a torque constant beside levels that
-    undo it.
+    A torque constant takes the place of a joint's levels and of all links, which are then as stated like the drives,
+    where that leaves as little, and hardly more than noise, and neither levels nor links alone do.  A link takes the
+    place of a torque constant beside levels that undo it.
     """
-    nuisance = model.nuisance
-    if len(model.gap.examined) >= FEWEST_JOINTS or nuisance.drives or not nuisance.links:
+    if len(model.gap.examined) >= FEWEST_JOINTS or not model.nuisance.links:
         return model
+    nuisance, left = model.nuisance.without_drives(), model.heldout_residual()
     for level in nuisance.levels:
         joint = level.site.joint
+        if model.gap.rms(left[:, joint], joint) > CLEAN * model.gap.noise_floor[joint]:
+            continue
         factor, stated = Chosen(TorqueConstant(), Site(joint)), nuisance.without_level(joint)
         rest = tuple(choice for choice in model.chosen if choice.key != factor.key)
         held = build_model(model.gap, stated.without_links(), rest)
@@ -111,7 +116,7 @@ def one_number(model: Model) -> Model:
             if of_link is not None and not by_factor:
                 return of_link
         elif by_factor and of_link is None:
-            halves = (model.without_links(), build_model(model.gap, stated, rest))
+            halves = [build_model(model.gap, half, rest) for half in (nuisance.without_links(), stated)]
             if not any(leaves_as_little(half, scaled) for half in halves):
                 return scaled
     return model
