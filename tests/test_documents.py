@@ -72,6 +72,7 @@ from mjfriction.diagnose.settle.levels_kept import LEAST_OFF, NEARER
 from mjfriction.diagnose.settle.one_factor import CLEAN
 from mjfriction.diagnose.settle.one_factor import LEAST_OFF as LEAST_FACTOR
 from mjfriction.diagnose.settle.stated import FADED, LEFT, OUTLYING
+from mjfriction.diagnose.settle.stated import NEARER as NEARER_LINKS
 from mjfriction.diagnose.tell import free_run, what_gives
 from mjfriction.diagnose.tell.alike import AT_THE_BAR, EVEN, MOST_CONFIDENT, ROOM
 from mjfriction.diagnose.tell.contacts import NO_CONTACT, RIGID
@@ -393,6 +394,7 @@ def test_how_it_decides_tells_how_far_links_are_off() -> None:
     assert f"by {PAYS:g} of merit, or leaves as little (within {100 * (AS_GOOD - 1.0):g} %)" in told
     assert f"a power of speed between {POWERS[0]:g} and {POWERS[1]:g}" in told
     assert f"lies more than {100 * LEAST_MOVED:g} cm off" in told
+    assert NEARER_LINKS == (0.1, 0.2, 0.4), "the page says a tenth, a fifth or two fifths"
     assert f"off by a factor, by more than {100 * LEAST_MOMENTS:g} %" in told
     alone = f"{100 * LEAST_ALONE:g} %"
     assert f"one link that is {alone} off; - a payload that makes the last link {alone} heavier" in told

@@ -15,6 +15,7 @@ from mjfriction.diagnose.causes.gravity_direction import GravityDirection
 from mjfriction.diagnose.causes.links import LEAST_NOTED, LinkCentre, LoneWholeLink
 from mjfriction.diagnose.causes.spring import Spring
 from mjfriction.diagnose.causes.viscous_nonlinear import ViscousNonlinear
+from mjfriction.diagnose.fit.as_little import leaves_as_little
 from mjfriction.diagnose.fit.exact import least_off, level_changes, may_be_off
 from mjfriction.diagnose.fit.intervals import half_widths
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model
@@ -23,6 +24,7 @@ from mjfriction.diagnose.fit.tangent import straightened
 from mjfriction.diagnose.search.field import make_field
 from mjfriction.diagnose.settle.held_links import _stand_out as stand_out
 from mjfriction.diagnose.settle.held_links import held_links
+from mjfriction.diagnose.settle.stated import _nearer_links
 from mjfriction.diagnose.tell import link_finding
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.measure import measure_gap
@@ -174,3 +176,19 @@ def test_a_centre_far_off_stands_out_by_itself(most: float, *, stands: bool) -> 
         places=[slice(3)],
     )
     assert stand_out(None, alone, dict.fromkeys(range(3), most)) is stands  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("off", [0.0, 0.03])
+def test_links_of_a_robot_stated_exactly_are_no_more_off_than_it_takes(off: float, tmp_path: Path) -> None:
+    def stouter(model: mujoco.MjModel) -> None:
+        body = model.body("forearm_link").id
+        model.body_mass[body] *= 1.004
+        model.body_inertia[body] *= 1.004
+
+    log, robot = write_case(tmp_path, Machine(change=stouter, noise=0.1), seed=5, off=off)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    model = build_model(gap, make_nuisance(gap), ())
+    near = _nearer_links(model)
+    assert leaves_as_little(near, model)
+    least = 0.5 * float(np.linalg.norm(model.link_changes))
+    assert (float(np.linalg.norm(near.link_changes)) < least) is (off == 0.0)

@@ -176,6 +176,10 @@ class Nuisance:
         """Return the nuisances with every link as stated."""
         return replace(self, links=(), inertias=None)
 
+    def with_links_nearer(self, share: float) -> Nuisance:
+        """Return the nuisances with links kept near what is stated by a ``share`` of their usual deviations."""
+        return replace(self, links=tuple(replace(link, precision=link.precision / share**2) for link in self.links))
+
     def with_links_let_go(self, gap: Gap) -> Nuisance:
         """Return the nuisances with all links let go that the motion of a gap shows."""
         return replace(self, links=(), inertias=link_inertias(gap, LET_GO))

@@ -55,6 +55,7 @@ AS_MUCH = 1.0  # relative change of friction from which a curve's parametrisatio
 FADED = 0.1
 LEFT = 0.1  # least share of a joint's clear rows that must lie there for this to be examined
 ALWAYS = 0.25  # relative change of friction above which it is a finding, however far off the other joints are
+NEARER = (0.1, 0.2, 0.4)  # shares of the usual deviation of links that are tried on a robot that is stated exactly
 BAR = 2.0  # standard errors by which refitted zeros, drives or links must improve the held-out error to be kept
 
 
@@ -83,7 +84,8 @@ def settle(model: Model, asked: Field) -> Settled:
     fewer degrees of freedom, it takes the level's place and the level is held as stated.  If both levels are off by one
     factor, a torque constant that is off by this factor takes their place.
 
-    Refitted links are held as stated if one cause does as well and everything else is stated almost exactly.  A load at
+    Refitted links are kept as near to what is stated as does as well if friction is stated exactly, and are held as
+    stated if one cause does as well and everything else is stated almost exactly.  A load at
     the flange takes the place of a last link that is off.  Finally, plainer causes take the place of those that contain
     them and leave no less, and curves along strokes that of causes that only approximate them.
     """
@@ -122,7 +124,7 @@ def settle(model: Model, asked: Field) -> Settled:
         model = model.without_zeros()
     if model.nuisance.drives and not _helps(model, model.nuisance.of_drives):
         model = model.without_drives()
-    with_links = model if _links_help(model) else model.without_links()
+    with_links = _nearer_links(model) if _links_help(model) else model.without_links()
     model = held_links(with_links, asked, off, most)
     one_for_all = model is not with_links
     model = as_load(model, exact=one_for_all or stated_exactly(model))
@@ -264,6 +266,18 @@ def _links_help(model: Model) -> bool:
     if not model.nuisance.links or np.any(np.abs(model.link_changes[:, 0]) > MOST_LINK_CHANGE):
         return False
     return _helps(model, model.nuisance.of_links)
+
+
+def _nearer_links(model: Model) -> Model:
+    # On a robot that is stated exactly, links are no more off than it takes.  Where the motion hardly shows a link, as
+    # at a joint that is held, a prior of some percent leaves it free to make up for noise.
+    if not model.nuisance.links or not stated_exactly(model):
+        return model
+    for share in NEARER:
+        near = build_model(model.gap, model.nuisance.with_links_nearer(share), model.chosen)
+        if leaves_as_little(near, model):
+            return near
+    return model
 
 
 def _helps(model: Model, place: slice) -> bool:
