@@ -48,18 +48,20 @@ class LoadTurns:
 
     def near(self, seconds: float) -> NDArray[np.bool_]:
         """Return which samples lie within so many ``seconds`` of a turn's beginning, passage or end, (samples,)."""
-        near, lies = round(seconds * self.rate), np.zeros(self.samples, dtype=bool)
-        for moment in np.concatenate([self.left, self.through, self.reached]):
-            lies[max(moment - near, 0) : moment + near + 1] = True
-        return lies
+        moments = np.concatenate([self.left, self.through, self.reached])
+        return self._around(moments, moments, seconds)
 
     @functools.cached_property
     def _share(self) -> float:
         # The share of all samples that lie near a turn.
-        near, lies = round(NEAR * self.rate), np.zeros(self.samples, dtype=bool)
-        for left, reached in zip(self.left, self.reached, strict=True):
-            lies[max(left - near, 0) : reached + near + 1] = True
-        return float(np.mean(lies))
+        return float(np.mean(self._around(self.left, self.reached, NEAR)))
+
+    def _around(self, first: Integers, last: Integers, seconds: float) -> NDArray[np.bool_]:
+        # The samples from so many seconds before the first to as many after the last of some stretches, (samples,).
+        near, lies = round(seconds * self.rate), np.zeros(self.samples, dtype=bool)
+        for begin, end in zip(first, last, strict=True):
+            lies[max(begin - near, 0) : end + near + 1] = True
+        return lies
 
     def chance(self, met: NDArray[np.bool_]) -> float:
         """Return the probability that at least as many moments meet a turn of their direction by chance."""

@@ -135,7 +135,7 @@ def test_a_link_a_tenth_off_is_no_finding_where_nothing_tells_how_far_friction_i
     log = log_from_table(pa.table(columns), "swing")
     causes = [finding.cause for finding in diagnose_log(log, stated).findings]
     assert causes == ["friction.temperature"]
-    monkeypatch.setattr("mjfriction.diagnose.tell.link_finding.ENOUGH_JOINTS", 1)
+    monkeypatch.setattr("mjfriction.diagnose.tell.link_finding.FEWEST_JOINTS", 1)
     assert "body.link_inertia" in {finding.cause for finding in diagnose_log(log, stated).findings}
 
 

@@ -20,6 +20,7 @@ from mjfriction.diagnose.fit.model import Chosen, Model, cause_block
 from mjfriction.diagnose.fit.nearness import nearness_of, relief
 from mjfriction.identify.proof import measure_gain
 from mjfriction.record.load_turns import load_turns
+from mjfriction.record.log import Floats
 from mjfriction.record.motion_frequency import quickest_motion
 from mjfriction.robot.bandwidth import HARMONICS
 
@@ -69,21 +70,21 @@ def proved(model: Model, choice: Chosen) -> bool:
     before, after = without.heldout_residual() * weight, model.heldout_residual() * weight
     moving = np.abs(gap.at_rows("velocity")) > gap.doubt_speed
     touched, _ = cause_block(gap, choice)
-    if choice.cause.name == Presliding.name:
-        joint = choice.site.joint
-        gain = np.square(before[:, joint]) - np.square(after[:, joint])
-        if np.sum(gain[moving[:, joint]]) < ON_THE_WAY * np.sum(gain):
-            return False
-    if isinstance(choice.cause, Play):
-        joint = choice.site.joint
-        gain = np.square(before[:, joint]) - np.square(after[:, joint])
-        if np.sum(gain[_at_turns(model, joint)]) < AT_TURNS * np.sum(gain):
-            return False
+    gain, own = np.square(before) - np.square(after), choice.site.joint
+    if choice.cause.name == Presliding.name and not _gained(gain[:, own], moving[:, own], ON_THE_WAY):
+        return False
+    if isinstance(choice.cause, Play) and not _gained(gain[:, own], _at_turns(model, own), AT_TURNS):
+        return False
     return any(
-        measure_gain(before[own, joint], after[own, joint], gap.blocks.row[own], PROOF_SEED).low > 0.0
-        for joint, own in ((joint, moving[:, joint]) for joint in touched)
-        if np.any(own)
+        measure_gain(before[rows, joint], after[rows, joint], gap.blocks.row[rows], PROOF_SEED).low > 0.0
+        for joint, rows in ((joint, moving[:, joint]) for joint in touched)
+        if np.any(rows)
     )
+
+
+def _gained(gain: Floats, there: NDArray[np.bool_], share: float) -> bool:
+    # Whether at least a share of a gain (rows,) comes at some rows.
+    return bool(np.sum(gain[there]) >= share * np.sum(gain))
 
 
 def _at_turns(model: Model, joint: int) -> NDArray[np.bool_]:

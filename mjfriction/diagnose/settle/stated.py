@@ -55,7 +55,11 @@ AS_MUCH = 1.0  # relative change of friction from which a curve's parametrisatio
 FADED = 0.1
 LEFT = 0.1  # least share of a joint's clear rows that must lie there for this to be examined
 ALWAYS = 0.25  # relative change of friction above which it is a finding, however far off the other joints are
-NEARER = (0.1, 0.2, 0.4)  # shares of the usual deviation of links that are tried on a robot that is stated exactly
+NEARER_LINKS = (
+    0.1,
+    0.2,
+    0.4,
+)  # shares of the usual deviation of links that are tried on a robot that is stated exactly
 BAR = 2.0  # standard errors by which refitted zeros, drives or links must improve the held-out error to be kept
 
 
@@ -273,7 +277,7 @@ def _nearer_links(model: Model) -> Model:
     # at a joint that is held, a prior of some percent leaves it free to make up for noise.
     if not model.nuisance.links or not stated_exactly(model):
         return model
-    for share in NEARER:
+    for share in NEARER_LINKS:
         near = build_model(model.gap, model.nuisance.with_links_nearer(share), model.chosen)
         if leaves_as_little(near, model):
             return near

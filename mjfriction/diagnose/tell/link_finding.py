@@ -25,8 +25,6 @@ from mjfriction.identify.proof import gain_at
 
 SURELY = 0.05  # of a link's stated mass and inertia: the whole interval of its change must be beyond this
 ALWAYS_NOTED = 0.09  # of a link's mass: a larger change is a finding however far off friction is
-# Examined joints that tell a link from a torque constant, which may be off by as much and looks the same on fewer.
-ENOUGH_JOINTS = FEWEST_JOINTS
 MOST_LISTED = 12  # most combinations of inertias that a finding lists
 
 
@@ -68,11 +66,12 @@ class _Off:
 
 
 def _scaled(model: Model, widths: HalfWidths, field: Field) -> _Off | None:
-    # The links whose scale is off, with the standing of the one that is most off; None where there is none.
+    # The links whose scale is off, with the standing of the one that is most off; None where there is none, or where
+    # too few joints tell a link from a torque constant, which may be off by as much and looks the same there.
+    if len(model.gap.examined) < FEWEST_JOINTS:
+        return None
     nuisance, changes = model.nuisance, model.link_changes[:, 0]
     half = widths.nuisance[nuisance.of_links].reshape(-1, PER_LINK)[:, 0]
-    if len(model.gap.examined) < ENOUGH_JOINTS:
-        return None
     least = min(max(LEAST_NOTED, OUTLYING * levels_off(model)), ALWAYS_NOTED)
     noted = (np.abs(changes) > least) & (np.abs(changes) - half > SURELY)
     if not np.any(noted):
