@@ -76,7 +76,7 @@ from mjfriction.diagnose.tell import free_run, what_gives
 from mjfriction.diagnose.tell.alike import AT_THE_BAR, EVEN, MOST_CONFIDENT, ROOM
 from mjfriction.diagnose.tell.contacts import NO_CONTACT, RIGID
 from mjfriction.diagnose.tell.findings import FAINTEST, ONE_OF_MANY
-from mjfriction.diagnose.tell.link_finding import ALWAYS_NOTED, SURELY
+from mjfriction.diagnose.tell.link_finding import ALWAYS_NOTED, AS_STATED, SURELY
 from mjfriction.diagnose.tell.untold import BRISTLE_MISFIT, DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
 from mjfriction.diagnose.tell.verdict import FEWEST_SHOWN, LEAST_FRICTION, LEAST_SHOWN, MANY_AT_A_JOINT, MUCH_COLOURED
 from mjfriction.identify import bursts, choose, conclude, landings, measure, turning
@@ -385,6 +385,8 @@ def test_how_it_decides_tells_how_far_links_are_off() -> None:
     assert f"more than {100 * LEAST_NOTED:g} % (or three times" in told
     assert f"up to {100 * ALWAYS_NOTED:g} %), and by more than {100 * SURELY:g} %" in told
     assert FEWEST_JOINTS == 3, "the page says three joints"
+    assert f"off by more than {100 * SURELY:g} % with its whole interval, and the whole interval of every level" in told
+    assert f"and damping must lie within {100 * AS_STATED:g} % of what is stated" in told
     assert f"| torque constant | it is off by {100 * CONSTANT_OFF:g} % |" in told
     assert f"the bounds of {100 * CONSTANT_OFF:g} % and {100 * ROTOR_OFF:g} % hold" in told
     assert f"drives as stated, is off by more than {100 * LEAST_FACTOR:g} %, and neither" in told

@@ -57,7 +57,8 @@ class Blocks:
 def cut_blocks(chain: Chain, position: Floats, source: str) -> Blocks:
     """Cut the rows into blocks of a second or more, at most sixty; in short logs into eight of half a second or more.
 
-    ``position`` (rows, joints) shows repetitions.
+    ``position`` (rows, joints) shows repetitions.  A short one is cut into six where they are half a second or longer:
+    a third of it may be all that goes one way, without which nothing tells friction from weight.
 
     Raises :class:`LogError` when the motion is too short to fit on one part and prove on another.
     """
@@ -74,7 +75,7 @@ def cut_blocks(chain: Chain, position: Floats, source: str) -> Blocks:
     if period is None:
         row = np.minimum((elapsed / total * count).astype(np.int64), count - 1)
         return Blocks(row, np.arange(count), np.arange(count) % FOLDS)
-    within = max(FEWEST_FOLDS, round(count * period / total))
+    within = max(FEWEST_FOLDS, min(FOLDS, int(period / SHORTEST_BLOCK)), round(count * period / total))
     row = (elapsed / period * within).astype(np.int64)
     number = np.arange(int(row[-1]) + 1)
     return Blocks(row, np.minimum(number // within, round(total / period) - 1), number % within % FOLDS, period)

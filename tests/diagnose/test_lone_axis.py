@@ -139,6 +139,22 @@ def test_a_link_a_tenth_off_is_no_finding_where_nothing_tells_how_far_friction_i
     assert "body.link_inertia" in {finding.cause for finding in diagnose_log(log, stated).findings}
 
 
+@pytest.mark.parametrize("friction", [1.0, 1.03])
+def test_a_link_a_few_percent_off_is_told_where_friction_is_surely_as_stated(friction: float, tmp_path: Path) -> None:
+    """Where friction is 3 % off, so may the torque constant be, and masses are hardly stated better."""
+    stated = pendulum(tmp_path, "stated", inertia=0.08, rotor=0.0, coulomb=COULOMB, noise=0.02)
+    machine = pendulum(
+        tmp_path, "machine", inertia=1.065 * 0.08, rotor=0.0, coulomb=friction * COULOMB, mass=4.26, noise=0.02
+    )
+    motion = excitation(("swing",), np.zeros(1), np.full(1, 1.2), np.full(1, 4.0), 40.0, seed=3)
+    columns = simulate(machine, motion, recorder=Recorder(250.0), controller_robot=stated, seed=1)
+    found = diagnose_log(log_from_table(pa.table(columns), "swing"), stated)
+    assert {finding.cause for finding in found.findings} == ({"body.link_inertia"} if friction == 1.0 else set())
+    for finding in found.findings:
+        assert finding.parameters[0].value == pytest.approx(1.065, abs=0.005)
+        assert "body.payload" in finding.alternatives
+
+
 @pytest.mark.deep
 def test_play_of_centimetres_on_a_slide_is_judged_on_the_real_balance() -> None:
     """The link flies for a tenth of a second: near a play of 23 mm no straight line says where it lands."""

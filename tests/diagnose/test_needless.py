@@ -11,12 +11,13 @@ import pytest
 
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.coupling import SharedFriction
+from mjfriction.diagnose.causes.spring import Spring
 from mjfriction.diagnose.fit.extend import extend_robot
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model
 from mjfriction.diagnose.fit.nuisance import make_nuisance
 from mjfriction.diagnose.settle.stated import Settled
 from mjfriction.diagnose.tell.left_over import left_over
-from mjfriction.diagnose.tell.needless import without_needless
+from mjfriction.diagnose.tell.needless import spared, without_needless
 from mjfriction.diagnose.tell.untold import Untold
 from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
@@ -74,6 +75,22 @@ def written(folder: Path, name: str, seeds: tuple[int, int], *, coupled: bool = 
     return folder / name
 
 
+def with_springs(folder: Path, wandering: float) -> Settled:
+    # A load that wanders pulls at the lower carriage, and a spring at the upper one; the model has one at either.
+    log = written(folder, "log.parquet", (2, 3))
+    table = pq.read_table(log)
+    time, position = (table[name].to_numpy() for name in ("time", "position.y"))
+    lower = table["position.x"].to_numpy()
+    own = {"x": wandering * (course(time, 11)[0] / 0.05 + 6.0 * lower), "y": 150.0 * position}
+    for joint, load in own.items():
+        place = table.column_names.index(f"effort.{joint}")
+        table = table.set_column(place, f"effort.{joint}", pa.array(table[f"effort.{joint}"].to_numpy() + load))
+    pq.write_table(table, log)
+    gap = measure_gap(read_log(log), read_robot(log.parent / "robot.toml"), highest=60.0)
+    springs = tuple(Chosen(Spring(), Site(joint)) for joint in range(2))
+    return Settled(build_model(gap, make_nuisance(gap), springs), (), exact=True)
+
+
 def with_a_coupling(log: Path) -> tuple[Model, Untold]:
     gap = measure_gap(read_log(log), read_robot(log.parent / "robot.toml"), highest=60.0)
     coupling = Chosen(SharedFriction(), Site(0, other=1))
@@ -108,3 +125,20 @@ def test_what_was_untold_beside_a_cause_that_went_stays_untold(tmp_path: Path) -
     settled = Settled(model, ())
     assert left_over(settled).untold.keys == frozenset()
     assert left_over(settled, untold=untold.keys).untold.keys == untold.keys
+
+
+def test_what_is_no_finding_where_something_is_left_open_does_not_stay(tmp_path: Path) -> None:
+    settled = with_springs(tmp_path, 8.0)
+    before = left_over(settled)
+    (x, y) = settled.model.chosen
+    assert [one.joint for one in before.remaining] == ["x"]
+    assert before.untold.keys == {x.key}
+    kept, over = spared(settled)
+    assert kept.model.chosen == (y,)
+    assert [one.joint for one in over.remaining] == ["x"]
+    # The robot's own lower carriage moves freely on another motion, and the upper one is pulled.
+    extended = extend_robot(kept.model)
+    assert extended.joint("x").spring.stiffness == 0.0
+    assert extended.joint("y").spring.stiffness == pytest.approx(150.0, rel=0.1)
+    apart = written(tmp_path, "apart.parquet", (5, 6))
+    assert error(extended, apart) < error(extend_robot(settled.model), apart)

@@ -83,6 +83,23 @@ def test_blocks_follow_time_and_repetitions() -> None:
         assert len(seen) <= 3
 
 
+def test_what_is_left_out_of_a_short_cycle_is_never_a_whole_way() -> None:
+    """A slide goes to and fro in 4.1 s, with a rest at each end, and is fast on the way back.  If that way were left
+    out whole, what remains would not tell friction from weight.
+    """
+    period, back = 4.1, (2.75, 4.0)
+    corners = [0.0, 0.1, 2.65, *back, period]
+    time = np.arange(20000) / 250.0
+    motion = motion_of(time, np.interp(time % period, corners, [0.0, 0.0, 1.0, 1.0, 0.0, 0.0]))
+    chain = make_chain(motion, "test")
+    blocks = cut_blocks(chain, chain.rows(motion.position), "test")
+    assert blocks.period == pytest.approx(period, abs=0.03)
+    phase = chain.time % period
+    coming = (phase > back[0]) & (phase < back[1])
+    for mask in blocks.folds:
+        assert np.mean(~mask[blocks.row[coming]]) > 0.25
+
+
 def test_too_short_a_motion_is_refused() -> None:
     time = np.arange(900) / 250.0
     motion = motion_of(time, np.sin(time))

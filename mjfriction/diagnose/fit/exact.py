@@ -128,6 +128,21 @@ def least_off(model: Model) -> dict[int, float]:
     return out
 
 
+def surely_exact(model: Model, within: float) -> bool:
+    """Return whether every level and damping is surely as stated ``within`` a relative change: refitted beside the
+    model's causes, the whole 95 % interval of each is.
+    """
+    free = build_model(model.gap, make_nuisance(model.gap), model.chosen)
+    changes, covariances = _as_reported(free), _covariances(free)
+    quantile = float(student.ppf(0.975, model.gap.blocks.groups - 1))
+    for joint, change in changes.items():
+        stated = np.array(stated_levels(model.gap.robot.table.joint[joint]))
+        most = np.abs(change) + quantile * np.sqrt(np.maximum(np.diag(covariances[joint]), 0.0))
+        if np.any(most > within * stated):
+            return False
+    return bool(changes)
+
+
 def may_be_off(model: Model) -> dict[int, float]:
     """Return how far each joint's friction may be off, including what noise leaves open, relative to what is stated, by
     joint.

@@ -10,7 +10,7 @@ from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.links import LEAST_NOTED, LinkScale
 from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.fit.base_changes import base_changes
-from mjfriction.diagnose.fit.exact import OUTLYING, levels_off
+from mjfriction.diagnose.fit.exact import OUTLYING, levels_off, surely_exact
 from mjfriction.diagnose.fit.intervals import HalfWidths
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model
 from mjfriction.diagnose.fit.refitted import FEWEST_JOINTS, PER_LINK
@@ -25,6 +25,7 @@ from mjfriction.identify.proof import gain_at
 
 SURELY = 0.05  # of a link's stated mass and inertia: the whole interval of its change must be beyond this
 ALWAYS_NOTED = 0.09  # of a link's mass: a larger change is a finding however far off friction is
+AS_STATED = 0.02  # relative to what is stated: friction must surely be that near for a link to be told of few joints
 MOST_LISTED = 12  # most combinations of inertias that a finding lists
 
 
@@ -67,12 +68,14 @@ class _Off:
 
 def _scaled(model: Model, widths: HalfWidths, field: Field) -> _Off | None:
     # The links whose scale is off, with the standing of the one that is most off; None where there is none, or where
-    # too few joints tell a link from a torque constant, which may be off by as much and looks the same there.
-    if len(model.gap.examined) < FEWEST_JOINTS:
+    # too few joints tell a link from a torque constant, which may be off by as much and looks the same there, unless
+    # friction is surely as stated.
+    few = len(model.gap.examined) < FEWEST_JOINTS
+    if few and not surely_exact(model, AS_STATED):
         return None
     nuisance, changes = model.nuisance, model.link_changes[:, 0]
     half = widths.nuisance[nuisance.of_links].reshape(-1, PER_LINK)[:, 0]
-    least = min(max(LEAST_NOTED, OUTLYING * levels_off(model)), ALWAYS_NOTED)
+    least = SURELY if few else min(max(LEAST_NOTED, OUTLYING * levels_off(model)), ALWAYS_NOTED)
     noted = (np.abs(changes) > least) & (np.abs(changes) - half > SURELY)
     if not np.any(noted):
         return None
