@@ -7,6 +7,7 @@ import pyarrow as pa
 
 from mjfriction.errors import LogError, suggestion
 from mjfriction.record.clock_bursts import without_bursts
+from mjfriction.record.clock_order import with_time_in_order
 from mjfriction.record.clock_rate import without_clock_drift
 from mjfriction.record.clock_resolution import without_coarse_clock
 from mjfriction.record.clock_restarts import with_running_clock
@@ -50,7 +51,7 @@ def log_from_table(table: pa.Table, source: str) -> Log:
     time = columns.pop("time")
     segment = _segment(columns.pop("segment", None), time, source)
     log = in_seconds(Log(source=source, time=time, segment=segment, joints=joints, columns=columns))
-    log = without_coarse_clock(with_running_clock(log))
+    log = without_coarse_clock(with_time_in_order(with_running_clock(log)))
     whole = without_clock_drift(without_clock_steps(without_bursts(without_repeats(log))))
     _check_time(whole.time, whole.segment, source)
     return repaired(whole)
