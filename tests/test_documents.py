@@ -89,7 +89,7 @@ from mjfriction.laws.catalog import LAWS
 from mjfriction.record import glitches, jumps
 from mjfriction.record.clipped import FEWEST_STOPS
 from mjfriction.record.clock_bursts import FEWEST_AT_ONCE
-from mjfriction.record.clock_order import FARTHEST
+from mjfriction.record.clock_order import FARTHEST as FARTHEST_STAMP
 from mjfriction.record.clock_rate import OFF
 from mjfriction.record.jumps import NO_STEP
 from mjfriction.record.motion import DAWDLING, HELD, HELD_BESIDE_ANOTHER_KIND, RINGING, USUALLY
@@ -199,7 +199,7 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert f"at a level of {100 * FALSE_ALARM:g} % that is shared out" in told
     assert (KEPT, MOST_EXCHANGED, MOST_CAUSES, MOST_STEPS, ENOUGH_PER_PERIOD) == (10, 8, 12, 40, 4.0), "in words"
     assert f"for a while, by {100 * OFF:g} % at least" in told
-    assert f"none is more than {FARTHEST:g} steps off" in told
+    assert f"none is more than {FARTHEST_STAMP:g} steps off" in told
     assert (LOUDER, free_run.SECONDS) == (4.0, 0.25), "the page says four times, a quarter of a second"
     assert f"an uneven machine leaves at least {100 * UNEVEN / math.sqrt(2.0):.1f} % of its friction beyond its" in told
     assert f"of what was explained, {100 * LEAST_FRICTION:g} % of the joint's friction" in told
