@@ -41,10 +41,9 @@ def with_time_in_order(log: Log) -> Log:
             continue
         by_clock = first + np.argsort(log.time[rows], kind="stable")
         place = (float(np.min(log.time[rows])), float(np.max(log.time[rows])))
-        smoother = _roughness(log, order[rows], order[rows].astype(np.float64)) - _roughness(
-            log, by_clock, log.time[by_clock]
-        )
-        if smoother > SURE * (1 + (end - first) // CHUNK):
+        by_row = np.arange(first, end + 1)
+        gain = _roughness(log, by_row, by_row.astype(np.float64)) - _roughness(log, by_clock, log.time[by_clock])
+        if gain > SURE * (1 + (end - first) // CHUNK):
             order[rows], time[rows] = by_clock, log.time[by_clock]
             sorted_.append(place)
         else:
