@@ -219,7 +219,7 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert (DROWNED, ROOM, COLOURED) == (3.0, 0.5, 0.5), "the page says three times, half of the effect, half of it"
     assert STIFFER == (1.4, 1.9, 2.8)
     assert "under the largest load is 1.4, 1.9 and 2.8 times" in told
-    assert (RESONANCE_BAND, SLIPS) == (0.5, (0.25, 0.75, 2.0)), "the page says half; a quarter, three quarters and two"
+    assert (RESONANCE_BAND, SLIPS) == (0.8, (0.25, 0.75, 2.0)), "the page says four fifths; a quarter, …"
     assert f"all but {100 * NO_STEP:g} % of what stands out" in told
     assert (NEARLY_ALL, QUIETER) == (0.99, 0.5), "the page says all but a percent, and less than half"
     assert (INSTEAD, RESONANT) == (0.75, 0.75), "the page says a quarter less"

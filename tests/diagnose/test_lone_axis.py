@@ -204,6 +204,26 @@ def test_a_lone_pendulum_on_a_tilted_base_is_not_left_open(tmp_path: Path) -> No
     assert found.joints[0].rms_heldout_after < 1.1 * found.joints[0].noise_floor
 
 
+def test_a_zero_is_like_a_tilt_beside_friction_that_differs_by_direction_too() -> None:
+    """Friction that differs between the directions asks for an offset by name; it is one of several all the same."""
+    level = {"coulomb": 40.0, "viscous": 200.0}
+    ways = {f"{name}_{way}": value for name, value in level.items() for way in ("positive", "negative")}
+    ways |= {"viscous_positive": 260.0, "viscous_negative": 140.0}
+    bare = read_robot("linear_axis")
+    axis = bare.joint("axis")
+    stated, machine = (
+        bare.with_joint(axis.model_copy(update={"friction": (FrictionTerm(law=law, parameters=values),)}))
+        for law, values in (("coulomb_viscous", level), ("asymmetric", ways))
+    )
+    machine = Robot(machine.table.model_copy(update={"gravity": (-0.5, 0.0, -9.797)}), machine.folder)
+    motion = excitation(("axis",), np.zeros(1), np.full(1, 0.15), np.full(1, 0.4), 40.0, seed=2)
+    columns = simulate(machine, motion, recorder=Recorder(250.0), controller_robot=stated, seed=1)
+    found = diagnose_log(log_from_table(pa.table(columns), "slide"), stated)
+    named = [{finding.cause, *finding.alternatives} for finding in found.findings]
+    assert {"friction.asymmetry"} in named
+    assert any({"drive.offset", "body.gravity_direction"} <= one for one in named)
+
+
 @pytest.mark.deep
 def test_a_rotor_twice_as_heavy_is_told_beside_levels_that_are_off() -> None:
     """A torque constant may be off in the place of the levels. Without the rotor, levels that make up for it would have

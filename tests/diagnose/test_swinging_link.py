@@ -40,7 +40,7 @@ from tests.hidden.machine import Machine, write_case
 PAN, COMPLIANCE, DAMPING = "shoulder_pan_joint", 6e-4, 0.04
 WELL_DAMPED = 0.2
 SOFT, HARDENING = 2e-3, 1e6  # rad per N·m; N·m/rad³
-STIFF, SPARSE, QUIET = 2e-4, 100.0, 0.05  # rad per N·m; Hz; N·m
+STIFF, STIFFER, SPARSE, QUIET = 2e-4, 1e-4, 100.0, 0.05  # rad per N·m; Hz; N·m
 
 
 @functools.cache
@@ -156,16 +156,19 @@ def test_following_its_load_at_once_it_is_not_explained(monkeypatch: pytest.Monk
 
 
 @pytest.mark.deep
-def test_one_that_swings_at_up_to_half_the_cutoff_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    stiff = swinging(WELL_DAMPED, STIFF, SPARSE, QUIET)
+@pytest.mark.parametrize(("compliance", "below", "above"), [(STIFF, 0.3, 0.5), (STIFFER, 0.5, 0.8)])
+def test_one_that_swings_at_up_to_four_fifths_of_the_cutoff_is_found(
+    compliance: float, below: float, above: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stiff = swinging(WELL_DAMPED, compliance, SPARSE, QUIET)
     gap = measure_gap(stiff, read_robot("ur5"))
-    resonance = np.median(natural_frequency(own_slopes(gap, 0)[2], STIFF)) / (2.0 * np.pi)
-    assert 0.3 * gap.motion.cutoff < resonance < elasticity.RESONANCE_BAND * gap.motion.cutoff
+    resonance = np.median(natural_frequency(own_slopes(gap, 0)[2], compliance)) / (2.0 * np.pi)
+    assert below * gap.motion.cutoff < resonance < above * gap.motion.cutoff
     (finding,) = diagnose_log(stiff, read_robot("ur5")).findings
     assert (finding.cause, finding.joint) == ("drive.elasticity", PAN)
-    assert finding.parameters[0].value == pytest.approx(STIFF, rel=0.05)
+    assert finding.parameters[0].value == pytest.approx(compliance, rel=0.05)
     assert "damping_ratio" in {value.name for value in finding.parameters}
-    monkeypatch.setattr(elasticity, "RESONANCE_BAND", 0.3)
+    monkeypatch.setattr(elasticity, "RESONANCE_BAND", below)
     found = diagnose_log(stiff, read_robot("ur5"))
     assert "damping_ratio" not in {value.name for own in found.findings for value in own.parameters}
 

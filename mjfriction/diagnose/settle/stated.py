@@ -112,7 +112,7 @@ def settle(model: Model, asked: Field) -> Settled:
         if trial is None or trial.chance > FALSE_ALARM or trial.gain <= 0.0:
             model = held
         elif trial.passes(field_size) and change[joint] > bar and not _of_another_moment(model, level, bar):
-            rival = _simpler(held, trial, asked)
+            rival = _simpler(held, trial, asked, bar)
             scaled = scaled_levels(model, held, trial, change) if rival is None else None
             if rival is not None:
                 model = build_model(held.gap, held.nuisance, (*without_contained(held.chosen, rival), rival))
@@ -248,7 +248,8 @@ def _as_stated(model: Model, level: Level) -> tuple[Model, Trial | None]:
     return (held, trial) if beside is None else (there, beside)
 
 
-def _simpler(held: Model, own: Trial, asked: Field) -> Chosen | None:
+def _simpler(held: Model, own: Trial, asked: Field, bar: float) -> Chosen | None:
+    # One cause in place of a joint's levels, which are tried as ``own``.
     joint = own.chosen.site.joint
     # Where the joint has a coupling already, a further one is not a simpler explanation.
     coupled = [one for one in held.chosen if one.site.other is not None]
@@ -260,8 +261,16 @@ def _simpler(held: Model, own: Trial, asked: Field) -> Chosen | None:
     if best is None:
         return None
     # Compared at the joint whose levels are in question: to reduce other joints' errors is no reason to leave its own.
-    as_good = leaves_as_little(held.with_also(best.chosen), held.with_also(own.chosen), [joint])
-    return best.chosen if as_good else None
+    instead, levels = held.with_also(best.chosen), held.with_also(own.chosen)
+    as_good = leaves_as_little(instead, levels, [joint])
+    return best.chosen if as_good and not _put_off(instead, levels, bar) else None
+
+
+def _put_off(model: Model, other: Model, bar: float) -> bool:
+    # Whether friction has to be off at a joint where it is not in the other model, as at the second joint of a drive
+    # that would turn with two: its levels then only undo what they feel of that.
+    before = level_changes(other)
+    return any(change > max(bar, before.get(joint, 0.0)) for joint, change in level_changes(model).items())
 
 
 def _links_help(model: Model) -> bool:

@@ -70,8 +70,9 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
     own = try_out(without, target)
     if own is None:
         return Standing((), 0.5)
-    if partners(target, rest):
-        # The other half of a cause was tried because its partner names it; nothing else competed for its place.
+    chances = chances_in(field)
+    if partners(target, rest) and not own.passes(chances.among(target.cause)):
+        # The other half of a cause was only tried because its partner names it; nothing else competed for its place.
         return Standing((), min(MOST_CONFIDENT, 1.0 - own.chance) * _clearly(own))
     here = tuple(
         entrant
@@ -90,7 +91,6 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
         # The joint's own levels are held as stated here, so free levels are a rival too.
         levels = try_out(without, Chosen(STATED_LEVELS, Site(joint)))
         rivals += [levels] if levels is not None else []
-    chances = chances_in(field)
     same = [rival for rival in rivals if same_columns(gap, rival.chosen, target)]
     rivals = [rival for rival in rivals if rival in same or _is_rival(rival, own, chances.among(rival.chosen.cause))]
     if own.chosen.cause.name == LinkScale.name and of_last_link(gap, joint):
