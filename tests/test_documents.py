@@ -80,6 +80,7 @@ from mjfriction.diagnose.tell.link_finding import ALWAYS_NOTED, AS_STATED, SUREL
 from mjfriction.diagnose.tell.untold import BRISTLE_MISFIT, DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
 from mjfriction.diagnose.tell.verdict import FEWEST_SHOWN, LEAST_FRICTION, LEAST_SHOWN, MANY_AT_A_JOINT, MUCH_COLOURED
 from mjfriction.identify import bursts, choose, conclude, landings, measure, turning
+from mjfriction.identify.blocks import MOST_GROUPS
 from mjfriction.identify.colour import AROUND, COLOURED, EVEN_BELOW, FEWEST_ALIKE, MOST_ALIKE
 from mjfriction.identify.doubt import WITHIN, YIELDING
 from mjfriction.identify.measure import ENOUGH_CLEAR, ENOUGH_PER_PERIOD, FEWEST_CLEAR
@@ -200,6 +201,7 @@ def test_how_it_decides_tells_the_limits_that_it_uses() -> None:
     assert (KEPT, MOST_EXCHANGED, MOST_CAUSES, MOST_STEPS, ENOUGH_PER_PERIOD) == (10, 8, 12, 40, 4.0), "in words"
     assert f"for a while, by {100 * OFF:g} % at least" in told
     assert f"none is more than {FARTHEST_STAMP:g} steps off" in told
+    assert f"Of more than {MOST_GROUPS}, several that follow one another are one cluster" in told
     assert (LOUDER, free_run.SECONDS) == (4.0, 0.25), "the page says four times, a quarter of a second"
     assert f"an uneven machine leaves at least {100 * UNEVEN / math.sqrt(2.0):.1f} % of its friction beyond its" in told
     assert f"of what was explained, {100 * LEAST_FRICTION:g} % of the joint's friction" in told

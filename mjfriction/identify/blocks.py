@@ -14,6 +14,7 @@ from mjfriction.record.log import Floats, Integers
 BLOCK_SECONDS = 1.0  # s, longer than the memory of any noise that the filters cause
 SHORTEST_BLOCK = 0.5  # s, in logs too short for eight blocks of a second
 MOST_BLOCKS = 60
+MOST_GROUPS = 30  # of repetitions: of more, several that follow one another are one group
 FEWEST_BLOCKS = 8
 FEWEST_REPEATS = 4
 FOLDS, FEWEST_FOLDS = 6, 3
@@ -25,8 +26,9 @@ class Blocks:
     """The blocks, groups and folds of a gap's rows.
 
     ``row`` (rows,) numbers the block of each row.  ``group`` (blocks,) numbers the independent unit of each block: the
-    block itself, or, where the motion repeats at least four times, its repetition.  ``fold`` (blocks,) numbers the part
-    with which each block is left out.  ``period`` is that of a motion that repeats, s.
+    block itself, or, where the motion repeats at least four times, its repetition.  Of many repetitions, several that
+    follow one another are one group, and the same stretches of these are one block.  ``fold`` (blocks,) numbers the
+    part with which each block is left out.  ``period`` is that of a motion that repeats, s.
     """
 
     row: Integers
@@ -76,9 +78,13 @@ def cut_blocks(chain: Chain, position: Floats, source: str) -> Blocks:
         row = np.minimum((elapsed / total * count).astype(np.int64), count - 1)
         return Blocks(row, np.arange(count), np.arange(count) % FOLDS)
     within = max(FEWEST_FOLDS, min(FOLDS, int(period / SHORTEST_BLOCK)), round(count * period / total))
-    row = (elapsed / period * within).astype(np.int64)
-    number = np.arange(int(row[-1]) + 1)
-    return Blocks(row, np.minimum(number // within, round(total / period) - 1), number % within % FOLDS, period)
+    stretch = (elapsed / period * within).astype(np.int64)
+    repeats = round(total / period)
+    groups = min(repeats, MOST_GROUPS)
+    # What goes on beyond the last repetition makes further blocks of the last group.
+    row = np.minimum(stretch // within, repeats) * groups // repeats * within + stretch % within
+    number = np.arange(int(np.max(row)) + 1)
+    return Blocks(row, np.minimum(number // within, groups - 1), number % within % FOLDS, period)
 
 
 def _period(chain: Chain, position: Floats) -> float | None:

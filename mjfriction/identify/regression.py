@@ -28,7 +28,7 @@ class Rows:
     """The target of the regression, its weights and its blocks.
 
     ``target`` (rows, joints): effort to be explained.  ``weight`` (rows, joints): one over the deviation of each row, 0
-    where nothing is measured.  ``block`` (rows,): 0 … blocks−1.
+    where nothing is measured.  ``block`` (rows,): 0 … blocks−1, in one run of rows or in several.
     """
 
     target: Floats
@@ -40,21 +40,22 @@ class Rows:
         """How many joints."""
         return int(self.target.shape[1])
 
-    @property
+    @functools.cached_property
     def blocks(self) -> int:
         """How many blocks."""
-        return int(self.block[-1]) + 1
+        return int(np.max(self.block)) + 1
 
     @functools.cached_property
-    def _of_block(self) -> list[slice]:
-        bounds = np.searchsorted(self.block, np.arange(self.blocks + 1)).tolist()
-        return [slice(first, past) for first, past in itertools.pairwise(bounds)]
+    def runs(self) -> list[tuple[int, int]]:
+        """The runs of rows of one block each, (first, past)."""
+        bounds = [0, *(np.flatnonzero(np.diff(self.block)) + 1).tolist(), self.block.size]
+        return list(itertools.pairwise(bounds))
 
     def products(self, left: Floats, right: Floats) -> Floats:
         """Return leftᵀ·right summed within blocks: (rows, a), (rows, b) → (blocks, a, b)."""
-        out = np.empty((self.blocks, left.shape[1], right.shape[1]))
-        for own, rows in zip(out, self._of_block, strict=True):
-            np.dot(left[rows].T, right[rows], out=own)
+        out = np.zeros((self.blocks, left.shape[1], right.shape[1]))
+        for first, past in self.runs:
+            out[self.block[first]] += left[first:past].T @ right[first:past]
         return out
 
 
@@ -118,8 +119,7 @@ class System:
         The weights are those of the rows.  Noise, and anything as fast, nearly vanishes in the means.
         """
         block = self.rows.block
-        place = np.arange(block.size) - np.searchsorted(block, block)
-        first = np.flatnonzero(place % count == 0)
+        first = np.concatenate([np.arange(begin, past, count) for begin, past in self.rows.runs])
         size = np.diff(np.append(first, block.size))
         thin = Rows(self.rows.target[first], self.rows.weight[first], block[first])
         means = [np.add.reduceat(told, first, axis=0) / np.sqrt(size)[:, None] for told in self.told]

@@ -10,6 +10,7 @@ from mjfriction.errors import LogError
 from mjfriction.identify import rows
 from mjfriction.identify.blocks import cut_blocks
 from mjfriction.identify.measure import measure_gap
+from mjfriction.identify.regression import Rows
 from mjfriction.identify.rows import make_chain
 from mjfriction.record.log import Log
 from mjfriction.record.motion import Motion, estimate_motion
@@ -98,6 +99,24 @@ def test_what_is_left_out_of_a_short_cycle_is_never_a_whole_way() -> None:
     coming = (phase > back[0]) & (phase < back[1])
     for mask in blocks.folds:
         assert np.mean(~mask[blocks.row[coming]]) > 0.25
+
+
+def test_many_repetitions_are_grouped_and_their_products_are_those_of_their_rows() -> None:
+    """However long a robot goes through one cycle, its log is a few dozen blocks, each a stretch of several cycles."""
+    period, time = 4.0, np.arange(100 * 1000) / 250.0
+    motion = motion_of(time, np.sin(2.0 * np.pi * time / period) + 0.3 * np.sin(4.0 * np.pi * time / period))
+    chain = make_chain(motion, "test")
+    blocks = cut_blocks(chain, chain.rows(motion.position), "test")
+    assert (blocks.groups, blocks.period) == (30, pytest.approx(period, abs=0.03))
+    assert blocks.count <= 31 * 6
+    assert np.any(np.diff(blocks.row) < 0)
+    values = np.random.default_rng(3).normal(size=(blocks.row.size, 2))
+    rows = Rows(values[:, :1], np.ones((blocks.row.size, 1)), blocks.row)
+    for block in (0, 7, blocks.count - 1):
+        own = values[blocks.row == block]
+        np.testing.assert_allclose(rows.products(values, values)[block], own.T @ own)
+    for first, past in rows.runs:
+        assert np.ptp(blocks.row[first:past]) == 0
 
 
 def test_too_short_a_motion_is_refused() -> None:

@@ -80,13 +80,11 @@ def _one_in_each_block(gap: Gap) -> tuple[Cuts, Integers]:
     spoilt = unusable_rows(gap.log, motion, gap.chain)[:, list(gap.examined)].any(axis=1)
     told = motion.settled & (np.interp(motion.time, gap.chain.time, spoilt.astype(np.float64)) == 0.0)
     length = round(SECONDS * motion.rate)
-    begins, kept = [], []
+    begins, kept, of_block = [], [], _block_of_samples(gap)
     for block in range(blocks.count):
-        rows = gap.chain.time[blocks.row == block]
-        if not rows.size:
+        samples = np.flatnonzero(told & (of_block == block))
+        if not samples.size:
             continue
-        first, last = np.searchsorted(motion.time, rows[[0, -1]]).tolist()
-        samples = first + np.flatnonzero(told[first:last])
         apart = np.flatnonzero((np.diff(samples) > 1) | (np.diff(motion.piece[samples]) != 0)) + 1
         longest = max(np.split(samples, apart), key=len)
         if longest.size > length:
@@ -95,3 +93,11 @@ def _one_in_each_block(gap: Gap) -> tuple[Cuts, Integers]:
     if not begins:
         raise RobotError(f"{gap.log.source}: nowhere is there {SECONDS} s of motion between its gaps")
     return Cuts(np.array(begins), length), np.array(kept)
+
+
+def _block_of_samples(gap: Gap) -> Integers:
+    # The block of each sample of the motion, −1 where the row before it and the one after are not of one block.
+    time, row = gap.chain.time, gap.blocks.row
+    before = np.clip(np.searchsorted(time, gap.motion.time, side="right") - 1, 0, time.size - 2)
+    within = (gap.motion.time >= time[0]) & (gap.motion.time < time[-1]) & (row[before] == row[before + 1])
+    return np.where(within, row[before], -1)
