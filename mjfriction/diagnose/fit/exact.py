@@ -129,8 +129,8 @@ def least_off(model: Model) -> dict[int, float]:
 
 
 def surely_exact(model: Model, within: float) -> bool:
-    """Return whether every level and damping is surely as stated ``within`` a relative change: refitted beside the
-    model's causes, the whole 95 % interval of each is.
+    """Return whether every level and damping that is stated is surely right ``within`` a relative change: refitted
+    beside the model's causes, the whole 95 % interval of each is.
     """
     free = build_model(model.gap, make_nuisance(model.gap), model.chosen)
     changes, covariances = _as_reported(free), _covariances(free)
@@ -138,7 +138,7 @@ def surely_exact(model: Model, within: float) -> bool:
     for joint, change in changes.items():
         stated = np.array(stated_levels(model.gap.robot.table.joint[joint]))
         most = np.abs(change) + quantile * np.sqrt(np.maximum(np.diag(covariances[joint]), 0.0))
-        if np.any(most > within * stated):
+        if np.any((most > within * stated) & (stated > 0.0)):
             return False
     return bool(changes)
 
