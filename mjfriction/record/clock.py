@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjfriction.record.fault import Fault
-from mjfriction.record.log import POSITION, Floats, Log
+from mjfriction.record.log import POSITION, Floats, Integers, Log
 
 DEGREE = 5  # of the polynomial that stands for smooth motion
 SURE = 10.0  # log-likelihood ratio beyond which one clock is preferred to another
@@ -50,18 +50,24 @@ def roughness(course: Floats, along: Floats) -> float:
     return 0.5 * course.size * float(np.log(np.mean(np.square(left)) + least**2))
 
 
-def evenness(log: Log, first: int, end: int) -> float:
-    """Return the log-likelihood ratio of rows ``first`` to ``end`` being evenly spaced over their clock being right:
-    the joints' positions are smooth along the right clock.
+def roughness_of(log: Log, rows: Integers, along: Floats) -> float:
+    """Return how rough the joints' positions are over ``rows`` (k,), in this order, ``along`` a clock (k,), as
+    :func:`roughness` is.
     """
-    for_rows = 0.0
-    for begin in range(first, end, CHUNK):
-        rows = slice(begin, min(begin + CHUNK, end) + 1)
-        if rows.stop - rows.start < FEWEST_HELD:
-            continue
-        by_clock: Floats = log.time[rows] - log.time[begin]
-        for joint in log.joints:
-            course = log.columns[f"{POSITION}.{joint}"][rows]
-            if np.ptp(course) > 0.0:
-                for_rows += roughness(course, by_clock) - roughness(course, np.arange(float(course.size)))
-    return for_rows
+    total = 0.0
+    for begin in range(0, rows.size, CHUNK):
+        own = slice(begin, begin + CHUNK + 1)
+        for joint in log.joints if rows[own].size >= FEWEST_HELD else ():
+            course = log.columns[f"{POSITION}.{joint}"][rows[own]]
+            total += roughness(course, along[own] - along[begin]) if np.ptp(course) > 0.0 else 0.0
+    return total
+
+
+def evenness(log: Log, first: int, end: int, order: Integers | None = None) -> float:
+    """Return the log-likelihood ratio of rows ``first`` to ``end`` being evenly spaced over their clock being right:
+    the joints' positions are smooth along the right clock.  With an ``order`` (end − first + 1,) it is the clock of the
+    rows put in that order.
+    """
+    rows = np.arange(first, end + 1)
+    order = rows if order is None else order
+    return roughness_of(log, order, log.time[order]) - roughness_of(log, rows, rows.astype(np.float64))

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from mjfriction.record.clock import CHUNK, FEWEST_HELD, SURE, Steps, put_right, roughness, steps_of
+from mjfriction.record.clock import CHUNK, SURE, Steps, evenness, put_right, steps_of
 from mjfriction.record.clock_bursts import DRIFT, WHOLE
 from mjfriction.record.fault import Fault, in_words
-from mjfriction.record.log import POSITION, Floats, Integers, Log
+from mjfriction.record.log import Log
 from mjfriction.record.runs import Mask, spans
 
 UNEVEN = 0.2  # of the ordinary step; a step that deviates by more belongs to the stretch beside it
@@ -21,40 +21,37 @@ FARTHEST = 50.0  # ordinary steps that a row's time may be off; beyond, the cloc
 def with_time_in_order(log: Log) -> Log:
     """Return the log with time that increases where it ran to and fro within a segment, and faults that say so.
 
-    Where the joints' positions are smooth from row to row, the rows are in order, and their time is spread evenly;
-    where they are clearly smoother along the clock, the rows are put in its order.  A stretch in which rows are
-    missing, or of which there are too many, is left as it is: two motions may have been recorded without a segment
-    number.
+    Where the joints' positions are clearly smoother along the clock than from row to row, the rows are put in its
+    order.  Where they are not, the rows are in order, and their time is spread evenly if none is far off.  A stretch in
+    which rows are missing, or of which there are too many, is left as it is: two motions may have been recorded without
+    a segment number.
     """
     steps = steps_of(log)
     if steps is None or not np.any(steps.joined & (steps.length < 0.0)):
         return log
-    time, order, columns = log.time.copy(), np.arange(log.time.size), log.columns
-    evened, sorted_, crossed = [], [], _crossed(log)
+    time, order = log.time.copy(), np.arange(log.time.size)
+    evened, moved, crossed = [], [], _crossed(log)
     ordinary, uneven = _uneven(steps, crossed)
     for first, end in _closed(uneven & steps.joined, steps.joined):
-        took, rows = (time[end] - time[first]) / ordinary, slice(first, end + 1)
-        even = np.linspace(time[first], time[end], end - first + 1)
+        took, rows = (log.time[end] - log.time[first]) / ordinary, slice(first, end + 1)
         whole = abs(took - (end - first)) <= WHOLE + DRIFT * (end - first)
-        near = float(np.max(np.abs(log.time[rows] - even))) <= FARTHEST * ordinary
-        if not (np.any(steps.length[first:end] < 0.0) and whole and near):
+        if not (whole and np.any(steps.length[first:end] < 0.0)):
             continue
         by_clock = first + np.argsort(log.time[rows], kind="stable")
-        place = (float(np.min(log.time[rows])), float(np.max(log.time[rows])))
-        by_row = np.arange(first, end + 1)
-        gain = _roughness(log, by_row, by_row.astype(np.float64)) - _roughness(log, by_clock, log.time[by_clock])
-        if gain > SURE * (1 + (end - first) // CHUNK):
+        even = np.linspace(log.time[first], log.time[end], end - first + 1)
+        place = float(np.min(log.time[rows])), float(np.max(log.time[rows]))
+        if evenness(log, first, end, by_clock) < -SURE * (1 + (end - first) // CHUNK):
             order[rows], time[rows] = by_clock, log.time[by_clock]
-            sorted_.append(place)
-        else:
+            moved.append(place)
+        elif np.max(np.abs(log.time[rows] - even)) <= FARTHEST * ordinary:
             time[rows] = even
             evened.append(place)
-    if sorted_:
-        columns = {name: values[order] for name, values in columns.items()}
+    if moved:
+        columns = {name: values[order] for name, values in log.columns.items()}
         log = replace(log, columns=columns, time=log.time[order])
     how = {
         "time ran to and fro, though the joints went on evenly: so does time there": evened,
-        "rows were out of order: put in the order of their time": sorted_,
+        "rows were out of order: put in the order of their time": moved,
     }
     faults = [Fault("data.clock", in_words(places), action) for action, places in how.items() if places]
     return put_right(log, time, faults) if faults else log
@@ -89,14 +86,3 @@ def _closed(mask: Mask, joined: Mask) -> list[tuple[int, int]]:
         else:
             out.append((first, end))
     return out
-
-
-def _roughness(log: Log, rows: Integers, along: Floats) -> float:
-    # How rough the joints' courses are over ``rows`` in this order, along a clock.
-    total = 0.0
-    for begin in range(0, rows.size, CHUNK):
-        own = slice(begin, begin + CHUNK + 1)
-        for joint in log.joints if rows[own].size >= FEWEST_HELD else ():
-            course = log.columns[f"{POSITION}.{joint}"][rows[own]]
-            total += roughness(course, along[own] - along[begin]) if np.ptp(course) > 0.0 else 0.0
-    return total

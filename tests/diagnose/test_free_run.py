@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
@@ -22,7 +23,9 @@ from mjfriction.identify.stretches import Cuts, Stretches, simulated_error, stre
 from mjfriction.record.log import Floats, Log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.report.result import make_report
+from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
+from tests.diagnose.test_needless import CARRIAGES, ROBOT
 
 SETTING = Setting(seconds=30.0, rate=250.0)
 
@@ -49,6 +52,25 @@ def test_the_extended_robot_goes_where_the_hidden_machine_does(cause: str) -> No
     # Nothing moves joints that have nothing hidden, beyond what this one does to them.
     for other, quiet in run.gains.items():
         assert quiet.after < 1.3 * own[other], other
+
+
+def test_each_run_is_within_one_stretch_of_its_block_though_repetitions_share_blocks(tmp_path: Path) -> None:
+    """A carriage goes through one cycle forty times: a block holds stretches of more than one of them."""
+    time = np.arange(40 * 800) / 400.0
+    phase = 2.0 * np.pi * time / 2.0
+    table = {"time": time, "position.x": 0.1 * np.sin(phase), "position.y": 0.1 * np.sin(2.0 * phase)}
+    (tmp_path / "carriages.xml").write_text(CARRIAGES, encoding="utf-8")
+    (tmp_path / "robot.toml").write_text(ROBOT, encoding="utf-8")
+    noise = np.random.default_rng(1).normal(size=(2, time.size))
+    efforts = {"effort.x": 10.0 * np.cos(phase) + noise[0], "effort.y": 8.0 * np.cos(2.0 * phase) + noise[1]}
+    gap = measure_gap(log_from_table(pa.table(table | efforts), "cycles"), read_robot(tmp_path / "robot.toml"))
+    assert np.any(np.diff(gap.blocks.row) < 0)
+    cuts, block = free_run._one_in_each_block(gap)
+    assert block.size > 0.8 * gap.blocks.count
+    for begin, own in zip(cuts.begins, block, strict=True):
+        first, last = gap.motion.time[[begin, begin + cuts.length - 1]]
+        within = (gap.chain.time >= first) & (gap.chain.time <= last)
+        assert np.all(gap.blocks.row[within] == own)
 
 
 @pytest.mark.deep

@@ -28,7 +28,7 @@ LEVEL, NOISE, RATE = 20.0, 1.0, 250.0
 LEGS = 30  # ways of one carriage at a time, x and y by turns
 
 
-def one_at_a_time(folder: Path, level: float, shared: float) -> tuple[Log, Robot]:
+def one_at_a_time(folder: Path, shared: float) -> tuple[Log, Robot]:
     """Return a log of two carriages that move one after the other, and how they are stated: x with friction 12, and y
     without the friction of a ``shared`` drive.
     """
@@ -38,7 +38,7 @@ def one_at_a_time(folder: Path, level: float, shared: float) -> tuple[Log, Robot
     time = np.arange(int(LEGS * (going + resting) * RATE)) / RATE
     leg, s = (time // (going + resting)).astype(int), np.clip((time % (going + resting)) / going, 0.0, 1.0)
     columns = {"time": time}
-    for number, (joint, mass, friction, damping) in enumerate((("x", 8.0, level, 4.0), ("y", 3.0, 8.0 + shared, 3.0))):
+    for number, (joint, mass, friction, damping) in enumerate((("x", 8.0, LEVEL, 4.0), ("y", 3.0, 8.0 + shared, 3.0))):
         ways = np.where(np.arange(LEGS) % 2 == number, rng.uniform(0.1, 0.4, LEGS) * rng.choice([-1, 1], LEGS), 0.0)
         before = np.concatenate([[0.0], np.cumsum(ways)[:-1]])
         q = before[leg] + ways[leg] * s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
@@ -51,7 +51,7 @@ def one_at_a_time(folder: Path, level: float, shared: float) -> tuple[Log, Robot
 
 def levels_and_drive(folder: Path, shared: float) -> tuple[Model, Trial, Chosen]:
     """Return a model with the levels of x as stated, these levels as tried in it, and a drive in their place."""
-    log, robot = one_at_a_time(folder, LEVEL, shared)
+    log, robot = one_at_a_time(folder, shared)
     gap = measure_gap(log, robot, highest=60.0)
     held = build_model(gap, make_nuisance(gap).without_level(0), ())
     own = try_out(held, Chosen(STATED_LEVELS, Site(0)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,15 +12,21 @@ import pytest
 
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.causes.coupling import SharedFriction
+from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.spring import Spring
+from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.fit.extend import extend_robot
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model
 from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.search.stroke_curve import ALONG_STROKE
 from mjfriction.diagnose.settle.stated import Settled
-from mjfriction.diagnose.tell.left_over import left_over
-from mjfriction.diagnose.tell.needless import spared, without_needless
+from mjfriction.diagnose.tell import needless
+from mjfriction.diagnose.tell.left_over import LeftOver, left_over
+from mjfriction.diagnose.tell.needless import spared, told_alone, without_needless
 from mjfriction.diagnose.tell.untold import Untold
+from mjfriction.identify.colour import NOTHING
 from mjfriction.identify.measure import measure_gap
+from mjfriction.identify.structure import Structure
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.robot import Robot
@@ -142,3 +149,26 @@ def test_what_is_no_finding_where_something_is_left_open_does_not_stay(tmp_path:
     assert extended.joint("y").spring.stiffness == pytest.approx(150.0, rel=0.1)
     apart = written(tmp_path, "apart.parquet", (5, 6))
     assert error(extended, apart) < error(extend_robot(settled.model), apart)
+
+
+def test_what_only_showed_beside_that_goes_too_and_a_curve_stays_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A spring spells a curve at x; beside it an offset was a finding.  Drives that are a little off stay."""
+    settled = with_springs(tmp_path, 8.0)
+    gap, (spring, other) = settled.model.gap, settled.model.chosen
+    offset, drive = Chosen(Offset(), Site(0)), Chosen(TorqueConstant(), Site(0))
+    both = replace(settled, model=build_model(gap, settled.model.nuisance, (spring, offset, drive, other)))
+    before = left_over(both)
+    curve, rest = (Structure("x", covariate, 0.5) for covariate in (ALONG_STROKE, NOTHING))
+
+    def found(remaining: tuple[Structure, ...], *untold: Chosen) -> LeftOver:
+        keys = frozenset(choice.key for choice in untold)
+        return replace(before, remaining=remaining, untold=replace(before.untold, keys=keys))
+
+    monkeypatch.setattr(TorqueConstant, "usual", lambda *_: True)
+    later = iter([found((rest,), spring, drive, offset), found((), spring, drive, offset)])
+    monkeypatch.setattr(needless, "left_over", lambda _, untold: next(later))
+    kept, over = told_alone(both, found((curve,), spring, drive))
+    assert kept.model.chosen == (drive, other)
+    assert over.remaining == (curve,)

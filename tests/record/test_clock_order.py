@@ -42,10 +42,16 @@ def test_rows_that_were_stamped_at_random_are_spread_evenly(rows: slice, spread:
     np.testing.assert_allclose(log.recorded, clock)
 
 
-def test_rows_out_of_order_are_put_in_the_order_of_their_time() -> None:
+def test_rows_that_are_stamped_too_far_off_are_refused() -> None:
+    with pytest.raises(LogError, match="runs backwards"):
+        log_of(stamped_at_random(slice(600, 1800), 30.0), np.arange(COUNT))
+
+
+@pytest.mark.parametrize("packet", [40, 200])
+def test_rows_out_of_order_are_put_in_the_order_of_their_time(packet: int) -> None:
     order = np.arange(COUNT)
-    for first in range(500, 900, 40):
-        order[first : first + 40] = np.random.default_rng(first).permutation(order[first : first + 40])
+    for first in range(500, 900, packet):
+        order[first : first + packet] = np.random.default_rng(first).permutation(order[first : first + packet])
     log = log_of(TRUE[order], order)
     np.testing.assert_allclose(log.time, TRUE)
     np.testing.assert_allclose(log.columns["position.axis"], 0.4 * np.sin(2.1 * TRUE), atol=2e-4)

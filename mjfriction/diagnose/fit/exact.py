@@ -115,14 +115,12 @@ def least_off(model: Model) -> dict[int, float]:
     """
     gap, changes, bare = model.gap, level_changes(model), untouched(model)
     reported, covariances = _as_reported(model), _covariances(model)
-    quantile = float(student.ppf(0.975, gap.blocks.groups - 1))
     out = {}
     for joint, noise in _noises(model, covariances).items():
         out[joint] = max(float(np.sqrt(max(changes[joint] ** 2 - noise**2, 0.0))), changes[joint] - EXACT)
         if joint in bare:
             stated = np.array(stated_levels(gap.robot.table.joint[joint]))
-            half = quantile * np.sqrt(np.maximum(np.diag(covariances[joint]), 0.0))
-            least = np.maximum(np.abs(reported[joint]) - half, 0.0)
+            least = np.maximum(np.abs(reported[joint]) - _half_widths(gap, covariances[joint]), 0.0)
             alone = np.divide(least, stated, out=np.zeros_like(least), where=stated > 0.0)
             out[joint] = max(out[joint], float(np.max(alone)))
     return out
@@ -134,10 +132,9 @@ def surely_exact(model: Model, within: float) -> bool:
     """
     free = build_model(model.gap, make_nuisance(model.gap), model.chosen)
     changes, covariances = _as_reported(free), _covariances(free)
-    quantile = float(student.ppf(0.975, model.gap.blocks.groups - 1))
     for joint, change in changes.items():
         stated = np.array(stated_levels(model.gap.robot.table.joint[joint]))
-        most = np.abs(change) + quantile * np.sqrt(np.maximum(np.diag(covariances[joint]), 0.0))
+        most = np.abs(change) + _half_widths(model.gap, covariances[joint])
         if np.any((most > within * stated) & (stated > 0.0)):
             return False
     return bool(changes)
@@ -174,6 +171,12 @@ def _covariances(model: Model) -> dict[int, Floats]:
     nuisance, joints = model.nuisance, [level.site.joint for level in model.nuisance.levels]
     covariance = model.system.normal.covariance(model.gap.blocks.group)
     return {joint: covariance[nuisance.of_level(joint), nuisance.of_level(joint)] for joint in joints}
+
+
+def _half_widths(gap: Gap, covariance: Floats) -> Floats:
+    # Of the 95 % intervals of a joint's level and damping, (2,).
+    quantile = float(student.ppf(0.975, gap.blocks.groups - 1))
+    return np.asarray(quantile * np.sqrt(np.maximum(np.diag(covariance), 0.0)))
 
 
 def _noises(model: Model, covariances: Mapping[int, Floats]) -> dict[int, float]:
