@@ -79,7 +79,7 @@ from mjfriction.diagnose.tell.findings import FAINTEST, ONE_OF_MANY
 from mjfriction.diagnose.tell.link_finding import ALWAYS_NOTED, AS_STATED, SURELY
 from mjfriction.diagnose.tell.untold import BRISTLE_MISFIT, DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
 from mjfriction.diagnose.tell.verdict import FEWEST_SHOWN, LEAST_FRICTION, LEAST_SHOWN, MANY_AT_A_JOINT, MUCH_COLOURED
-from mjfriction.identify import bursts, choose, conclude, landings, measure, turning
+from mjfriction.identify import bursts, choose, conclude, landings, measure, row_noise, turning
 from mjfriction.identify.blocks import MOST_GROUPS
 from mjfriction.identify.colour import AROUND, COLOURED, EVEN_BELOW, FEWEST_ALIKE, MOST_ALIKE
 from mjfriction.identify.doubt import WITHIN, YIELDING
@@ -182,7 +182,8 @@ def test_how_it_decides_tells_which_blows_and_bursts_count() -> None:
     assert f"if it is {bursts.FAR_OUT:g} times as large as the sensor's noise" in told
     assert (bursts.BURST_SHARE, what_gives.HALVED, bursts.EDGE) == (0.5, 0.5, 2), "the page says half, and two rows"
     assert f"{what_gives.LOUD:g} times as large as without, and {what_gives.ABOVE_NOISE:g} times the sensor's" in told
-    assert f"leaves more than {what_gives.ABOVE_NOISE:g} times the sensor's noise at a joint" in told
+    assert f"leaves more than {what_gives.ABOVE_NOISE:g} times the sensor's noise (or" in told
+    assert row_noise.LEAST_NOISE == 1e-3, "a thousandth, and three"
     assert (len(FEWER_PLAYS), len(FLANKS)) == (10, 19), "the page says ten and nineteen"
     assert f"from {FLANKS[0]:g} to {FLANKS[-1]:.0f} Hz, and then refined" in told
     assert f"that has at least {landings.FEWEST} of its own and no play" in told

@@ -15,7 +15,10 @@ from mjfriction.diagnose.tell.outcome import Verdict
 from mjfriction.diagnose.tell.verdict import STRUCTURED
 from mjfriction.identify import measure
 from mjfriction.identify.measure import measure_gap
+from mjfriction.identify.protocol import plan_excitation
 from mjfriction.identify.structure import find_structure
+from mjfriction.plant.machine import simulate
+from mjfriction.plant.sensors import Recorder
 from mjfriction.record.readers import read_log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
@@ -106,3 +109,13 @@ def test_a_drive_that_reports_nothing_is_not_examined(tmp_path: Path) -> None:
     diagnosis = diagnose_log(read_log(log), read_robot(robot))
     assert diagnosis.not_examined == ("wrist_3_joint",)
     assert diagnosis.findings == ()
+
+
+@pytest.mark.parametrize("robot", ["ur5", "z1"])
+def test_a_simulation_without_noise_of_its_sensors_has_no_finding(robot: str) -> None:
+    # What a user tries first.  What steps of 1 ms leave is a thousandth of the effort, and far above a noise of zero.
+    stated = read_robot(robot)
+    log = simulate(stated, plan_excitation(stated, 60.0).trajectory, recorder=Recorder(500.0))
+    diagnosis = diagnose_log(log_from_table(pa.table(log), "log"), stated)
+    assert diagnosis.findings == ()
+    assert diagnosis.verdict is Verdict.CONSISTENT

@@ -21,12 +21,13 @@ from mjfriction.identify.bursts import BURST_SHARE, burst_share
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.landings import FEWEST, struck
 from mjfriction.identify.measure import measure_gap, thinned
+from mjfriction.identify.row_noise import least_noise
 from mjfriction.identify.structure import Structure
 from mjfriction.record.log import Floats
 
 BLOWS = "blows"
 LOUD = 1.3  # times the error elsewhere that the error with a joint's blows must reach to be heard
-ABOVE_NOISE = 3.0  # times the sensor's noise: error of a joint from which on it is searched again
+ABOVE_NOISE = 3.0  # times the least noise of its rows: error of a joint from which on it is searched again
 HALVED = 0.5  # share of the mean square that may be left once it is known what gives
 
 
@@ -61,7 +62,8 @@ def doubt(seen: SeenPlay, model: Model, highest: float) -> Doubted | None:
         stated = np.where(np.isnan(seen.stated), heeding.residual, seen.stated)
         seen = replace(seen, whole=whole, gap=heeding, stated=stated) if loud else seen
     giving = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, MovedLink)}
-    much = [joint for joint in gap.examined if gap.rms(left[:, joint], joint) > ABOVE_NOISE * gap.noise_floor[joint]]
+    noise = ABOVE_NOISE * least_noise(gap)
+    much = [joint for joint in gap.examined if gap.rms(left[:, joint], joint) > noise[joint]]
     doubted = [joint for joint in much if joint in giving or burst_share(gap, joint, left) >= BURST_SHARE]
     joints = tuple(dict.fromkeys((*loud, *doubted)))
     return Doubted(seen, joints, loud) if joints else None
@@ -106,4 +108,4 @@ def _count(gap: Gap, joint: int) -> int:
 
 def _is_loud(gap: Gap, heeding: Gap, joint: int, left: Floats) -> bool:
     error = heeding.rms(left, joint)
-    return error > max(LOUD * gap.rms(left, joint), ABOVE_NOISE * float(gap.noise_floor[joint]))
+    return error > max(LOUD * gap.rms(left, joint), ABOVE_NOISE * float(least_noise(gap)[joint]))
