@@ -19,8 +19,12 @@ from tests.hidden.machine import UR5_COULOMB, Instant, Machine, bristle, write_c
 ROWS, ELBOW = 4000, 2
 
 
-def gap() -> Any:
-    return SimpleNamespace(examined=(0, 1), rms=lambda values, joint: float(np.sqrt(np.mean(np.square(values)))))
+def gap(effort: float = 0.0) -> Any:
+    return SimpleNamespace(
+        examined=(0, 1),
+        measured=np.full((ROWS, 2), effort),
+        rms=lambda values, joint: float(np.sqrt(np.mean(np.square(values)))),
+    )
 
 
 def left(*mean_squares: float) -> np.ndarray:
@@ -49,6 +53,12 @@ def test_what_is_taken_off_what_is_left_decides(taken: float, by_others: float, 
 def test_one_joint_is_enough() -> None:
     after, before = left(1.0, 1.0), left(1.0, 1.5)
     assert shows(gap(), before, after, {0: 1.0}, before, {})
+
+
+@pytest.mark.parametrize(("effort", "seen"), [(900.0, True), (1100.0, False)])
+def test_a_thousandth_of_the_effort_is_more_than_any_model_is_right_to(effort: float, seen: bool) -> None:
+    after, before = left(1.0, 1.0), left(2.0, 1.0)
+    assert shows(gap(effort), before, after, {}, before, {}) is seen
 
 
 def test_beside_a_bristle_more_is_asked_for_on_its_own_joint() -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
 from mjfriction.diagnose.causes.links import LinkCentre, LinkMoments, LinkScale
 from mjfriction.diagnose.causes.moved_link import MovedLink
@@ -19,6 +21,7 @@ from mjfriction.diagnose.tell.contacts import more_than_contacts
 from mjfriction.diagnose.tell.links_off import links_far_off
 from mjfriction.diagnose.tell.verdict import beside_oscillations
 from mjfriction.identify.gap import Gap
+from mjfriction.identify.row_noise import least_error
 from mjfriction.identify.structure import Structure
 from mjfriction.record.log import Floats
 
@@ -133,11 +136,12 @@ def shows(
     ``after`` the change must remove.  ``built_up`` has, for joints with another cause by which friction builds up over
     travel, the residual without that cause.
     """
+    least = np.square(least_error(gap))
     for joint in gap.examined:
         own, without, none = (gap.rms(course[:, joint], joint) ** 2 for course in (after, before, bare))
         misfit = min(MISFIT * (none - without), SURELY_SEEN * own)
         if joint in built_up:
             misfit = max(misfit, BRISTLE_MISFIT * (gap.rms(built_up[joint][:, joint], joint) ** 2 - own))
-        if without - own > max(LEAST_SEEN * own, misfit, drowning.get(joint, 0.0) * own):
+        if without - own > max(LEAST_SEEN * own, misfit, drowning.get(joint, 0.0) * own, float(least[joint])):
             return True
     return False
