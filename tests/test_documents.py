@@ -39,6 +39,7 @@ from mjfriction.diagnose.faults.audit import AS_KNOWN
 from mjfriction.diagnose.faults.look import NO_WORSE
 from mjfriction.diagnose.faults.misplaced import EXPLAINED
 from mjfriction.diagnose.faults.which_log import LOUDER
+from mjfriction.diagnose.fit import small_errors
 from mjfriction.diagnose.fit.as_little import AS_GOOD
 from mjfriction.diagnose.fit.exact import EXACT, FEWEST_OTHERS, MOST_JOINTS
 from mjfriction.diagnose.fit.nuisance import FARTHEST, LET_GO
@@ -351,6 +352,14 @@ def test_the_pages_tell_which_joints_and_traces_are_left_out() -> None:
     assert "more than a tenth of what is left" in identification
     assert "more than half of it is no noise, and that is more than half a percent" in identification
     assert (conclude.STRUCTURED, COLOURED, conclude.LEAST_EFFORT) == (0.1, 0.5, 0.005), "as the page says"
+
+
+def test_how_it_decides_tells_what_stands_out_of_a_models_small_errors() -> None:
+    told = " ".join(text("docs/how_it_decides.md").split())
+    assert f"beyond {small_errors.NOISY:g} times its sensor's noise" in told
+    assert f"must remove {100 * small_errors.STANDS_OUT:g} % of the mean square that they leave together" in told
+    assert f"the mean square of {100 * small_errors.USUAL:g} % of the effort" in told
+    assert f"as much as {100 * LEAST_EFFECT:g} % of the effort makes" in told
 
 
 def test_how_it_decides_tells_at_what_level_other_halves_are_asked_for() -> None:

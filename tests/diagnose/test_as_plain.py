@@ -40,3 +40,18 @@ def test_of_causes_that_contain_each_other_the_plainest_that_leaves_as_little_is
     (left,) = as_plain(found, make_field(gap, STRUCTURAL)).chosen
     plainest = next(kind for kind in COURSES if kind in (hidden, chosen))
     assert type(left.cause) is plainest
+
+
+@pytest.mark.parametrize(("rippling", "told"), [(0.0, Spring), (0.6, Offset)])
+def test_the_pull_of_a_cable_beside_an_offset_is_one_of_many_small_errors(
+    rippling: float, told: type[Cause], tmp_path: Path
+) -> None:
+    # Ripple as every gear has some, of periods that no cause describes, leaves more than the cable pulls.
+    def course(at: Instant) -> np.ndarray:
+        return 3.0 + 0.6 * at.q + rippling * (np.sin(61.0 * at.q) + np.sin(43.0 * at.q) * np.sign(at.v))
+
+    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: course}, noise=0.01), seed=3, seconds=30.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    found = build_model(gap, make_nuisance(gap), (Chosen(Spring(), Site(ELBOW)),))
+    (left,) = as_plain(found, make_field(gap, STRUCTURAL)).chosen
+    assert type(left.cause) is told

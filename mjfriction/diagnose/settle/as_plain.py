@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from mjfriction.diagnose.fit.as_little import leaves_as_little
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model
+from mjfriction.diagnose.fit.small_errors import stands_out
 from mjfriction.diagnose.search.field import Field
 
 
 def as_plain(model: Model, asked: Field) -> Model:
-    """Return the model with causes replaced by plainer ones that they contain, where these leave as little everywhere.
+    """Return the model with causes replaced by plainer ones that they contain, where these leave as little everywhere,
+    or so little more that it does not stand out of the many small errors of a model.
 
     A cause that contains another always fits at least as well: a spring that bends is chosen for what a refitted link
-    takes later, and an offset remains.
+    takes later, or for the pull of a cable beside an offset, and an offset remains.
     """
     for choice in model.chosen:
         rest = tuple(one for one in model.chosen if one.key != choice.key)
@@ -19,10 +21,17 @@ def as_plain(model: Model, asked: Field) -> Model:
             if plain.key in [one.key for one in rest]:
                 continue
             there = build_model(model.gap, model.nuisance, (*rest, plain))
-            if there.admissible() is there and leaves_as_little(there, model):
+            if there.admissible() is there and _leaves_hardly_more(there, model):
                 model = there
                 break
     return model
+
+
+def _leaves_hardly_more(plain: Model, model: Model) -> bool:
+    gap, without, beside = model.gap, plain.heldout_residual(), model.heldout_residual()
+    return all(
+        leaves_as_little(plain, model, [joint]) or not stands_out(gap, joint, without, beside) for joint in gap.examined
+    )
 
 
 def _plainer(choice: Chosen, asked: Field) -> list[Chosen]:

@@ -12,16 +12,17 @@ from mjfriction.diagnose.causes.links import LinkCentre, LinkMoments, LinkScale
 from mjfriction.diagnose.causes.moved_link import MovedLink
 from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.torque_constant import TorqueConstant
+from mjfriction.diagnose.causes.varying import Step
 from mjfriction.diagnose.fit.model import Chosen, Key, Model, build_model, partners
 from mjfriction.diagnose.fit.nearness import STRAINED, relief
-from mjfriction.diagnose.fit.trial import negligible
+from mjfriction.diagnose.fit.small_errors import stands_out
+from mjfriction.diagnose.fit.trial import LEAST_EFFECT, least_effect, negligible
 from mjfriction.diagnose.search.stroke_curve import StrokeCurve, vague_waves
 from mjfriction.diagnose.settle.stated import Settled
 from mjfriction.diagnose.tell.contacts import more_than_contacts
 from mjfriction.diagnose.tell.links_off import links_far_off
 from mjfriction.diagnose.tell.verdict import beside_oscillations
 from mjfriction.identify.gap import Gap
-from mjfriction.identify.row_noise import least_error
 from mjfriction.identify.structure import Structure
 from mjfriction.record.log import Floats
 
@@ -29,6 +30,7 @@ LEAST_SEEN = 0.1  # a cause must reduce the mean square at a joint by this fract
 MISFIT = 0.05  # and by this fraction of the other causes' reduction, since their form may not fit exactly
 SURELY_SEEN = 0.2  # fraction of what is left that suffices whatever others reduce: an effect half as large as the noise
 BRISTLE_MISFIT = 0.005  # the same as MISFIT beside a bristle, for no machine's friction builds up exactly like it
+BETWEEN = 0.02  # of a joint's clear rows: a step that is no farther than that from where a joined log begins is there
 # A cause must remove this many times the mean square that is left unexplained at its joint, which halves the RMS; only
 # once beside a load that swings or a tone, which are known and refitted along.
 DROWNED = 3.0
@@ -99,7 +101,12 @@ def find_untold(
             for other in model.chosen
             if other.cause.name == Presliding.name and other.key != choice.key
         }
-        if choice.key in common | small or shows(gap, before[choice.key], heldout, drowning, bare, built_up):
+        if choice.key in common | small:
+            continue
+        # What changes from one log to the next is no error of the model, however little it changes.
+        amid = not _between_logs(gap, choice)
+        least = least_effect(model, choice)
+        if shows(gap, before[choice.key], heldout, drowning, bare, built_up, least=least, amid_others=amid):
             continue
         # A cause also counts if drives and links can stand in for it only by being off as far as they hardly ever are.
         # At a joint where something is left unexplained they may be off because of that, and it does not count.
@@ -112,6 +119,16 @@ def find_untold(
     asked = {choice.key for choice in model.chosen if partners(choice, told)}
     spelling = frozenset(key for curve in curves for key in curve.keys) | vague_waves(model)
     return Untold(frozenset(common | (small - asked)) | spelling, left, bare)
+
+
+def _between_logs(gap: Gap, choice: Chosen) -> bool:
+    # Whether a cause is a step where one of several joined logs begins.
+    if not isinstance(choice.cause, Step):
+        return False
+    time, (moment,) = gap.chain.time[gap.clear[:, choice.site.joint]], choice.site.shape
+    starts = [begin for _, begin in gap.log.joined[1:]]
+    apart = [np.count_nonzero((time > min(begin, moment)) & (time < max(begin, moment))) for begin in starts]
+    return any(rows <= BETWEEN * time.size for rows in apart)
 
 
 def without_cause(model: Model, choice: Chosen) -> Model:
@@ -127,21 +144,31 @@ def without_cause(model: Model, choice: Chosen) -> Model:
 
 
 def shows(
-    gap: Gap, before: Floats, after: Floats, drowning: Mapping[int, float], bare: Floats, built_up: Mapping[int, Floats]
+    gap: Gap,
+    before: Floats,
+    after: Floats,
+    drowning: Mapping[int, float],
+    bare: Floats,
+    built_up: Mapping[int, Floats],
+    *,
+    least: float = LEAST_EFFECT,
+    amid_others: bool = True,
 ) -> bool:
     """Return whether a change reduces the held-out mean square by enough at one joint or more.
 
     ``before`` and ``after`` (rows, joints) are the residuals without and with it, ``bare`` the residual without any
     cause.  ``drowning`` has, for joints where something is left unexplained, how many times the mean square of
     ``after`` the change must remove.  ``built_up`` has, for joints with another cause by which friction builds up over
-    travel, the residual without that cause.
+    travel, the residual without that cause.  ``least`` is the share of a joint's RMS effort that what is removed must
+    make.  ``amid_others`` says whether it must stand out of the many small errors that a model of a machine has.
     """
-    least = np.square(least_error(gap))
     for joint in gap.examined:
         own, without, none = (gap.rms(course[:, joint], joint) ** 2 for course in (after, before, bare))
         misfit = min(MISFIT * (none - without), SURELY_SEEN * own)
         if joint in built_up:
             misfit = max(misfit, BRISTLE_MISFIT * (gap.rms(built_up[joint][:, joint], joint) ** 2 - own))
-        if without - own > max(LEAST_SEEN * own, misfit, drowning.get(joint, 0.0) * own, float(least[joint])):
+        size = (least * gap.rms(gap.measured[:, joint], joint)) ** 2
+        asked = max(LEAST_SEEN * own, misfit, drowning.get(joint, 0.0) * own, size)
+        if without - own > asked and (stands_out(gap, joint, before, after) or not amid_others):
             return True
     return False

@@ -1,0 +1,25 @@
+"""The many small errors that every model of a machine has, and what stands out of them."""
+
+from __future__ import annotations
+
+from mjfriction.identify.gap import Gap
+from mjfriction.record.log import Floats
+
+NOISY = 2.5  # multiple of the sensor's noise up to which what is left at a joint may be noise
+STANDS_OUT = 0.75  # share of the mean square beyond that which a cause must remove to be more than one small error
+USUAL = 0.02  # of a joint's RMS effort: as large as one small error may be
+
+
+def stands_out(gap: Gap, joint: int, without: Floats, beside: Floats) -> bool:
+    """Return whether a change of a model removes more at a joint than the small errors that it leaves there.
+
+    What is left far above the sensor's noise is ripple, cables that pull, joints that give, links that are a percent
+    off: each shows, and none is what the model lacks.  What may be as small as one of them must stand out more: the
+    mean square that is removed must also exceed the geometric mean of what is left and of one usual small error.
+    ``without`` and ``beside`` are the residuals (rows, joints) without and with the change.
+    """
+    before, after = (gap.rms(left[:, joint], joint) ** 2 for left in (without, beside))
+    small = STANDS_OUT * (after - (NOISY * float(gap.noise_floor[joint])) ** 2)
+    usual = (USUAL * gap.rms(gap.measured[:, joint], joint)) ** 2
+    removed = before - after
+    return removed > small and removed * removed > small * usual
