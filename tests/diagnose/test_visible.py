@@ -53,6 +53,20 @@ def test_what_is_said_to_show_shows(cause: str, tmp_path: Path) -> None:
     assert named == [False, True]
 
 
+def test_a_joint_with_many_small_errors_shows_only_what_stands_out_of_them(tmp_path: Path) -> None:
+    (tmp_path / "robot.toml").write_text(robot_toml(Machine()), encoding="utf-8")
+
+    def ripple(at: Instant) -> np.ndarray:
+        return 0.8 * (np.sin(61.0 * at.q) + np.sin(43.0 * at.q) * np.sign(at.v))
+
+    log = log_from_table(pa.table(record(Machine(hidden={ELBOW: ripple}, noise=0.01), 8, 20.0)), "log")
+    gap = measure_gap(log, read_robot(tmp_path / "robot.toml"))
+    left = gap.rms(gap.residual[:, ELBOW], ELBOW)
+    own = {one.cause: one.size for one in visible_causes(gap) if one.joint == "elbow_joint"}
+    assert own["drive.offset"] > 0.8 * left
+    assert own["friction.asymmetry"] > 0.8 * left
+
+
 def test_a_joint_that_stands_still_shows_nothing_of_its_friction(tmp_path: Path) -> None:
     (tmp_path / "robot.toml").write_text(robot_toml(Machine()), encoding="utf-8")
     columns = dict(record(Machine(), 8, 20.0))

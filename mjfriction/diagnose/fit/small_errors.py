@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from mjfriction.identify.gap import Gap
 from mjfriction.record.log import Floats
 
@@ -10,16 +12,23 @@ STANDS_OUT = 0.75  # share of the mean square beyond that which a cause must rem
 USUAL = 0.02  # of a joint's RMS effort: as large as one small error may be
 
 
+def least_to_stand_out(gap: Gap, joint: int, left: Floats) -> float:
+    """Return the RMS effort (N·m, N) that a cause must remove at a joint beside what is ``left`` there (rows,).
+
+    What is left far above the sensor's noise is ripple, cables that pull, joints that give, links that are a percent
+    off: each shows, and none is what the model lacks.  A cause must remove nearly as much as they leave together.  One
+    that is no larger than a usual one of them must stand out more: the mean square that it removes must also exceed the
+    geometric mean of what is left and of a usual one.
+    """
+    noise, usual = NOISY * float(gap.noise_floor[joint]), USUAL * gap.rms(gap.measured[:, joint], joint)
+    small = math.sqrt(STANDS_OUT * max(0.0, gap.rms(left, joint) ** 2 - noise**2))
+    return max(small, math.sqrt(small * usual))
+
+
 def stands_out(gap: Gap, joint: int, without: Floats, beside: Floats) -> bool:
     """Return whether a change of a model removes more at a joint than the small errors that it leaves there.
 
-    What is left far above the sensor's noise is ripple, cables that pull, joints that give, links that are a percent
-    off: each shows, and none is what the model lacks.  What may be as small as one of them must stand out more: the
-    mean square that is removed must also exceed the geometric mean of what is left and of one usual small error.
     ``without`` and ``beside`` are the residuals (rows, joints) without and with the change.
     """
     before, after = (gap.rms(left[:, joint], joint) ** 2 for left in (without, beside))
-    small = STANDS_OUT * (after - (NOISY * float(gap.noise_floor[joint])) ** 2)
-    usual = (USUAL * gap.rms(gap.measured[:, joint], joint)) ** 2
-    removed = before - after
-    return removed > small and removed * removed > small * usual
+    return before - after > least_to_stand_out(gap, joint, beside[:, joint]) ** 2
