@@ -358,7 +358,7 @@ def test_how_it_decides_tells_what_stands_out_of_a_models_small_errors() -> None
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"beyond {small_errors.NOISY:g} times its sensor's noise" in told
     assert f"must remove {100 * small_errors.STANDS_OUT:g} % of the mean square that they leave together" in told
-    assert f"the mean square of {100 * small_errors.USUAL:g} % of the effort" in told
+    assert f"less than {100 * small_errors.USUAL:g} % of the effort makes" in told
     assert f"as much as {100 * LEAST_EFFECT:g} % of the effort makes" in told
 
 

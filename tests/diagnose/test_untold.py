@@ -9,7 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.varying import Step, WarmUpDrift
 from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.fit.model import Chosen
 from mjfriction.diagnose.tell import untold
 from mjfriction.diagnose.tell.untold import shows
 from mjfriction.record.readers import read_log
@@ -105,3 +108,17 @@ def test_only_what_is_beside_a_bristle_is_held_against_it(tmp_path: Path, monkey
     findings = diagnose_log(read_log(log), read_robot(robot)).findings
     assert {finding.cause for finding in findings} == {"friction.presliding", "drive.offset"}
     assert sorted(map(sorted, asked)) == [[], [ELBOW]]
+
+
+@pytest.mark.parametrize(
+    ("cause", "moment", "between"),
+    [(Step(), 9.9, True), (Step(), 11.2, True), (Step(), 5.0, False), (WarmUpDrift(), 9.9, False)],
+)
+def test_a_step_where_a_second_log_begins_is_between_the_two(cause: Any, moment: float, between: bool) -> None:
+    time = np.concatenate([np.arange(0.0, 10.0, 0.02), np.arange(11.0, 21.0, 0.02)])
+    joined = SimpleNamespace(
+        chain=SimpleNamespace(time=time),
+        clear=np.ones((time.size, 1), dtype=bool),
+        log=SimpleNamespace(joined=(("first", 0.0), ("second", 11.0))),
+    )
+    assert untold._between_logs(joined, Chosen(cause, Site(0, (moment,)))) is between
