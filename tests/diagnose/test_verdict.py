@@ -144,3 +144,25 @@ def test_a_summary_names_every_cause_once_and_few_of_many() -> None:
     assert found(waves, weight, waves) == "drive.cogging at a (2 of them), body.payload"
     offsets = [("drive.offset", joint) for joint in "bcdefg"]
     assert found(*offsets) == ", ".join(f"drive.offset at {joint}" for joint in "bcde") + " and 2 more"
+
+
+@pytest.mark.parametrize(
+    ("left", "noise", "told"),
+    [
+        (0.02, 0.01, "nothing beyond the noise was found."),
+        (0.4, 0.01, "nothing that stands out was found. At a, 0.4 N·m are left, 4.0 % of the effort"),
+        (0.4, 0.2, "nothing beyond the noise was found."),  # hardly more than noise
+        (0.09, 0.01, "nothing beyond the noise was found."),  # hardly any of the effort
+    ],
+)
+def test_a_summary_tells_what_is_left_far_above_the_noise(left: float, noise: float, told: str) -> None:
+    gap = SimpleNamespace(
+        robot=SimpleNamespace(name="arm", joints=("a",)),
+        measured=np.full((9, 1), 10.0),
+        per_reported=np.ones(1),
+        rms=lambda values, joint: float(np.sqrt(np.mean(np.square(values)))),
+    )
+    error = JointError("a", "effort", "N·m", left, left, left, left, noise, (0.0, 0.0))
+    summary = verdict.summarize(gap, Verdict.CONSISTENT, (), (error,), ())  # type: ignore[arg-type]
+    assert told in summary
+    assert summary.count("left") == told.count("left")

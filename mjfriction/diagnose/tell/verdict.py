@@ -134,7 +134,9 @@ def summarize(
     robot = gap.robot.name
     named = _all_named(findings)
     if verdict is Verdict.CONSISTENT:
-        return f"The model of '{robot}' agrees with the log: {_refits(joints)}."
+        still = _still_left(gap, joints)
+        beyond = "that stands out" if still else "beyond the noise"
+        return f"The model of '{robot}' agrees with the log: {_refits(joints) or f'nothing {beyond} was found'}.{still}"
     if findings:
         errors = {error.joint: error for error in joints}
         worst = errors[findings[0].shown_at]
@@ -185,10 +187,28 @@ def _named(finding: Finding) -> str:
 def _refits(joints: tuple[JointError, ...]) -> str:
     moved = max(joints, key=lambda error: error.rms_heldout_before - error.rms_heldout_after, default=None)
     if moved is None or moved.rms_heldout_after > REFITTED * moved.rms_heldout_before:
-        return "nothing beyond the noise was found"
+        return ""
     return (
         "nothing was found beyond stated values that are a little off; refitting those takes the error of "
         f"{moved.joint} from {moved.rms_heldout_before:.3g} to {moved.rms_heldout_after:.3g} {moved.unit}"
+    )
+
+
+def _still_left(gap: Gap, joints: tuple[JointError, ...]) -> str:
+    # What is left of a joint far above its sensor's noise, where that is none too little of its effort.
+    shares: dict[float, JointError] = {}
+    for error in joints:
+        joint = gap.robot.joints.index(error.joint)
+        effort = gap.rms(gap.measured[:, joint], joint) / abs(float(gap.per_reported[joint]))
+        if error.rms_heldout_after > max(FAR_ABOVE_NOISE * error.noise_floor, LEAST_EFFORT * effort):
+            shares[error.rms_heldout_after / effort] = error
+    if not shares:
+        return ""
+    most = max(shares)
+    error = shares[most]
+    return (
+        f" At {error.joint}, {error.rms_heldout_after:.3g} {error.unit} are left, {100 * most:.1f} % of the effort and "
+        "far more than its sensor's noise: many small errors, or a small one of no known cause."
     )
 
 
