@@ -70,7 +70,7 @@ def test_a_cause_is_told_where_the_rest_would_be_off_as_it_hardly_ever_is(
     told: Told, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # However little it takes off what is left: links and the other drive could make up for nearly all of it.
-    monkeypatch.setattr(untold, "shows", lambda *_: False)
+    monkeypatch.setattr(untold, "shows", lambda *_, **__: False)
     assert told() == [("drive.torque_constant", "elbow")]
     monkeypatch.setattr(untold, "STRAINED", np.inf)
     assert told() == []

@@ -164,13 +164,15 @@ def test_one_that_swings_at_up_to_four_fifths_of_the_cutoff_is_found(
     gap = measure_gap(stiff, read_robot("ur5"))
     resonance = np.median(natural_frequency(own_slopes(gap, 0)[2], compliance)) / (2.0 * np.pi)
     assert below * gap.motion.cutoff < resonance < above * gap.motion.cutoff
-    (finding,) = diagnose_log(stiff, read_robot("ur5")).findings
-    assert (finding.cause, finding.joint) == ("drive.elasticity", PAN)
-    assert finding.parameters[0].value == pytest.approx(compliance, rel=0.05)
-    assert "damping_ratio" in {value.name for value in finding.parameters}
+    found = diagnose_log(stiff, read_robot("ur5"))
+    assert found.robot.joint(PAN).transmission.compliance == pytest.approx(compliance, rel=0.05)
+    assert found.robot.joint(PAN).transmission.damping_ratio == pytest.approx(WELL_DAMPED, rel=0.5)
+    # The stiffer one is found, and as stiff as on any arm: it makes a fifth of a percent of the effort.
+    told = [(finding.cause, finding.joint) for finding in found.findings]
+    assert told == ([("drive.elasticity", PAN)] if compliance == STIFF else [])
     monkeypatch.setattr(elasticity, "RESONANCE_BAND", below)
     found = diagnose_log(stiff, read_robot("ur5"))
-    assert "damping_ratio" not in {value.name for own in found.findings for value in own.parameters}
+    assert found.robot.joint(PAN).transmission.damping_ratio == Transmission().damping_ratio
 
 
 @pytest.mark.deep
