@@ -111,7 +111,7 @@ def test_a_drive_that_reports_nothing_is_not_examined(tmp_path: Path) -> None:
     assert diagnosis.findings == ()
 
 
-@pytest.mark.parametrize("robot", ["ur5", "z1"])
+@pytest.mark.parametrize("robot", [deep("ur5"), "z1"])
 def test_a_simulation_without_noise_of_its_sensors_has_no_finding(robot: str) -> None:
     # What a user tries first.  What steps of 1 ms leave is a thousandth of the effort, and far above a noise of zero.
     stated = read_robot(robot)
