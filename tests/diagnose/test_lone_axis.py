@@ -18,6 +18,7 @@ from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.friction_tables import FrictionTerm, WarmUp
 from mjfriction.robot.robot import Robot
+from tests.deep import deep
 from tests.diagnose.test_planar_arm import JOINT, LINK
 
 COULOMB = 0.8
@@ -89,7 +90,7 @@ def test_a_torque_constant_is_told_beside_levels_that_are_as_stated_with_it(tmp_
 
 
 @pytest.mark.parametrize(
-    ("cause", "of_all", "of_link"), [("drive.torque_constant", 0.92, 1.0), ("body.link_inertia", 1.0, 0.9)]
+    ("cause", "of_all", "of_link"), [("drive.torque_constant", 0.92, 1.0), deep("body.link_inertia", 1.0, 0.9)]
 )
 def test_one_number_explains_more_than_several_that_are_off_alike(
     cause: str, of_all: float, of_link: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

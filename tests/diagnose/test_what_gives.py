@@ -85,6 +85,7 @@ def found(diagnosis: Diagnosis) -> list[tuple[str, str | None]]:
     return [(finding.cause, finding.joint) for finding in diagnosis.findings]
 
 
+@pytest.mark.deep
 def test_play_that_a_first_search_leaves_is_found_by_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
     """The flanks give, by up to a third of the play.  The second search is told as a step forward."""
     log, robot = moves(3e-4, STIFF), read_robot("linear_axis")
