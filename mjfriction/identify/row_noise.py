@@ -16,12 +16,8 @@ DEVIATIONS = 1.4826  # standard deviation of a normal distribution whose median 
 
 def least_noise(gap: Gap) -> Floats:
     """Return the least noise that each joint's rows may be given, (joints,): the sensor's, or a share of the effort."""
-    return np.asarray(np.maximum(np.nan_to_num(gap.noise_floor), least_error(gap)))
-
-
-def least_error(gap: Gap) -> Floats:
-    """Return the RMS error of each joint below which no model of a machine is better than another, (joints,)."""
-    return np.asarray(LEAST_NOISE * np.sqrt(np.mean(np.square(np.nan_to_num(gap.measured)), axis=0)))
+    effort = np.sqrt(np.mean(np.square(np.nan_to_num(gap.measured)), axis=0))
+    return np.asarray(np.maximum(np.nan_to_num(gap.noise_floor), LEAST_NOISE * effort))
 
 
 def row_noise(gap: Gap, joint: int, left: Floats, noise: float) -> float:

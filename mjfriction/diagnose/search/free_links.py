@@ -22,7 +22,6 @@ from mjfriction.diagnose.search.yielding import yielding
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.normal import Normal
 from mjfriction.identify.regression import System
-from mjfriction.identify.row_noise import least_error
 from mjfriction.progress import Tell, silently
 from mjfriction.record.log import Floats
 
@@ -95,9 +94,7 @@ def _pays(model: Model, field: Field) -> bool:
     price = (_freedoms(let_go) - _freedoms(model.system.normal)) * float(np.log(gained.size))
     picking = 2.0 * _named(model) * float(np.log(size(field)))
     error = float(np.std(gained, ddof=1)) * np.sqrt(gained.size)
-    fewer = before.sum(axis=1) - after.sum(axis=1)
-    told = np.sum(np.square(model.system.rows.weight), axis=0) * np.square(least_error(gap))
-    joints = np.count_nonzero((fewer > LEAST_GAINED * before.sum(axis=1)) & (fewer > told))
+    joints = np.count_nonzero(after.sum(axis=1) < (1.0 - LEAST_GAINED) * before.sum(axis=1))
     enough = joints >= FEWEST_GAINING or _named(model) >= MANY
     return enough and float(np.sum(gained)) > price - picking + BAR * error
 
