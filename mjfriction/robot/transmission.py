@@ -70,8 +70,8 @@ def natural_frequency(inertia: Floats, compliance: float) -> Floats:
     return 1.0 / np.sqrt(compliance * np.maximum(inertia, LEAST_INERTIA))
 
 
-def damper_of(inertia: Floats, compliance: float | Floats, damping_ratio: float) -> Floats:
-    """Return the damping (N·m·s/rad or N·s/m) of a transmission, () or (k,) for several compliances.
+def damper_of(inertia: Floats, compliance: float | Floats, damping_ratio: float | Floats) -> Floats:
+    """Return the damping (N·m·s/rad or N·s/m) of a transmission, () or (k,) for several.
 
     ``damping_ratio`` is relative to critical damping at the usual one of the link's ``inertia`` along a motion (n,): a
     transmission's damping does not change with the pose.

@@ -42,9 +42,10 @@ def between_flanks(
 
 @functools.cache
 def _compiled() -> Callable[..., Floats]:
+    # The error model of numpy divides without a check for zero, so that the loop over masses can be vectorised.
     course, number = types.float64[::1], types.float64
     signature = types.float64[:, ::1](*[course] * 9, number, types.int64)
-    return cast(Callable[..., Floats], numba.njit(signature, cache=True)(_along))
+    return cast(Callable[..., Floats], numba.njit(signature, cache=True, error_model="numpy")(_along))
 
 
 def _along(
@@ -61,31 +62,31 @@ def _along(
     finer: int,
 ) -> Floats:
     out = np.empty((load.size, half.size))
-    out[0] = begin
-    for i in range(half.size):
-        place = begin[i]
-        speed = pull = 0.0
-        for k in range(1, load.size):
-            for part in range(1, finer + 1):
-                share = part / finer
-                aside = 1.0 - share
-                worth = 1.0 / (aside * inertia[k - 1] + share * inertia[k])
-                back = worth * (aside * stiffness[k - 1] + share * stiffness[k])
-                slow = worth * (aside * damping[k - 1] + share * damping[k])
+    place = begin.copy()
+    speed, pull = np.zeros_like(place), np.zeros_like(place)
+    out[0] = place
+    for k in range(1, load.size):
+        for part in range(1, finer + 1):
+            share = part / finer
+            aside = 1.0 - share
+            worth = 1.0 / (aside * inertia[k - 1] + share * inertia[k])
+            back = worth * (aside * stiffness[k - 1] + share * stiffness[k])
+            slow = worth * (aside * damping[k - 1] + share * damping[k])
+            drawn = worth * (aside * load[k - 1] + share * load[k])
+            held = 1.0 + 0.5 * step * slow + 0.25 * step * step * back
+            for i in range(half.size):  # without a branch, so that the loop over masses can be vectorised
                 # Where and how fast it would be if it were not pulled in this step.
-                place += step * speed + 0.25 * step * step * pull
-                speed += 0.5 * step * pull
-                carried = worth * (aside * load[k - 1] + share * load[k]) - back * place - slow * speed
-                held = 1.0 + 0.5 * step * slow + 0.25 * step * step * back
-                beyond = place - min(max(place, -half[i]), half[i])
-                pull = carried / held
-                if beyond != 0.0:
-                    stiff, stiffer = worth * spring[i], worth * hard[i] * beyond * beyond
-                    pressed = carried - (stiff + stiffer) * beyond - worth * damper[i] * speed
-                    pressed /= held + 0.5 * step * worth * damper[i] + 0.25 * step * step * (stiff + 3.0 * stiffer)
-                    if (pull - pressed) * beyond > 0.0:
-                        pull = pressed
-                place += 0.25 * step * step * pull
-                speed += 0.5 * step * pull
-            out[k, i] = place
+                there = place[i] + (step * speed[i] + 0.25 * step * step * pull[i])
+                pace = speed[i] + 0.5 * step * pull[i]
+                carried = drawn - back * there - slow * pace
+                beyond = there - min(max(there, -half[i]), half[i])
+                stiff, stiffer = worth * spring[i], worth * hard[i] * beyond * beyond
+                free = carried / held
+                pressed = carried - (stiff + stiffer) * beyond - worth * damper[i] * pace
+                pressed /= held + 0.5 * step * worth * damper[i] + 0.25 * step * step * (stiff + 3.0 * stiffer)
+                now = pressed if (free - pressed) * beyond > 0.0 else free
+                place[i] = there + 0.25 * step * step * now
+                speed[i] = pace + 0.5 * step * now
+                pull[i] = now
+        out[k] = place
     return out

@@ -10,10 +10,12 @@ import pyarrow as pa
 import pytest
 
 import mjfriction.diagnose.diagnosis as whole
+from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.elasticity import Elasticity
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.fit.model import build_model
+from mjfriction.diagnose.fit.model import Chosen, build_model
 from mjfriction.diagnose.fit.nuisance import make_nuisance
-from mjfriction.diagnose.tell import verdict
+from mjfriction.diagnose.tell import verdict, what_gives
 from mjfriction.diagnose.tell.outcome import Diagnosis, Verdict
 from mjfriction.diagnose.tell.seen_play import unseen
 from mjfriction.identify.bursts import burst_share
@@ -113,6 +115,20 @@ def test_a_joint_that_blows_hid_is_compared_with_what_is_stated_of_it() -> None:
     doubted = whole.doubt(replace(seen, stated=np.full_like(seen.stated, np.nan)), model, 60.0)
     assert doubted is not None
     np.testing.assert_array_equal(doubted.seen.stated, doubted.seen.gap.residual)
+
+
+def test_a_joint_that_gives_next_to_nothing_is_not_searched_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is left of it, a slow sway, is not what gives."""
+    log = moves(0.0, RIGID)
+    sway = 20.0 * np.sin(2.0 * np.pi * 0.31 * log.time)
+    swayed = replace(log, columns={**log.columns, "effort.axis": log.columns["effort.axis"] + sway})
+    seen = unseen(measure_gap(swayed, read_robot("linear_axis"), highest=60.0))
+    model = build_model(seen.gap, make_nuisance(seen.gap), (Chosen(Elasticity(), Site(0)),))
+    assert whole.doubt(seen, model, 60.0) is None
+    monkeypatch.setattr(what_gives, "stands_out", lambda *_: True)
+    doubted = whole.doubt(seen, model, 60.0)
+    assert doubted is not None
+    assert doubted.joints == (0,)
 
 
 def test_play_between_flanks_that_give_is_found_with_what_they_give(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -223,6 +223,10 @@ class Cause(ABC):
     def columns(self, gap: Gap, site: Site) -> Columns:
         """Return the cause's regressor columns at every joint that feels it, through the measurement chain."""
 
+    def columns_of(self, gap: Gap, sites: Sequence[Site]) -> list[Columns]:
+        """Return the columns of many sites of one joint; causes that have them quicker all at once override this."""
+        return [self.columns(gap, site) for site in sites]
+
 
 class JointCause(Cause):
     """A cause that acts as a torque at its own joint only."""

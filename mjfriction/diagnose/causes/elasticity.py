@@ -223,8 +223,8 @@ class Swinging(_Elasticity):
         return felt_by_itself(gap, sites, functools.partial(self._behind, rate=SCREENING_RATE), every)
 
     def _behind(self, gap: Gap, sites: Sequence[Site], rate: float = FLIGHT_RATE) -> Floats:
-        # How far the link lags per unit of compliance, at many sites of one joint with equal damping, (n, sites).
-        joint, damped = sites[0].joint, sites[0].shape[0]
+        # How far the link lags per unit of compliance, at many sites of one joint, (n, sites).
+        joint, damped = sites[0].joint, np.array([site.shape[0] for site in sites])
         hardening = np.array([self.hardening(site) for site in sites])
         compliances = np.array([site.around for site in sites])
         load, effort = self.load(gap, joint), gap.known.effort
@@ -237,6 +237,10 @@ class Swinging(_Elasticity):
     def shift(self, gap: Gap, site: Site) -> list[Floats]:
         """The link's lag through the position filter, and its two derivatives."""
         return smooth_derivatives(gap.motion, self._behind(gap, [site])[:, 0])
+
+    def columns_of(self, gap: Gap, sites: Sequence[Site]) -> list[Columns]:
+        """Links that lag on many springs are integrated in hardly more time than one."""
+        return self.columns_behind(gap, sites, self._behind(gap, sites))
 
     def own_shape(self, gap: Gap, site: Site) -> bool:
         """A damping ratio below the largest one tried.

@@ -4,6 +4,7 @@ compliant or has play.
 
 from __future__ import annotations
 
+import functools
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from typing import ClassVar
@@ -14,6 +15,7 @@ from mjfriction.diagnose.causes.cause import Cause, Site, column
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.record.log import Floats
+from mjfriction.record.motion import smooth_derivatives
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.transmission import LEAST_INERTIA
 from mjfriction.sim.lagging import Lagging
@@ -44,10 +46,22 @@ class MovedLink(Cause):
 
     def columns(self, gap: Gap, site: Site) -> Columns:
         """The change of torque at every examined joint, through the measurement chain."""
+        return self._kept(gap, site, lambda: self.shift(gap, site))
+
+    def columns_behind(self, gap: Gap, sites: Sequence[Site], behind: Floats) -> list[Columns]:
+        """Return the columns of some sites, given how far each one's link is ``behind`` its sensor per unit strength,
+        (n, sites), before the position filter.
+        """
+        return [
+            self._kept(gap, site, functools.partial(smooth_derivatives, gap.motion, np.ascontiguousarray(own)))
+            for site, own in zip(sites, behind.T, strict=True)
+        ]
+
+    def _kept(self, gap: Gap, site: Site, shift: Callable[[], list[Floats]]) -> Columns:
         key = f"{type(self).__name__} {site.joint} {site.around} {site.shape}"
 
         def made() -> Columns:
-            torques = self._torques(gap, site)
+            torques = self._torques(gap, site, shift())
             return {i: gap.reported(i, torques[:, [i]]) for i in gap.examined}
 
         return gap.kept.recall(key, made)
@@ -70,9 +84,9 @@ class MovedLink(Cause):
     def _felt(self, gap: Gap) -> float:
         return FELT * float(np.sqrt(np.mean(np.square(np.nan_to_num(gap.measured)))))
 
-    def _torques(self, gap: Gap, site: Site) -> Floats:
+    def _torques(self, gap: Gap, site: Site, shift: list[Floats]) -> Floats:
         out = np.zeros((len(gap.robot.joints), gap.motion.time.size))
-        for derivative, part in zip(gap.derivatives, self.shift(gap, site), strict=True):
+        for derivative, part in zip(gap.derivatives, shift, strict=True):
             out -= derivative[:, :, site.joint].T * part
         out[site.joint] += self._beside(gap, site)
         return out.T

@@ -66,18 +66,22 @@ class SpringyPlay(Play):
         return felt_by_itself(gap, sites, self._behind, every)
 
     def _behind(self, gap: Gap, sites: Sequence[Site]) -> Floats:
-        # How far the link lags per unit of play, at many sites of one joint with equal damping, (n, sites).
+        # How far the link lags per unit of play, at many sites of one joint, (n, sites).
         joint, load = sites[0].joint, gap.known.effort.load[:, [sites[0].joint]]
         if not sites[0].around:
             return 0.5 * np.sign(load)  # without a play to fly across: only tests whether any would be felt
         plays, compliances = np.array([site.around for site in sites]), np.array([site.shape[1] for site in sites])
         link = lagging(gap, joint, load[:, 0])
-        damper = damper_of(link.inertia, compliances, sites[0].shape[0])
+        damper = damper_of(link.inertia, compliances, np.array([site.shape[0] for site in sites]))
         return np.asarray(flying(gap.motion, link, 0.5 * plays, 1.0 / compliances, damper) / plays)
 
     def shift(self, gap: Gap, site: Site) -> list[Floats]:
         """The link's lag over its play, through the position filter, and its two derivatives."""
         return smooth_derivatives(gap.motion, self._behind(gap, [site])[:, 0])
+
+    def columns_of(self, gap: Gap, sites: Sequence[Site]) -> list[Columns]:
+        """Links that fly and swing on many flanks are integrated in hardly more time than one."""
+        return self.columns_behind(gap, sites, self._behind(gap, sites))
 
     def around_sites(self, gap: Gap, site: Site) -> list[Site]:
         """Plays that are a little narrower or wider, and flanks a little softer or stiffer, more or less damped."""

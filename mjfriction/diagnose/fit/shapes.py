@@ -11,6 +11,7 @@ from scipy.optimize import minimize
 from mjfriction.diagnose.causes.cause import Site
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model
 from mjfriction.diagnose.fit.trial import try_out
+from mjfriction.identify.regression import Columns
 from mjfriction.record.log import Floats
 
 Bounds = Sequence[tuple[float, float]]
@@ -24,14 +25,15 @@ def best_shape(model: Model, choice: Chosen, bounds: Bounds | None = None) -> Ch
     ``bounds`` are those of the cause if not given.
     """
 
-    def lost(site: Site) -> float:
-        return -_taken_off(model, replace(choice, site=site))
+    def lost(site: Site, columns: Columns | None = None) -> float:
+        return -_taken_off(model, replace(choice, site=site), columns)
 
     around, best = choice.cause.around_sites(model.gap, choice.site), choice.site
     if around:
         least = lost(best)
         for _ in range(choice.cause.around_rounds):
-            losses = [lost(site) for site in around]
+            every = choice.cause.columns_of(model.gap, around)
+            losses = [lost(site, columns) for site, columns in zip(around, every, strict=True)]
             if min(losses) >= least:
                 break
             least, best = min(losses), around[int(np.argmin(losses))]
@@ -83,10 +85,10 @@ def own_shape(model: Model, choice: Chosen) -> Chosen | None:
     return best if apart(model, best) else None
 
 
-def _taken_off(model: Model, choice: Chosen) -> float:
+def _taken_off(model: Model, choice: Chosen, columns: Columns | None = None) -> float:
     # The squared error, over the noise, that a cause takes off a model; none where it is not physical.  Columns that
     # were computed around a strength hold there, whatever strength fits them best.
-    columns = choice.cause.columns(model.gap, choice.site)
+    columns = choice.cause.columns(model.gap, choice.site) if columns is None else columns
     fitted, gains = model.system.screen({joint: values[:, None, :] for joint, values in columns.items()})
     strengths, gain = fitted[0], float(gains[0])
     if choice.site.around and gain > 0.0:

@@ -13,7 +13,8 @@ import numpy as np
 
 from mjfriction.diagnose.causes.moved_link import MovedLink
 from mjfriction.diagnose.causes.springy_play import SpringyPlay
-from mjfriction.diagnose.fit.model import Model
+from mjfriction.diagnose.fit.model import Chosen, Model
+from mjfriction.diagnose.fit.small_errors import stands_out
 from mjfriction.diagnose.search.field import Field, make_field
 from mjfriction.diagnose.tell.seen_play import SeenPlay
 from mjfriction.diagnose.tell.with_play import with_play
@@ -45,8 +46,8 @@ class Doubted:
 
 
 def doubt(seen: SeenPlay, model: Model, highest: float) -> Doubted | None:
-    """Return the joints that a model leaves much of, where play or compliance was found, or where what is left is in
-    bursts or in blows; None if there are none.
+    """Return the joints that a model leaves much of, where play or compliance was found that stands out of it, or where
+    what is left is in bursts or in blows; None if there are none.
 
     Blows count at joints without play that have as many of their own as landings need.  ``highest`` is the upper limit
     of the position filter's cutoff (Hz).
@@ -61,7 +62,7 @@ def doubt(seen: SeenPlay, model: Model, highest: float) -> Doubted | None:
         # A joint of which blows left no row clear is examined with them.
         stated = np.where(np.isnan(seen.stated), heeding.residual, seen.stated)
         seen = replace(seen, whole=whole, gap=heeding, stated=stated) if loud else seen
-    giving = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, MovedLink)}
+    giving = {choice.site.joint for choice in model.chosen if _gives_much(model, choice, left)}
     noise = ABOVE_NOISE * least_noise(gap)
     much = [joint for joint in gap.examined if gap.rms(left[:, joint], joint) > noise[joint]]
     doubted = [joint for joint in much if joint in giving or burst_share(gap, joint, left) >= BURST_SHARE]
@@ -100,6 +101,13 @@ def left_in_blows(doubted: Doubted, model: Model) -> list[Structure]:
 def _mean_squares(doubted: Doubted, model: Model) -> dict[int, float]:
     left = model.heldout_residual()
     return {joint: doubted.seen.gap.rms(left[:, joint], joint) ** 2 for joint in doubted.joints}
+
+
+def _gives_much(model: Model, choice: Chosen, left: Floats) -> bool:
+    # Joints that give a little, as all do, leave much beside that on any machine.
+    joint = choice.site.joint
+    gives = isinstance(choice.cause, MovedLink)
+    return gives and stands_out(model.gap, joint, model.without(choice).residual(), left)
 
 
 def _count(gap: Gap, joint: int) -> int:
