@@ -135,6 +135,13 @@ def with_factor(model: Model, joint: int, spread: float) -> Model:
     return _near(model.with_also(factor), joint, spread)[0]
 
 
+def near_stated(model: Model, joint: int, change: dict[int, float]) -> Model:
+    """Return a model with a joint's levels kept as near to what is stated as those of the other joints are; ``change``
+    is as in :func:`scaled_levels`.
+    """
+    return _near(model, joint, _spread(change, joint))[0]
+
+
 def _spread(change: dict[int, float], joint: int) -> float:
     return max(EXACT, usually_off(change, joint))
 

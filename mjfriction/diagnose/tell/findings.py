@@ -28,6 +28,10 @@ from mjfriction.record.log import Floats
 
 OF_ONE_FACTOR = {STATED_LEVELS.name: TorqueConstant.name, TorqueConstant.name: STATED_LEVELS.name}
 ONE_OF_MANY = 0.25  # confidence below which a cause with alternatives is one of so many that it names nothing
+# Confidence below which a cause with alternatives is no finding on a machine of so many joints, whose efforts together
+# tell most causes apart: several small errors add up to what none of them is.  On fewer joints causes are alike by
+# nature.
+ONE_OF_SEVERAL, SEVERAL_JOINTS = 0.4, 4
 # Confidence below which nothing is reported: a cause's other half may prove to be none once all is known.
 FAINTEST = 0.05
 
@@ -48,22 +52,28 @@ class Told:
 def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> Told:
     """Return what there is to report of a settled model.
 
-    ``untold`` says which of its causes are not findings. A cause is not a finding either if it is very unlikely, or if
-    it is one of many alternatives and something is left unexplained or there is another finding at its joint. ``seed``
-    sets the resampling behind the intervals of the gains.
+    ``untold`` says which of its causes are not findings. A cause is not a finding either if it is very unlikely, if it
+    is one of many alternatives and something is left unexplained or there is another finding at its joint, or if it is
+    one of several on a machine of several joints. ``seed`` sets the resampling behind the intervals of the gains.
     """
     model = settled.model
     heldout, widths = model.heldout_residual(oscillations=True), widths_told(model)
     entries, links = list(to_tell(settled, untold, widths)), link_finding(model, widths, untold, field, seed)
+    if links is not None and _one_of_several(model, links):
+        links = None
     links_off = links is not None or any(entry.choice.cause.name == LinkScale.name for entry in entries)
     findings = [] if links is None else [links]
     of_many: set[Key] = set()
     unsure: list[_Unsure] = []
     standings = [_standing(settled, entry.choice, field) for entry in entries]
-    firm = [entry.choice for entry, stands in zip(entries, standings, strict=True) if not _one_of_many(stands)]
+    firm = [
+        entry.choice
+        for entry, stands in zip(entries, standings, strict=True)
+        if not _one_of_many(stands) and not _one_of_several(model, stands)
+    ]
     for entry, stands in zip(entries, standings, strict=True):
         choice = entry.choice
-        if choice not in firm and _names_nothing(choice, stands, untold, firm):
+        if _one_of_several(model, stands) or (choice not in firm and _names_nothing(choice, stands, untold, firm)):
             of_many.add(choice.key)
             continue
         instead = _instead(settled, choice, stands) if stands.alternatives else None
@@ -94,6 +104,11 @@ def _replaced(choice: Chosen) -> list[str]:
 
 def _one_of_many(stands: Standing) -> bool:
     return stands.confidence < FAINTEST or (bool(stands.alternatives) and stands.confidence < ONE_OF_MANY)
+
+
+def _one_of_several(model: Model, stands: Standing | Finding) -> bool:
+    several = bool(stands.alternatives) and stands.confidence < ONE_OF_SEVERAL
+    return several and len(model.gap.examined) >= SEVERAL_JOINTS
 
 
 def _names_nothing(choice: Chosen, stands: Standing, untold: Untold, firm: Sequence[Chosen]) -> bool:
