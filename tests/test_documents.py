@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from mjfriction.control.observe import OBSERVERS
-from mjfriction.diagnose.causes import carried_payload
+from mjfriction.diagnose.causes import carried_payload, offset, torque_constant
 from mjfriction.diagnose.causes.along_stroke import FINEST
 from mjfriction.diagnose.causes.backlash import PLAYS, PROMISES
 from mjfriction.diagnose.causes.carried_drive import RATIOS as CARRIED
@@ -68,12 +68,13 @@ from mjfriction.diagnose.search.richer import PAYS
 from mjfriction.diagnose.search.short_list import NEAR_BEST, PROMISED
 from mjfriction.diagnose.search.stroke_curve import HARMONIC, HARMONIC_TWO, HIGHEST
 from mjfriction.diagnose.search.unevenness import TOLD_BY
+from mjfriction.diagnose.settle import stated
 from mjfriction.diagnose.settle.held_links import NEARLY_ALL, NEARLY_EXACT
 from mjfriction.diagnose.settle.levels_kept import LEAST_OFF, NEARER
 from mjfriction.diagnose.settle.one_factor import CLEAN
 from mjfriction.diagnose.settle.one_factor import LEAST_OFF as LEAST_FACTOR
 from mjfriction.diagnose.settle.stated import FADED, LEFT, NEARER_LINKS, OUTLYING
-from mjfriction.diagnose.tell import free_run, what_gives
+from mjfriction.diagnose.tell import findings, free_run, what_gives
 from mjfriction.diagnose.tell.alike import AT_THE_BAR, EVEN, MOST_CONFIDENT, ROOM
 from mjfriction.diagnose.tell.contacts import NO_CONTACT, RIGID
 from mjfriction.diagnose.tell.findings import FAINTEST, ONE_OF_MANY
@@ -360,6 +361,16 @@ def test_how_it_decides_tells_what_stands_out_of_a_models_small_errors() -> None
     assert f"must remove {100 * small_errors.STANDS_OUT:g} % of the mean square that they leave together" in told
     assert f"less than {100 * small_errors.USUAL:g} % of the effort makes" in told
     assert f"as much as {100 * LEAST_EFFECT:g} % of the effort makes" in told
+
+
+def test_how_it_decides_tells_what_is_known_no_better_and_what_is_one_of_several() -> None:
+    told = " ".join(text("docs/how_it_decides.md").split())
+    assert f"| by {100 * torque_constant.LEAST_OFF:g} % if the rest of the robot is stated exactly" in told
+    assert f"larger than {100 * offset.ONE_WAY:g} % of the stated Coulomb level" in told
+    assert f"its confidence is below {100 * findings.ONE_OF_SEVERAL:g} %" in told
+    assert findings.SEVERAL_JOINTS == 4, "in words"
+    assert f"friction is off by more than {100 * stated.SUSPECT:g} %, but not by enough" in told
+    assert stated.HALVED == 0.5, "in words"
 
 
 def test_how_it_decides_tells_at_what_level_other_halves_are_asked_for() -> None:

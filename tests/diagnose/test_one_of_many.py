@@ -1,6 +1,10 @@
-"""What is but one of many alternatives, where something is left unexplained or beside another, is no finding."""
+"""What is but one of many alternatives is no finding where something is left unexplained or beside another, and what
+is one of several is none on a machine of several joints.
+"""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import pytest
 
@@ -39,6 +43,13 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Model:
     return build_model(gap, usual_nuisance(gap), (SPRING,))
 
 
+@pytest.fixture
+def few(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As on a machine of few joints."""
+    monkeypatch.setattr(findings, "SEVERAL_JOINTS", len(UR5_JOINTS) + 1)
+
+
+@pytest.mark.usefixtures("few")
 @pytest.mark.parametrize(("confidence", "left", "told"), [(0.2, 0.5, False), (0.2, 0.0, True), (0.5, 0.5, True)])
 def test_it_is_told_only_where_it_names_something(
     confidence: float, left: float, told: bool, model: Model, monkeypatch: pytest.MonkeyPatch
@@ -51,6 +62,7 @@ def test_it_is_told_only_where_it_names_something(
     assert (SPRING.key in said.untold) is not told
 
 
+@pytest.mark.usefixtures("few")
 def test_beside_another_it_is_what_that_leaves(model: Model, monkeypatch: pytest.MonkeyPatch) -> None:
     spring, offset = ("body.spring", UR5_JOINTS[ELBOW]), ("drive.offset", UR5_JOINTS[ELBOW])
 
@@ -69,6 +81,7 @@ def test_beside_another_it_is_what_that_leaves(model: Model, monkeypatch: pytest
     assert found(ELBOW, 0.2) == [spring, offset]
 
 
+@pytest.mark.usefixtures("few")
 @pytest.mark.parametrize("left", [{}, {ELBOW + 1: 0.5}])
 def test_of_the_whole_arm_it_names_nothing_where_anything_is_left(
     left: dict[int, float], model: Model, monkeypatch: pytest.MonkeyPatch
@@ -80,6 +93,33 @@ def test_of_the_whole_arm_it_names_nothing_where_anything_is_left(
     said = make_findings(Settled(loaded, ()), untold, make_field(model.gap, STRUCTURAL), seed=0)
     assert [one.cause for one in said.findings] == ["body.payload"] * (not left)
     assert (payload.key in said.untold) is bool(left)
+
+
+@pytest.mark.parametrize(
+    ("confidence", "among", "joints", "told"),
+    [(0.39, MANY, 4, False), (0.39, MANY, 7, True), (0.41, MANY, 4, True), (0.39, (), 4, True)],
+)
+def test_one_of_several_is_told_of_few_joints_only(
+    confidence: float, among: tuple[str, ...], joints: int, told: bool, model: Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(findings, "standing", lambda *_: Standing(among, confidence))
+    monkeypatch.setattr(findings, "SEVERAL_JOINTS", joints)
+    untold = Untold(frozenset(), {}, model.heldout_residual())
+    said = make_findings(Settled(model, ()), untold, make_field(model.gap, STRUCTURAL), seed=0)
+    assert bool(said.findings) is told
+    assert (SPRING.key in said.untold) is not told
+
+
+@pytest.mark.parametrize(("confidence", "told"), [(0.39, False), (0.41, True)])
+def test_so_are_refitted_links(confidence: float, told: bool, model: Model, monkeypatch: pytest.MonkeyPatch) -> None:
+    untold = Untold(frozenset({SPRING.key}), {}, model.heldout_residual())
+    asked = Settled(model, ()), untold, make_field(model.gap, STRUCTURAL)
+    with pytest.MonkeyPatch.context() as certain:
+        certain.setattr(findings, "standing", lambda *_: Standing((), 0.9))
+        (spring,) = make_findings(Settled(model, ()), replace(untold, keys=frozenset()), asked[2], seed=0).findings
+    links = replace(spring, cause="body.link_inertia", joint=None, alternatives=MANY, confidence=confidence)
+    monkeypatch.setattr(findings, "link_finding", lambda *_: links)
+    assert make_findings(*asked, seed=0).findings == (links,) * told
 
 
 @pytest.mark.parametrize(("confidence", "told"), [(0.01, False), (0.1, True)])

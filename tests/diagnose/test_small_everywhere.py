@@ -45,9 +45,9 @@ def test_how_little_an_even_machine_could_show_is_said(tmp_path: Path) -> None:
     log, robot = write_case(tmp_path, Machine(noise=0.02), seed=21, seconds=30.0)
     shown = visible_causes(measure_gap(read_log(log), read_robot(robot)))
     tilts = [one.share for one in shown if one.cause == "body.gravity_direction"]
-    offsets = [one.share for one in shown if one.cause == "drive.offset"]
+    springs = [one.share for one in shown if one.cause == "body.spring"]
     assert 0.0 < min(tilts) < trial.LEAST_EFFECT
-    assert min(offsets) == pytest.approx(trial.LEAST_EFFECT)
+    assert min(springs) == pytest.approx(trial.LEAST_EFFECT)
 
 
 def test_as_little_at_one_joint_is_not_told(tmp_path: Path) -> None:

@@ -169,6 +169,12 @@ class Cause(ABC):
         """
         return False
 
+    def least_change(self, gap: Gap, site: Site) -> float:
+        """Return how large the first strength must be to be a finding on any robot, however exactly that is stated: by
+        default any is.
+        """
+        return 0.0
+
     def shape_bounds(self, gap: Gap, site: Site) -> list[tuple[float, float]]:
         """Return the range each shape parameter is searched in."""
         return []

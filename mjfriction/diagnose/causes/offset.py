@@ -11,9 +11,11 @@ from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import Columns
 from mjfriction.parameter import Parameter
 from mjfriction.record.log import Floats
+from mjfriction.robot.friction import stated_levels
 from mjfriction.robot.robot import Robot
 
 OFFSET = Parameter("offset", "{force}", "constant in the reported effort")
+ONE_WAY = 0.05  # of the stated Coulomb level, by which either direction of any machine may differ from it
 
 
 @final
@@ -22,7 +24,6 @@ class Offset(Cause):
 
     name = "drive.offset"
     covariate = "time"
-    least_told = 0.06  # on any machine, amplifiers drift by a percent or two of their range
 
     def columns(self, gap: Gap, site: Site) -> Columns:
         """Ones, added after everything that the sensor does to efforts."""
@@ -32,6 +33,10 @@ class Offset(Cause):
         """The offset, stated plus change."""
         stated = gap.robot.table.joint[site.joint].effort_sensor.offset
         return (Quantity(OFFSET, shift=stated, before_sensor=False),)
+
+    def least_change(self, gap: Gap, site: Site) -> float:
+        """What Coulomb levels that differ between the directions make on any machine."""
+        return ONE_WAY * stated_levels(gap.robot.table.joint[site.joint])[0]
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Change the effort sensor's offset."""

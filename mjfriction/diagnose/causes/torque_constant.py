@@ -16,7 +16,7 @@ MOST_OFF = 3.0
 # Relative error of a data sheet's constant up to which it is usual: magnets vary by several percent, and weaken as they
 # warm.
 USUALLY_OFF = 0.06
-LEAST_OFF = 0.02  # no motor's constant and no current sensor is known any better, however exactly the rest is stated
+LEAST_OFF = 0.02  # the same of one that was measured
 
 
 @final
@@ -38,13 +38,13 @@ class TorqueConstant(JointCause):
         """A factor of three or more, or a reversed sign, is a fault of units or wiring, not of a constant."""
         return bool(1.0 / MOST_OFF < 1.0 + strengths[0] < MOST_OFF)
 
-    def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """Off by more than it is ever known to."""
-        return bool(abs(strengths[0]) > LEAST_OFF)
-
     def usual(self, gap: Gap, site: Site, strengths: Floats) -> bool:
         """No more than the few percent that any motor's constant is off."""
         return bool(abs(strengths[0]) < USUALLY_OFF)
+
+    def least_change(self, gap: Gap, site: Site) -> float:
+        """What a constant and a current sensor are known to at best."""
+        return LEAST_OFF
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Scale the effort sensor.

@@ -61,7 +61,8 @@ def find_untold(
 
     A link is no finding if all links, a few percent off in all of their ten parameters, do as well.  Nor is a torque
     constant or a rotor that is a few percent off, if the whole robot is, or if the joint's link is not where its sensor
-    says, because of play or compliance: its accelerations then depend on how that is modelled.
+    says, because of play or compliance: its accelerations then depend on how that is modelled.  Nor is a change that is
+    slight on any robot.
 
     The other half of a cause that is reported was asked for by name, and is reported too.  Friction that builds up
     within the travel that any contact yields can be a finding at one or two joints, as
@@ -81,6 +82,7 @@ def find_untold(
         choice.key
         for choice, fitted in model.fitted_causes
         if not choice.cause.noteworthy(gap, choice.site, fitted)
+        or abs(float(fitted[0])) < choice.cause.least_change(gap, choice.site)
         or (choice.cause.usual(gap, choice.site, fitted) and (not exact or choice.site.joint in giving))
     }
     causes = (*model.chosen, *settled.levels)

@@ -80,7 +80,8 @@ def _least(model: Model, choice: Chosen, chance: float, alike: float) -> float:
 
 def _least_told(model: Model, choice: Chosen, left: Floats) -> float:
     # However certain, an effect is not reported if it is less than a share of the effort, of the residual or, at its
-    # largest, of the joint's friction, or if it does not stand out of the model's small errors.
+    # largest, of the joint's friction, if it does not stand out of the model's small errors, or if no such value is
+    # known any better.
     joint, (columns, _) = choice.site.joint, cause_block(model.gap, choice)
     beside = left_of_friction(model, model.gap.rms(left, joint), joint)
     most = max(at_its_most(model, choice, columns, own, joint) / max(_rms(own), 1e-300) for own in columns[joint].T)
@@ -89,6 +90,7 @@ def _least_told(model: Model, choice: Chosen, left: Floats) -> float:
         least_told(model, choice, beside) * model.friction[joint] / max(most, 1e-300),
         float(np.sqrt(LEAST_SHARE)) * _rms(left),
         least_to_stand_out(model.gap, joint, left),
+        choice.cause.least_change(model.gap, choice.site) * _rms(columns[joint][:, 0]),
     )
 
 

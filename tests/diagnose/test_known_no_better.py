@@ -1,0 +1,58 @@
+"""Stated values that nobody knows any better are no findings, on a machine that is stated exactly otherwise."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mjfriction.diagnose.causes import offset, torque_constant
+from mjfriction.diagnose.diagnosis import diagnose_log
+from mjfriction.diagnose.tell.outcome import Diagnosis
+from mjfriction.diagnose.tell.visible import visible_causes
+from mjfriction.identify.measure import measure_gap
+from mjfriction.record.readers import read_log
+from mjfriction.robot.files import read_robot
+from tests.hidden.machine import UR5_COULOMB, UR5_JOINTS, Instant, Machine, write_case
+
+LIFT, ELBOW = 1, 2
+OFF, DRIFT = 0.015, 0.04  # of the effort, of the Coulomb level
+
+
+def diagnosed(folder: Path, machine: Machine) -> Diagnosis:
+    log, robot = write_case(folder, machine, seed=21, seconds=25.0, rate=125.0)
+    return diagnose_log(read_log(log), read_robot(robot))
+
+
+def test_a_torque_constant_that_is_off_by_a_percent(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def reads_more(at: Instant) -> np.ndarray:
+        return OFF * (at.rigid + at.friction)
+
+    machine = Machine(noise=0.01, hidden={LIFT: reads_more})
+    found = diagnosed(tmp_path, machine)
+    assert found.findings == ()
+    (factor,) = [own for own in found.adjustments if own.what == "factor"]
+    assert factor.fitted == pytest.approx(1.0 + OFF, abs=0.003)
+    monkeypatch.setattr(torque_constant, "LEAST_OFF", 0.0)
+    told = [(one.cause, one.joint) for one in diagnosed(tmp_path, machine).findings]
+    assert told == [("drive.torque_constant", UR5_JOINTS[LIFT])]
+
+
+def test_a_zero_that_is_off_by_a_few_percent_of_friction(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    machine = Machine(noise=0.02, hidden={ELBOW: lambda at: np.full_like(at.q, DRIFT * UR5_COULOMB[ELBOW])})
+    found = diagnosed(tmp_path, machine)
+    assert found.findings == ()
+    (zero,) = [own for own in found.adjustments if (own.what, own.joint) == ("offset", UR5_JOINTS[ELBOW])]
+    assert zero.fitted == pytest.approx(DRIFT * UR5_COULOMB[ELBOW], rel=0.1)
+    monkeypatch.setattr(offset, "ONE_WAY", 0.0)
+    told = [(one.cause, one.joint) for one in diagnosed(tmp_path, machine).findings]
+    assert told == [("drive.offset", UR5_JOINTS[ELBOW])]
+
+
+def test_what_a_log_could_show_is_no_less(tmp_path: Path) -> None:
+    log, robot = write_case(tmp_path, Machine(noise=0.01), seed=21, seconds=25.0, rate=125.0)
+    shown = visible_causes(measure_gap(read_log(log), read_robot(robot)))
+    least = {one.cause: one for one in shown if one.joint == UR5_JOINTS[LIFT]}
+    assert least["drive.offset"].size == pytest.approx(offset.ONE_WAY * UR5_COULOMB[LIFT])
+    assert least["drive.torque_constant"].share == pytest.approx(torque_constant.LEAST_OFF, rel=0.02)
