@@ -18,7 +18,6 @@ from mjfriction.record.log import Log
 from mjfriction.record.readers.table import log_from_table
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.schema import Transmission
-from tests.deep import deep
 
 LIFT = "shoulder_lift_joint"
 UPRIGHT = np.array([0.0, -1.57, 0.0, -1.57, 0.0, 0.0])
@@ -36,10 +35,11 @@ def upright(play: float, seed: int, speed: float) -> Log:
     return log_from_table(pa.table(simulate(machine, motion, recorder=Recorder(250.0), seed=seed)), "upright")
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize(
     ("play", "seed", "speed"),
     # Between two of the grid's, so that the link lands half a second earlier or later with either of them.
-    [(0.0055, 1, 0.15), deep(0.0366, 2, 0.15), deep(0.0366, 1, 0.3), deep(0.0458, 2, 0.6), deep(0.0458, 1, 0.15)],
+    [(0.0055, 1, 0.15), (0.0366, 2, 0.15), (0.0366, 1, 0.3), (0.0458, 2, 0.6), (0.0458, 1, 0.15)],
 )
 def test_play_is_found_though_its_landings_come_at_other_moments_for_any_play_but_it(
     play: float, seed: int, speed: float, monkeypatch: pytest.MonkeyPatch

@@ -240,6 +240,7 @@ def ringing_from_before() -> Log:
     return log_from_table(pa.table(columns), "ringing")
 
 
+@pytest.mark.deep
 def test_a_link_that_swings_from_before_the_log_is_one_that_gives(ringing_from_before: Log) -> None:
     (finding,) = diagnose_log(ringing_from_before, read_robot("ur5")).findings
     assert (finding.cause, finding.joint) == ("drive.elasticity", LIFT)

@@ -131,6 +131,7 @@ def test_a_joint_that_gives_next_to_nothing_is_not_searched_again(monkeypatch: p
     assert doubted.joints == (0,)
 
 
+@pytest.mark.deep
 def test_play_between_flanks_that_give_is_found_with_what_they_give(monkeypatch: pytest.MonkeyPatch) -> None:
     log, robot = moves(2e-4, SOFT), read_robot("linear_axis")
     (finding,) = diagnose_log(log, robot).findings

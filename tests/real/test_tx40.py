@@ -40,6 +40,7 @@ def test_the_coupling_of_the_wrist_is_found_with_its_published_size(tx40: Diagno
     assert wrist.rms_heldout_after < 0.3 * wrist.rms_heldout_before
 
 
+@pytest.mark.deep
 def test_no_curve_of_friction_is_claimed_but_damping_that_thins(tx40: Diagnosis) -> None:
     curves = {"friction.stribeck", "friction.presliding", "friction.asymmetry"}
     assert not curves & {finding.cause for finding in tx40.findings}
