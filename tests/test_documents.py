@@ -68,7 +68,7 @@ from mjfriction.diagnose.search.richer import PAYS
 from mjfriction.diagnose.search.short_list import NEAR_BEST, PROMISED
 from mjfriction.diagnose.search.stroke_curve import HARMONIC, HARMONIC_TWO, HIGHEST
 from mjfriction.diagnose.search.unevenness import TOLD_BY
-from mjfriction.diagnose.settle import stated
+from mjfriction.diagnose.settle import hidden_curve
 from mjfriction.diagnose.settle.held_links import NEARLY_ALL, NEARLY_EXACT
 from mjfriction.diagnose.settle.levels_kept import LEAST_OFF, NEARER
 from mjfriction.diagnose.settle.one_factor import CLEAN
@@ -369,8 +369,8 @@ def test_how_it_decides_tells_what_is_known_no_better_and_what_is_one_of_several
     assert f"larger than {100 * offset.ONE_WAY:g} % of the stated Coulomb level" in told
     assert f"its confidence is below {100 * findings.ONE_OF_SEVERAL:g} %" in told
     assert findings.SEVERAL_JOINTS == 4, "in words"
-    assert f"friction is off by more than {100 * stated.SUSPECT:g} %, but not by enough" in told
-    assert stated.HALVED == 0.5, "in words"
+    assert f"friction is off by more than {100 * hidden_curve.SUSPECT:g} %, but not by enough" in told
+    assert hidden_curve.HALVED == 0.5, "in words"
 
 
 def test_how_it_decides_tells_at_what_level_other_halves_are_asked_for() -> None:

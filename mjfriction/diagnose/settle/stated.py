@@ -35,6 +35,7 @@ from mjfriction.diagnose.search.field import Field, chances_in, in_place_of_leve
 from mjfriction.diagnose.search.short_list import contenders, passing
 from mjfriction.diagnose.settle.as_plain import as_plain
 from mjfriction.diagnose.settle.held_links import held_links
+from mjfriction.diagnose.settle.hidden_curve import SUSPECT, with_hidden_curve
 from mjfriction.diagnose.settle.levels_kept import (
     CURVES,
     WITH_LEVELS,
@@ -43,15 +44,12 @@ from mjfriction.diagnose.settle.levels_kept import (
     with_levels_as_stated,
 )
 from mjfriction.diagnose.settle.load_at_flange import as_load
-from mjfriction.diagnose.settle.one_factor import beside_factors, near_stated, one_number, scaled_levels
+from mjfriction.diagnose.settle.one_factor import beside_factors, one_number, scaled_levels
 from mjfriction.robot.friction import stated_levels
 
 MOST_LINK_CHANGE = 0.8  # relative change of a link's scale above which the fit is no link but a sign of something else
 LEAST_CHANGE = 0.04  # relative change of friction above which it is a finding on a robot stated exactly
 LEAST_CHANGE_ROUGH = 0.10  # the same where all joints are slightly off, or where there are too few to compare
-# Relative change of friction from which on, up to the bar, a curve over speed is tried in its place, and the share of
-# the mean square that it may leave there.
-SUSPECT, HALVED = 0.08, 0.5
 AS_MUCH = 1.0  # relative change of friction from which a curve's parametrisation can no longer explain it
 # A bend counts as faded where it contributes less than this fraction of the level change.  That is examined above the
 # RMS speed or, for a spot or an edge, where it is below this fraction of its height.
@@ -89,7 +87,8 @@ def settle(model: Model, asked: Field) -> Settled:
     and three times the typical change, or more than 25 % in any case.  Where friction follows temperature, pressure or
     load, or settles, the change must be that large at every moment of this course.  If another cause does as well with
     fewer degrees of freedom, it takes the level's place and the level is held as stated.  If both levels are off by one
-    factor, a torque constant that is off by this factor takes their place.
+    factor, a torque constant that is off by this factor takes their place.  Levels that are nearly off enough may only
+    follow a curve over speed, which then takes their place.
 
     Refitted links are kept as near to what is stated as does as well if friction is stated exactly, and are held as
     stated if one cause does as well and everything else is stated almost exactly.  A load at
@@ -116,10 +115,10 @@ def settle(model: Model, asked: Field) -> Settled:
             model = held
         elif trial.passes(field_size) and change[joint] > bar and not _of_another_moment(model, level, bar):
             model, own, spread = _explained(model, level, held, trial, change, bar, asked)
-            findings += [] if own is None else [own]
-            alike |= {} if spread is None else {joint: spread}
+            findings += own
+            alike |= spread
         elif trial.passes(field_size) and SUSPECT < change[joint] <= bar:
-            model = _curve_instead(model, joint, change, asked)
+            model = with_hidden_curve(model, joint, change, asked)
     model = with_levels_as_stated(model)
     if model.nuisance.zeros and not _helps(model, model.nuisance.of_zeros):
         model = model.without_zeros()
@@ -160,35 +159,22 @@ def _unbent(model: Model, joint: int, asked: Field) -> Model | None:
 
 
 def _explained(
-    model: Model, level: Level, held: Model, own: Trial, change: dict[int, float], bar: float, asked: Field
-) -> tuple[Model, Chosen | None, float | None]:
-    # The model with one cause in place of levels that are far off, if one does as well; otherwise these levels are the
-    # finding.  Last, the spread of levels elsewhere, where the torque constant may be off instead of these.
-    joint, rival = level.site.joint, _simpler(held, own, asked, bar)
+    model: Model, level: Level, held: Model, free: Trial, change: dict[int, float], bar: float, asked: Field
+) -> tuple[Model, list[Chosen], dict[int, float]]:
+    # The model with one cause in place of a joint's levels that are far off, if one does as well; otherwise these
+    # levels, tried as ``free`` ones beside those that are ``held``, are the finding.  Last, by joint, the spread of
+    # levels elsewhere where the torque constant may be off instead.
+    joint, rival = level.site.joint, _simpler(held, free, asked, bar)
     if rival is not None:
-        return build_model(held.gap, held.nuisance, (*without_contained(held.chosen, rival), rival)), None, None
-    scaled = scaled_levels(model, held, own, change)
-    spread = None if scaled is None else scaled.spread
+        return build_model(held.gap, held.nuisance, (*without_contained(held.chosen, rival), rival)), [], {}
+    scaled = scaled_levels(model, held, free, change)
+    spread = {} if scaled is None else {joint: scaled.spread}
     if scaled is not None and scaled.one_factor:
-        return scaled.model, None, spread
+        return scaled.model, [], spread
     other = one_for_both(model, joint, asked)
     if other is not None:
-        return other, None, spread
-    return model, own.chosen if _own(model, level, change[joint], bar) else None, spread
-
-
-def _curve_instead(model: Model, joint: int, change: dict[int, float], asked: Field) -> Model:
-    # Levels of which one is too low and the other too high may follow a curve over speed, of which they leave too
-    # little for it to be found.  Beside levels that are as near to what is stated as those of the other joints, it must
-    # leave half of what they leave.
-    near = near_stated(model, joint, change)
-    curves = tuple(own for own in asked if own.joint == joint and own.cause.name in CURVES)
-    best = max(passing(contenders(near, curves), chances_in(asked)), key=lambda trial: trial.merit, default=None)
-    if best is None:
-        return model
-    curved, gap = near.with_also(best.chosen), model.gap
-    left, now = (gap.rms(own.heldout_residual()[:, joint], joint) ** 2 for own in (model, curved))
-    return curved if now < HALVED * left and level_changes(curved)[joint] < change[joint] else model
+        return other, [], spread
+    return model, [free.chosen] if _own(model, level, change[joint], bar) else [], spread
 
 
 def _own(model: Model, level: Level, change: float, bar: float) -> bool:
