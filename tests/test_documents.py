@@ -28,6 +28,7 @@ from mjfriction.diagnose.causes.load import LEAST_ROTOR
 from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.causes.presliding import LEAST_PART, LONGEST_OF_ELEMENTS, SLIPS
 from mjfriction.diagnose.causes.rotor_inertia import USUALLY_OFF as ROTOR_OFF
+from mjfriction.diagnose.causes.spring import BentSpring
 from mjfriction.diagnose.causes.springy_play import FEWER_PLAYS, FLANKS
 from mjfriction.diagnose.causes.steepening_viscous import POWERS
 from mjfriction.diagnose.causes.stribeck import EXPONENTS, FALLEN, GONE_BY, UNFINISHED
@@ -68,7 +69,7 @@ from mjfriction.diagnose.search.richer import PAYS
 from mjfriction.diagnose.search.short_list import NEAR_BEST, PROMISED
 from mjfriction.diagnose.search.stroke_curve import HARMONIC, HARMONIC_TWO, HIGHEST
 from mjfriction.diagnose.search.unevenness import TOLD_BY
-from mjfriction.diagnose.settle import hidden_curve
+from mjfriction.diagnose.settle import as_plain, hidden_curve
 from mjfriction.diagnose.settle.held_links import NEARLY_ALL, NEARLY_EXACT
 from mjfriction.diagnose.settle.levels_kept import LEAST_OFF, NEARER
 from mjfriction.diagnose.settle.one_factor import CLEAN
@@ -361,6 +362,13 @@ def test_how_it_decides_tells_what_stands_out_of_a_models_small_errors() -> None
     assert f"must remove {100 * small_errors.STANDS_OUT:g} % of the mean square that they leave together" in told
     assert f"less than {100 * small_errors.USUAL:g} % of the effort makes" in told
     assert f"as much as {100 * LEAST_EFFECT:g} % of the effort makes" in told
+
+
+def test_how_it_decides_tells_how_much_more_a_spring_must_remove() -> None:
+    told = " ".join(text("docs/how_it_decides.md").split())
+    assert f"no larger than {100 * small_errors.USUAL:g} % of the effort and less than a tenth, in" in told
+    assert as_plain.PART == 0.1, "in words"
+    assert f"must remove {BentSpring.least_cleared:g} times the mean square that is left at its joint" in told
 
 
 def test_how_it_decides_tells_what_is_known_no_better_and_what_is_one_of_several() -> None:

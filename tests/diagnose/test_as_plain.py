@@ -15,6 +15,7 @@ from mjfriction.diagnose.causes.spring import BentSpring, Spring
 from mjfriction.diagnose.fit.model import Chosen, build_model
 from mjfriction.diagnose.fit.nuisance import make_nuisance
 from mjfriction.diagnose.search.field import make_field
+from mjfriction.diagnose.settle import as_plain as module
 from mjfriction.diagnose.settle.as_plain import as_plain
 from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
@@ -40,6 +41,23 @@ def test_of_causes_that_contain_each_other_the_plainest_that_leaves_as_little_is
     (left,) = as_plain(found, make_field(gap, STRUCTURAL)).chosen
     plainest = next(kind for kind in COURSES if kind in (hidden, chosen))
     assert type(left.cause) is plainest
+
+
+@pytest.mark.parametrize(("constant", "told"), [(3.0, Offset), (0.3, Spring)])
+def test_a_usual_error_that_follows_the_pose_beside_an_offset_is_a_small_part_of_it(
+    constant: float, told: type[Cause], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def course(at: Instant) -> np.ndarray:
+        return constant + 0.6 * at.q + 0.3 * np.sin(61.0 * at.q)
+
+    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: course}, noise=0.01), seed=3, seconds=30.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    found, asked = build_model(gap, make_nuisance(gap), (Chosen(Spring(), Site(ELBOW)),)), make_field(gap, STRUCTURAL)
+    (left,) = as_plain(found, asked).chosen
+    assert type(left.cause) is told
+    monkeypatch.setattr(module, "PART", 0.0)
+    (left,) = as_plain(found, asked).chosen
+    assert type(left.cause) is Spring
 
 
 @pytest.mark.parametrize(("rippling", "told"), [(0.0, Spring), (0.6, Offset)])

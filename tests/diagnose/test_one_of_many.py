@@ -110,8 +110,11 @@ def test_one_of_several_is_told_of_few_joints_only(
     assert (SPRING.key in said.untold) is not told
 
 
-@pytest.mark.parametrize(("confidence", "told"), [(0.39, False), (0.41, True)])
-def test_so_are_refitted_links(confidence: float, told: bool, model: Model, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("confidence", "joints", "told"), [(0.49, 4, False), (0.51, 4, True), (0.49, 7, True)])
+def test_refitted_links_that_are_no_likelier_than_another_cause_are_told_of_few_joints_only(
+    confidence: float, joints: int, told: bool, model: Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(findings, "SEVERAL_JOINTS", joints)
     untold = Untold(frozenset({SPRING.key}), {}, model.heldout_residual())
     asked = Settled(model, ()), untold, make_field(model.gap, STRUCTURAL)
     with pytest.MonkeyPatch.context() as certain:

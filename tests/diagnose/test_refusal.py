@@ -22,6 +22,7 @@ from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.causes.varying import Step
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model, cause_block
 from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.fit.trial import try_out
 from mjfriction.diagnose.search import compete, refusal
 from mjfriction.diagnose.search.field import chances_in, make_field
 from mjfriction.diagnose.search.refusal import refused
@@ -40,7 +41,7 @@ from mjfriction.robot.robot import Robot
 from tests.diagnose.test_lone_axis import pendulum
 from tests.hidden.machine import UR5_COULOMB, UR5_VISCOUS, Instant, Machine, write_case
 
-SHOULDER, ELBOW = 1, 2
+PAN, SHOULDER, ELBOW = 0, 1, 2
 
 
 def gap_of_machine(folder: Path, machine: Machine) -> Gap:
@@ -225,6 +226,22 @@ def test_accelerations_that_joints_all_over_the_arm_feel_are_no_couplings(
     gap = gap_of_machine(tmp_path, Machine(hidden=dict.fromkeys(joints, felt)))
     couplings = tuple(Chosen(SharedMotion(), Site(joint, other=0)) for joint in joints)
     assert len(refused(build_model(gap, make_nuisance(gap), couplings))) == refusals
+
+
+@pytest.mark.parametrize("bent", [True, False])
+def test_a_reading_that_bends_as_it_grows_is_no_friction_under_load(*, bent: bool, tmp_path: Path) -> None:
+    def effect(at: Instant) -> np.ndarray:
+        whole = at.rigid + at.friction
+        return 2e-3 * whole * np.abs(whole) if bent else 0.15 * np.abs(at.rigid) * np.sign(at.v)
+
+    gap = gap_of_machine(tmp_path, Machine(noise=0.05, hidden={PAN: effect}))
+    model = build_model(gap, make_nuisance(gap), (Chosen(Load(), Site(PAN)),))
+    # Where nothing pulls at the joint, both raise the effort where it is large.
+    (load,) = model.chosen
+    trial = try_out(model.without(load), load)
+    assert trial is not None
+    assert trial.gain > 0.0
+    assert (load in refused(model)) is bent
 
 
 def test_a_level_that_fades_while_the_joint_moves_is_proved_by_rows_in_some_doubt(tmp_path: Path) -> None:

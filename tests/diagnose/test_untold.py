@@ -10,11 +10,15 @@ import numpy as np
 import pytest
 
 from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.spring import BentSpring
 from mjfriction.diagnose.causes.varying import Step, WarmUpDrift
 from mjfriction.diagnose.diagnosis import diagnose_log
-from mjfriction.diagnose.fit.model import Chosen
+from mjfriction.diagnose.fit.model import Chosen, build_model
+from mjfriction.diagnose.fit.nuisance import make_nuisance
+from mjfriction.diagnose.settle.stated import Settled
 from mjfriction.diagnose.tell import untold
-from mjfriction.diagnose.tell.untold import shows
+from mjfriction.diagnose.tell.untold import find_untold, shows
+from mjfriction.identify.measure import measure_gap
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_COULOMB, Instant, Machine, bristle, write_case
@@ -52,6 +56,31 @@ def test_what_is_taken_off_what_is_left_decides(taken: float, by_others: float, 
     before = left(1.0 + taken, 1.0)
     bare = left(1.0 + taken + by_others, 1.0)
     assert shows(gap(), before, after, {0: unexplained}, bare, {}) is seen
+
+
+@pytest.mark.parametrize(("taken", "seen"), [(2.9, False), (3.1, True)])
+def test_what_has_to_clear_its_joint_leaves_little_there(taken: float, seen: bool) -> None:
+    after, before = left(1.0, 1.0), left(1.0 + taken, 1.0)
+    assert shows(gap(), before, after, {}, before, {}, cleared=3.0) is seen
+    assert shows(gap(), before, after, {}, before, {})
+
+
+def test_a_spring_that_bends_is_told_where_it_clears_its_joint(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Beside it, ripple as every gear has some, of periods that no cause describes.
+    def course(at: Instant) -> np.ndarray:
+        return 3.0 * at.q**3 + 0.6 * (np.sin(61.0 * at.q) + np.sin(43.0 * at.q) * np.sign(at.v))
+
+    log, robot = write_case(tmp_path, Machine(hidden={ELBOW: course}, noise=0.01), seed=3, seconds=30.0)
+    measured = measure_gap(read_log(log), read_robot(robot))
+    bent = Chosen(BentSpring(), Site(ELBOW))
+    model = build_model(measured, make_nuisance(measured), (bent,))
+
+    def told() -> bool:
+        return bent.key not in find_untold(Settled(model, ()), (), (), model.heldout_residual()).keys
+
+    assert not told()
+    monkeypatch.setattr(BentSpring, "least_cleared", 0.0)
+    assert told()
 
 
 def test_one_joint_is_enough() -> None:

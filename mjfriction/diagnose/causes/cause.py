@@ -85,6 +85,8 @@ class Cause(ABC):
     # The least size of its peak effort, beyond what refitted levels can absorb, relative to the joint's friction.
     least_of_friction: ClassVar[float] = 0.04
     least_told: ClassVar[float] = 0.0  # the same for it to be reported, if higher: below it is only refitted along
+    # How many times the mean square that is left at a joint it must remove there to be reported.
+    least_cleared: ClassVar[float] = 0.0
     of_unevenness: ClassVar[bool] = False  # whether machines that are merely uneven along their strokes show it too
     times: ClassVar[int] = 1  # how many of its kind a joint may have
     first_order: ClassVar[int] = 0  # first value of their order: causes of one name with different ones count apart

@@ -72,6 +72,7 @@ class _Spring(JointCause):
 class BentSpring(_Spring):
     """A cubic of position: a balancer on a lever, a hose that stiffens."""
 
+    least_cleared = 3.0  # four coefficients fit a part of any error that follows the pose
     parameters = (*LINEAR, (2, QUADRATIC), (3, CUBIC))
 
     def told(self, powers: Floats, low: float, high: float, force: str, length: str) -> str:

@@ -6,9 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjfriction.diagnose.causes.asymmetry import Asymmetry
+from mjfriction.diagnose.causes.cause import column
 from mjfriction.diagnose.causes.coupling import SharedMotion
 from mjfriction.diagnose.causes.delay import JointDelay, late
 from mjfriction.diagnose.causes.friction_spot import FrictionSpot
+from mjfriction.diagnose.causes.load import Load
 from mjfriction.diagnose.causes.play import Play
 from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.stribeck import Stribeck
@@ -43,10 +45,11 @@ def refused(model: Model) -> list[Chosen]:
     beside another curve on their joint; efforts that seem early beside play; delays that friction does not share with
     the rest of the effort, that one joint's own undoes, or that only what is quicker than the motion shows; courses of
     friction over time that raise it when slow and lower it when fast, or the other way round; a spot along a stroke
-    beside waves of friction; and accelerations of other joints that three or more feel through their transmissions.
+    beside waves of friction; accelerations of other joints that three or more feel through their transmissions; and
+    friction under load where a reading that bends as it grows explains more.
     """
     unproved = [choice for choice in model.chosen if not proved(model, choice)]
-    rules = (_dissolved, _of_landings, _torn, _undone, _too_quick, _both_ways, _among_waves, _shaken)
+    rules = (_dissolved, _of_landings, _torn, _undone, _too_quick, _both_ways, _among_waves, _shaken, _bent_reading)
     return [*unproved, *(choice for rule in rules for choice in rule(model))]
 
 
@@ -133,6 +136,21 @@ def _shaken(model: Model) -> list[Chosen]:
     # the whole arm that moves, as on a mounting that is loose.
     felt = [choice for choice in model.chosen if isinstance(choice.cause, SharedMotion)]
     return felt if len({choice.site.joint for choice in felt}) >= SHAKEN else []
+
+
+def _bent_reading(model: Model) -> list[Chosen]:
+    # A motor that saturates gives less for the same current, the more the larger that is.  Where its joint mostly
+    # drives its load, friction under load has nearly the same effect.
+    gap, out = model.gap, []
+    for choice in (one for one in model.chosen if one.cause.name == Load.name):
+        joint, without = choice.site.joint, model.without(choice)
+        effort = gap.known.effort.total[:, joint]
+        bent = {joint: gap.reported(joint, column(effort * np.abs(effort)))}
+        fits = without.with_candidate(choice), without.system.extended(bent, np.zeros(1))
+        of_load, of_reading = (float(np.sum(own.heldout_errors(gap.blocks.folds))) for own in fits)
+        if of_reading < of_load:
+            out.append(choice)
+    return out
 
 
 def _both_ways(model: Model) -> list[Chosen]:

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from mjfriction.diagnose.fit.as_little import leaves_as_little
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model
-from mjfriction.diagnose.fit.small_errors import stands_out
+from mjfriction.diagnose.fit.small_errors import USUAL, least_to_stand_out, stands_out
 from mjfriction.diagnose.search.field import Field
+from mjfriction.identify.gap import Gap
+from mjfriction.record.log import Floats
+
+PART = 0.1  # of the mean square that a plainer cause removes: what a richer one adds to that is a small part of it
 
 
 def as_plain(model: Model, asked: Field) -> Model:
     """Return the model with causes replaced by plainer ones that they contain, where these leave as little everywhere,
-    or so little more that it does not stand out of the many small errors of a model.
+    or so little more that it does not stand out of the many small errors of a model, or, where there are any, is no
+    larger than a usual one and a small part of what the plainer cause removes.
 
     A cause that contains another always fits at least as well: a spring that bends is chosen for what a refitted link
     takes later, or for the pull of a cable beside an offset, and an offset remains.
@@ -21,17 +26,29 @@ def as_plain(model: Model, asked: Field) -> Model:
             if plain.key in [one.key for one in rest]:
                 continue
             there = build_model(model.gap, model.nuisance, (*rest, plain))
-            if there.admissible() is there and _leaves_hardly_more(there, model):
+            without = build_model(model.gap, model.nuisance, rest)
+            if there.admissible() is there and _leaves_hardly_more(there, model, without, choice.site.joint):
                 model = there
                 break
     return model
 
 
-def _leaves_hardly_more(plain: Model, model: Model) -> bool:
-    gap, without, beside = model.gap, plain.heldout_residual(), model.heldout_residual()
+def _leaves_hardly_more(plain: Model, model: Model, without: Model, own: int) -> bool:
+    gap, neither, plainer, richer = model.gap, *(one.heldout_residual() for one in (without, plain, model))
+    usual = {joint: (USUAL * gap.rms(gap.measured[:, joint], joint)) ** 2 for joint in gap.examined}
+    amid_others = least_to_stand_out(gap, own, richer[:, own]) > 0.0
+    slight = amid_others and _more(gap, plainer, richer, own) < PART * _more(gap, neither, plainer, own)
     return all(
-        leaves_as_little(plain, model, [joint]) or not stands_out(gap, joint, without, beside) for joint in gap.examined
+        leaves_as_little(plain, model, [joint])
+        or not stands_out(gap, joint, plainer, richer)
+        or (slight and _more(gap, plainer, richer, joint) < usual[joint])
+        for joint in gap.examined
     )
+
+
+def _more(gap: Gap, left: Floats, than: Floats, joint: int) -> float:
+    # By how much one residual's mean square is larger than another's at a joint.
+    return gap.rms(left[:, joint], joint) ** 2 - gap.rms(than[:, joint], joint) ** 2
 
 
 def _plainer(choice: Chosen, asked: Field) -> list[Chosen]:

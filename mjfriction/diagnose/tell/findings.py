@@ -59,7 +59,8 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
     model = settled.model
     heldout, widths = model.heldout_residual(oscillations=True), widths_told(model)
     entries, links = list(to_tell(settled, untold, widths)), link_finding(model, widths, untold, field, seed)
-    if links is not None and _one_of_several(model, links):
+    # Of refitted links, whatever is at the end of its usual range is off the most: nothing picked it.
+    if links is not None and len(model.gap.examined) >= SEVERAL_JOINTS and links.confidence < EVEN:
         links = None
     links_off = links is not None or any(entry.choice.cause.name == LinkScale.name for entry in entries)
     findings = [] if links is None else [links]
@@ -106,7 +107,7 @@ def _one_of_many(stands: Standing) -> bool:
     return stands.confidence < FAINTEST or (bool(stands.alternatives) and stands.confidence < ONE_OF_MANY)
 
 
-def _one_of_several(model: Model, stands: Standing | Finding) -> bool:
+def _one_of_several(model: Model, stands: Standing) -> bool:
     several = bool(stands.alternatives) and stands.confidence < ONE_OF_SEVERAL
     return several and len(model.gap.examined) >= SEVERAL_JOINTS
 

@@ -108,11 +108,14 @@ def find_untold(
         # What changes from one log to the next is no error of the model, however little it changes.
         amid = not _between_logs(gap, choice)
         least = least_effect(model, choice)
-        if shows(gap, before[choice.key], heldout, drowning, bare, built_up, least=least, amid_others=amid):
+        cleared = choice.cause.least_cleared
+        without_it = before[choice.key]
+        if shows(gap, without_it, heldout, drowning, bare, built_up, least=least, cleared=cleared, amid_others=amid):
             continue
         # A cause also counts if drives and links can stand in for it only by being off as far as they hardly ever are.
-        # At a joint where something is left unexplained they may be off because of that, and it does not count.
-        if choice.site.joint in left or relief(model, without[choice.key]) < STRAINED:
+        # At a joint where something is left unexplained they may be off because of that, and it does not count.  Nor
+        # does a form that fits a part of any error.
+        if cleared or choice.site.joint in left or relief(model, without[choice.key]) < STRAINED:
             small.add(choice.key)
     of_links = [choice for choice in model.chosen if isinstance(choice.cause, LinkScale | LinkCentre | LinkMoments)]
     if any(choice.key not in common | small for choice in of_links) and not links_far_off(model):
@@ -154,6 +157,7 @@ def shows(
     built_up: Mapping[int, Floats],
     *,
     least: float = LEAST_EFFECT,
+    cleared: float = 0.0,
     amid_others: bool = True,
 ) -> bool:
     """Return whether a change reduces the held-out mean square by enough at one joint or more.
@@ -162,7 +166,8 @@ def shows(
     cause.  ``drowning`` has, for joints where something is left unexplained, how many times the mean square of
     ``after`` the change must remove.  ``built_up`` has, for joints with another cause by which friction builds up over
     travel, the residual without that cause.  ``least`` is the share of a joint's RMS effort that what is removed must
-    make.  ``amid_others`` says whether it must stand out of the many small errors that a model of a machine has.
+    make, and ``cleared`` how many times the mean square of ``after`` it must remove in any case.  ``amid_others`` says
+    whether it must stand out of the many small errors that a model of a machine has.
     """
     for joint in gap.examined:
         own, without, none = (gap.rms(course[:, joint], joint) ** 2 for course in (after, before, bare))
@@ -170,7 +175,7 @@ def shows(
         if joint in built_up:
             misfit = max(misfit, BRISTLE_MISFIT * (gap.rms(built_up[joint][:, joint], joint) ** 2 - own))
         size = (least * gap.rms(gap.measured[:, joint], joint)) ** 2
-        asked = max(LEAST_SEEN * own, misfit, drowning.get(joint, 0.0) * own, size)
+        asked = max(LEAST_SEEN * own, misfit, cleared * own, drowning.get(joint, 0.0) * own, size)
         if without - own > asked and (stands_out(gap, joint, before, after) or not amid_others):
             return True
     return False
