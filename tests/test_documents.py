@@ -17,7 +17,14 @@ from mjfriction.diagnose.causes.carried_drive import TRIED, WHOLE
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.coupling import RATIOS
 from mjfriction.diagnose.causes.delay import USUALLY_LATE
-from mjfriction.diagnose.causes.elasticity import RESONANCE_BAND, RESONANCES, STIFFER
+from mjfriction.diagnose.causes.elasticity import (
+    RESONANCE_BAND,
+    RESONANCES,
+    STIFFER,
+    USUALLY_GIVES,
+    USUALLY_GIVES_ALONG,
+    USUALLY_SWINGS,
+)
 from mjfriction.diagnose.causes.friction_at_place import FLANK, PASSES
 from mjfriction.diagnose.causes.friction_edge import SHARPEST
 from mjfriction.diagnose.causes.friction_edge import WIDEST as LEVEL_FROM
@@ -375,6 +382,8 @@ def test_how_it_decides_tells_what_is_known_no_better_and_what_is_one_of_several
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"| by {100 * torque_constant.LEAST_OFF:g} % if the rest of the robot is stated exactly" in told
     assert f"larger than {100 * offset.ONE_WAY:g} % of the stated Coulomb level" in told
+    stiff = f"swings at less than {USUALLY_SWINGS:g} Hz on it, or it gives by more than {1e3 * USUALLY_GIVES:g} mrad"
+    assert f"{stiff} ({1e3 * USUALLY_GIVES_ALONG:g} mm)" in told
     assert f"its confidence is below {100 * findings.ONE_OF_SEVERAL:g} %" in told
     assert findings.SEVERAL_JOINTS == 4, "in words"
     assert f"friction is off by more than {100 * hidden_curve.SUSPECT:g} %, but not by enough" in told

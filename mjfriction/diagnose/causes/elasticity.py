@@ -42,6 +42,8 @@ COMPLIANCE = Parameter("compliance", "{length}/{force}", "how far the transmissi
 DAMPING_RATIO = Parameter("damping_ratio", "1", "damping of the link on what gives, over the critical one", lower=0.0)
 MOST_GIVEN = 0.35  # rad, largest deflection under load: series elastic joints give by as much
 MOST_GIVEN_ALONG = 0.2  # m, the same of a sliding joint
+# A link that swings faster, and gives by less under its largest load, rad and m, is as stiff as those of usual arms.
+USUALLY_SWINGS, USUALLY_GIVES, USUALLY_GIVES_ALONG = 12.0, 3e-3, 5e-4
 RESONANCES = tuple(2.5 * 1.1**k for k in range(-12, 25))  # Hz: from 0.8 to 25 Hz
 RESONANCE_BAND = 0.8  # fraction of the position filter's cutoff below which a resonance is visible
 FINER_RESONANCE, NEIGHBOURS = 1.1, 5  # half a step of these, as a ratio of compliances, and how many are tried there
@@ -101,6 +103,16 @@ class _Elasticity(MovedLink):
         return bool(
             stated + strengths[0] > 0.0 and self.most(gap, site, float(strengths[0]))[0] < most_given(gap, site.joint)
         )
+
+    def usual(self, gap: Gap, site: Site, strengths: Floats) -> bool:
+        """As stiff as the gears of most arms, which their models leave out: 12 Hz or more, and 3 mrad (0.5 mm) at most.
+
+        A compliance that carries no friction is none of a gear.
+        """
+        compliance, inertia = abs(float(strengths[0])), np.maximum(own_slopes(gap, site.joint)[2], LEAST_INERTIA)
+        stiff = float(np.median(inertia)) * compliance * (2.0 * np.pi * USUALLY_SWINGS) ** 2 < 1.0
+        little = USUALLY_GIVES_ALONG if gap.body.sliding[site.joint] else USUALLY_GIVES
+        return not self.rubs_with_link and stiff and self.most(gap, site, compliance)[0] < little
 
     def most(self, gap: Gap, site: Site, compliance: float) -> tuple[float, float]:
         """Return how far the transmission gives under the largest load, and that load, N·m or N."""

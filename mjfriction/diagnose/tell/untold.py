@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,8 +61,8 @@ def find_untold(
 
     A link is no finding if all links, a few percent off in all of their ten parameters, do as well.  Nor is a torque
     constant or a rotor that is a few percent off, if the whole robot is, or if the joint's link is not where its sensor
-    says, because of play or compliance: its accelerations then depend on how that is modelled.  Nor is a change that is
-    slight on any robot.
+    says, because of play or compliance: its accelerations then depend on how that is modelled.  Nor is a gear as stiff
+    as those of most arms, if the whole robot is off, or a change that is slight on any robot.
 
     The other half of a cause that is reported was asked for by name, and is reported too.  Friction that builds up
     within the travel that any contact yields can be a finding at one or two joints, as
@@ -83,7 +83,7 @@ def find_untold(
         for choice, fitted in model.fitted_causes
         if not choice.cause.noteworthy(gap, choice.site, fitted)
         or abs(float(fitted[0])) < choice.cause.least_change(gap, choice.site)
-        or (choice.cause.usual(gap, choice.site, fitted) and (not exact or choice.site.joint in giving))
+        or (choice.cause.usual(gap, choice.site, fitted) and (not exact or _beside(choice, giving)))
     }
     causes = (*model.chosen, *settled.levels)
     without = {choice.key: without_cause(model, choice) for choice in causes}
@@ -124,6 +124,11 @@ def find_untold(
     asked = {choice.key for choice in model.chosen if partners(choice, told)}
     spelling = frozenset(key for curve in curves for key in curve.keys) | vague_waves(model)
     return Untold(frozenset(common | (small - asked)) | spelling, left, bare)
+
+
+def _beside(choice: Chosen, giving: Collection[int]) -> bool:
+    # Whether a cause is at a joint whose link is not where its sensor says, because of another one.
+    return choice.site.joint in giving and not isinstance(choice.cause, MovedLink)
 
 
 def _between_logs(gap: Gap, choice: Chosen) -> bool:
