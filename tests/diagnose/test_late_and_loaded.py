@@ -10,6 +10,7 @@ import pytest
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.fit import shapes, tangent
 from mjfriction.diagnose.fit.model import Chosen, Model
+from mjfriction.identify.regression import Columns
 from mjfriction.record.log import Log
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
@@ -29,8 +30,9 @@ def late_and_heavy(at: Instant) -> np.ndarray:
     return np.concatenate([np.full(LATE, force[0]), force[:-LATE]]) - stated
 
 
-def at_any_strength(model: Model, choice: Chosen) -> float:
-    columns = {joint: values[:, None, :] for joint, values in choice.cause.columns(model.gap, choice.site).items()}
+def at_any_strength(model: Model, choice: Chosen, own: Columns | None = None) -> float:
+    own = choice.cause.columns(model.gap, choice.site) if own is None else own
+    columns = {joint: values[:, None, :] for joint, values in own.items()}
     (strengths,), (gain,) = model.system.screen(columns)
     return float(gain) if choice.cause.admissible(model.gap, choice.site, strengths) else 0.0
 
