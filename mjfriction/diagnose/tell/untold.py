@@ -82,7 +82,6 @@ def find_untold(
         choice.key
         for choice, fitted in model.fitted_causes
         if not choice.cause.noteworthy(gap, choice.site, fitted)
-        or abs(float(fitted[0])) < choice.cause.least_change(gap, choice.site)
         or (choice.cause.usual(gap, choice.site, fitted) and (not exact or _beside(choice, giving)))
     }
     causes = (*model.chosen, *settled.levels)
@@ -93,6 +92,7 @@ def find_untold(
         choice.key
         for choice, fitted in model.fitted_causes
         if negligible(model, choice, fitted, before[choice.key], heldout)
+        or abs(float(fitted[0])) < choice.cause.least_change(gap, choice.site)
     }
     bare = build_model(gap, model.nuisance, ()).heldout_residual()
     for choice in causes:
