@@ -11,7 +11,7 @@ import numpy as np
 from numba import types
 
 from mjfriction.laws.law import Floats
-from mjfriction.sim.lagging import Lagging
+from mjfriction.sim.lagging import Lagging, between
 from mjfriction.sim.ringing import deflection
 
 
@@ -67,12 +67,7 @@ def _along(
     out[0] = place
     for k in range(1, load.size):
         for part in range(1, finer + 1):
-            share = part / finer
-            aside = 1.0 - share
-            worth = 1.0 / (aside * inertia[k - 1] + share * inertia[k])
-            back = worth * (aside * stiffness[k - 1] + share * stiffness[k])
-            slow = worth * (aside * damping[k - 1] + share * damping[k])
-            drawn = worth * (aside * load[k - 1] + share * load[k])
+            worth, drawn, back, slow = between(load, inertia, stiffness, damping, k, part / finer)
             held = 1.0 + 0.5 * step * slow + 0.25 * step * step * back
             for i in range(half.size):  # without a branch, so that the loop over masses can be vectorised
                 # Where and how fast it would be if it were not pulled in this step.

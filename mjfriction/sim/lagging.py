@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mjfriction.laws.law import Floats
+from mjfriction.laws.law import Floats, kernel
 
 
 class Lagging(NamedTuple):
@@ -32,3 +32,17 @@ class Lagging(NamedTuple):
     def unloaded(self) -> Lagging:
         """Return the same without its load."""
         return self._replace(load=np.zeros_like(self.load), seen=None)
+
+
+@kernel
+def between(
+    load: Floats, inertia: Floats, stiffness: Floats, damping: Floats, k: int, share: float
+) -> tuple[float, float, float, float]:
+    """Return one over a link's inertia, and its load, stiffness and damping over the inertia, at a ``share`` of the way
+    from sample k − 1 to sample k, all linear in between.
+    """
+    aside = 1.0 - share
+    worth = 1.0 / (aside * inertia[k - 1] + share * inertia[k])
+    drawn = worth * (aside * load[k - 1] + share * load[k])
+    stiff = worth * (aside * stiffness[k - 1] + share * stiffness[k])
+    return worth, drawn, stiff, worth * (aside * damping[k - 1] + share * damping[k])

@@ -11,7 +11,7 @@ import numpy as np
 from numba import types
 
 from mjfriction.laws.law import Floats
-from mjfriction.sim.lagging import Lagging
+from mjfriction.sim.lagging import Lagging, between
 
 NEWTON = 2  # steps by which a hardening spring's force is found at the end of each step, from that at its beginning
 
@@ -85,12 +85,7 @@ def _along(
     out[0] = place
     for k in range(1, load.size):
         for part in range(1, finer + 1):
-            share = part / finer
-            aside = 1.0 - share
-            worth = 1.0 / (aside * inertia[k - 1] + share * inertia[k])
-            carried = worth * (aside * load[k - 1] + share * load[k])
-            stiff = worth * (aside * stiffness[k - 1] + share * stiffness[k])
-            drag = worth * (aside * damping[k - 1] + share * damping[k])
+            worth, carried, stiff, drag = between(load, inertia, stiffness, damping, k, part / finer)
             for i in range(place.size):
                 back, slow = stiff + worth * spring[i], drag + worth * damper[i]
                 # Where and how fast it would be if it were not pulled in this step.

@@ -31,9 +31,9 @@ def heavier(at: Instant) -> np.ndarray:
     return 0.06 * at.friction
 
 
-def refitted(folder: Path, effect: Effect) -> Model:
+def refitted(folder: Path, effect: Effect, noise: float = 0.02) -> Model:
     """The stated robot, friction a few percent off everywhere, with its levels refitted and no cause found."""
-    machine = Machine(noise=0.02, hidden={WRIST: effect})
+    machine = Machine(noise=noise, hidden={WRIST: effect})
     log, robot = write_case(folder, machine, seed=21, off=0.03, seconds=30.0, rate=100.0)
     gap = thinned(measure_gap(read_log(log), read_robot(robot)))
     model = build_model(gap, usual_nuisance(gap), ())
@@ -53,6 +53,14 @@ def test_it_is_found_beside_levels_that_are_near_what_is_stated(
     assert not settled.levels
     monkeypatch.setattr(stated, "SUSPECT", 1.0)
     assert not settle(model, asked).model.chosen
+
+
+def test_where_noise_leaves_levels_as_good_they_stay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    model = refitted(tmp_path, bent, noise=0.1)
+    asked = make_field(model.gap, STRUCTURAL)
+    assert not settle(model, asked).model.chosen
+    monkeypatch.setattr(hidden_curve, "HALVED", 1.0)
+    assert settle(model, asked).model.chosen
 
 
 def test_levels_that_are_off_alike_hide_none(tmp_path: Path) -> None:

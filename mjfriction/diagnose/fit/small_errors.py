@@ -30,5 +30,10 @@ def stands_out(gap: Gap, joint: int, without: Floats, beside: Floats) -> bool:
 
     ``without`` and ``beside`` are the residuals (rows, joints) without and with the change.
     """
+    return removed(gap, joint, without, beside) > least_to_stand_out(gap, joint, beside[:, joint]) ** 2
+
+
+def removed(gap: Gap, joint: int, without: Floats, beside: Floats) -> float:
+    """Return the mean square ((N·m)², N²) that a change of a model removes at a joint; arguments as above."""
     before, after = (gap.rms(left[:, joint], joint) ** 2 for left in (without, beside))
-    return before - after > least_to_stand_out(gap, joint, beside[:, joint]) ** 2
+    return before - after

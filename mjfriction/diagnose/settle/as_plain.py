@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from mjfriction.diagnose.fit.as_little import leaves_as_little
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model
-from mjfriction.diagnose.fit.small_errors import USUAL, least_to_stand_out, stands_out
+from mjfriction.diagnose.fit.small_errors import USUAL, least_to_stand_out, removed, stands_out
 from mjfriction.diagnose.search.field import Field
-from mjfriction.identify.gap import Gap
-from mjfriction.record.log import Floats
 
 PART = 0.1  # of the mean square that a plainer cause removes: what a richer one adds to that is a small part of it
 
@@ -26,29 +24,25 @@ def as_plain(model: Model, asked: Field) -> Model:
             if plain.key in [one.key for one in rest]:
                 continue
             there = build_model(model.gap, model.nuisance, (*rest, plain))
-            without = build_model(model.gap, model.nuisance, rest)
-            if there.admissible() is there and _leaves_hardly_more(there, model, without, choice.site.joint):
+            if there.admissible() is there and _leaves_hardly_more(there, model, choice, plain):
                 model = there
                 break
     return model
 
 
-def _leaves_hardly_more(plain: Model, model: Model, without: Model, own: int) -> bool:
-    gap, neither, plainer, richer = model.gap, *(one.heldout_residual() for one in (without, plain, model))
+def _leaves_hardly_more(there: Model, model: Model, choice: Chosen, plain: Chosen) -> bool:
+    # Whether a model with a ``plain`` cause in place of a ``choice`` of another one leaves hardly more than that does.
+    gap, own, without = model.gap, choice.site.joint, there.without(plain)
+    neither, plainer, richer = (one.heldout_residual() for one in (without, there, model))
     usual = {joint: (USUAL * gap.rms(gap.measured[:, joint], joint)) ** 2 for joint in gap.examined}
     amid_others = least_to_stand_out(gap, own, richer[:, own]) > 0.0
-    slight = amid_others and _more(gap, plainer, richer, own) < PART * _more(gap, neither, plainer, own)
+    slight = amid_others and removed(gap, own, plainer, richer) < PART * removed(gap, own, neither, plainer)
     return all(
-        leaves_as_little(plain, model, [joint])
+        leaves_as_little(there, model, [joint])
         or not stands_out(gap, joint, plainer, richer)
-        or (slight and _more(gap, plainer, richer, joint) < usual[joint])
+        or (slight and removed(gap, joint, plainer, richer) < usual[joint])
         for joint in gap.examined
     )
-
-
-def _more(gap: Gap, left: Floats, than: Floats, joint: int) -> float:
-    # By how much one residual's mean square is larger than another's at a joint.
-    return gap.rms(left[:, joint], joint) ** 2 - gap.rms(than[:, joint], joint) ** 2
 
 
 def _plainer(choice: Chosen, asked: Field) -> list[Chosen]:

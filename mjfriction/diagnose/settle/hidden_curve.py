@@ -5,7 +5,6 @@ One of them is then too low and the other too high, and what they leave of the c
 
 from __future__ import annotations
 
-from mjfriction.diagnose.fit.exact import level_changes
 from mjfriction.diagnose.fit.model import Model
 from mjfriction.diagnose.search.field import Field, chances_in
 from mjfriction.diagnose.search.short_list import contenders, passing
@@ -20,7 +19,7 @@ def with_hidden_curve(model: Model, joint: int, change: dict[int, float], asked:
     """Return the model with a curve in place of the change of a joint's levels, if there is one; else the model itself.
 
     The curves of ``asked`` are tried beside levels that are kept as near to what is stated as those of the other
-    joints.  The best of them must bring the levels nearer and halve what they leave.  ``change`` is how far each
+    joints.  The best of them must halve what free levels leave.  ``change`` is how far each
     joint's friction is off, relative to what is stated.
     """
     near = near_stated(model, joint, change)
@@ -30,4 +29,4 @@ def with_hidden_curve(model: Model, joint: int, change: dict[int, float], asked:
         return model
     curved, gap = near.with_also(best.chosen), model.gap
     left, now = (gap.rms(own.heldout_residual()[:, joint], joint) ** 2 for own in (model, curved))
-    return curved if now < HALVED * left and level_changes(curved)[joint] < change[joint] else model
+    return curved if now < HALVED * left else model
