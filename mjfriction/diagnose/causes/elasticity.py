@@ -17,6 +17,7 @@ from mjfriction.diagnose.causes.moved_link import (
     changed,
     felt_by_itself,
     lagging,
+    noise_of_inertia,
     own_slopes,
 )
 from mjfriction.identify.gap import Gap
@@ -263,8 +264,15 @@ class Swinging(_Elasticity):
         return site.shape[0] < DAMPINGS[-1]
 
     def admissible(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """The compliance is near the one that the columns were computed for, and admissible as any compliance."""
-        return as_drawn(site, strengths) and super().admissible(gap, site, strengths)
+        """The compliance is near the one that the columns were computed for, and admissible as any compliance; and it
+        changes the joint's torque by more than the noise of its position does.
+
+        A link that is soft enough takes no part in what is quick, noise of its acceleration included.
+        """
+        if not (as_drawn(site, strengths) and super().admissible(gap, site, strengths)):
+            return False
+        effect = gap.rms(self.columns(gap, site)[site.joint] @ strengths, site.joint)
+        return bool(effect > noise_of_inertia(gap, site.joint))
 
     def extend(self, robot: Robot, site: Site, strengths: Floats) -> Robot:
         """Change the compliance, and let the link oscillate on it."""

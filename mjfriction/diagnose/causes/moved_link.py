@@ -101,6 +101,18 @@ def own_slopes(gap: Gap, joint: int) -> tuple[Floats, ...]:
     return tuple(derivative[:, joint, joint] for derivative in gap.derivatives)
 
 
+def noise_of_inertia(gap: Gap, joint: int) -> float:
+    """Return what the noise of a joint's position adds to the torque of its inertia, as RMS at the rows, N·m or N.
+
+    It is I·2π·b·√(b/3c)·σ: I is the joint's inertia (RMS over the motion), σ its velocity's noise, white up to the
+    cutoff c of the position filter, and b the band of the rows.
+    """
+    band, motion = gap.chain.band, gap.motion
+    inertia = float(np.sqrt(np.mean(np.square(own_slopes(gap, joint)[2]))))
+    noise = 2.0 * np.pi * band * np.sqrt(band / (3.0 * motion.cutoff)) * motion.velocity_noise[joint]
+    return float(inertia * noise)
+
+
 def lagging(gap: Gap, joint: int, load: Floats) -> Lagging:
     """Return what a joint's link carries where it lags its motor, given its ``load`` (n,) where it does not."""
     stiffness, damping, inertia = own_slopes(gap, joint)
