@@ -148,6 +148,8 @@ def grouped(rows: list[Row]) -> Iterable[tuple[str, list[Outcome]]]:
     yield "an effect outside all causes", those(lambda r: bool(r.ours.outside))
     for severity in ("medium", "large"):
         yield severity, those(lambda r, s=severity: r.severity == s and bool(r.ours.hidden))
+    for noise in sorted({row.setting["noise"] for row in rows}):
+        yield f"noise {100 * noise:.0f} % of Coulomb", those(lambda r, n=noise: r.setting["noise"] == n)
     for key in ("robot", "motion", "quantity"):
         for value in sorted({row.setting[key] for row in rows}):
             yield f"`{value}`", those(lambda r, k=key, v=value: r.setting[k] == v)

@@ -30,17 +30,19 @@ def tip_mass(body: Body) -> tuple[float, Floats]:
     return float(inertia.mass), np.asarray(frame.placement.actInv(inertia.lever))
 
 
-def tip_mass_torques(body: Body, position: Floats, velocity: Floats, acceleration: Floats) -> Floats:
+def tip_mass_torques(
+    body: Body, position: Floats, velocity: Floats, acceleration: Floats, *, about: Floats | None = None
+) -> Floats:
     """Return joint torques per kg and per kg·m of first moment (x, y, z) at the tip link's frame.
 
     The result has shape (n, joints, 4).  The torque of a point mass m with its centre at c is this times (m, m·c), up
-    to its moment of inertia about c₀, the centre of the tip link's own mass, which is of second order in c − c₀.  The
-    error comes from linearising the second moment about the joint: near x₀, m·x·xᵀ = w·wᵀ/m with w = m·x is
-    −m·x₀·x₀ᵀ + x₀·wᵀ + w·x₀ᵀ.
+    to its moment of inertia about c₀, by default the centre of the tip link's own mass, else ``about`` (3,), which is
+    of second order in c − c₀.  The error comes from linearising the second moment about the joint: near x₀,
+    m·x·xᵀ = w·wᵀ/m with w = m·x is −m·x₀·x₀ᵀ + x₀·wᵀ + w·x₀ᵀ.
     """
     frame = body.model.frames[body.model.getFrameId(tip_link(body), pin.FrameType.BODY)]
     origin, turned = frame.placement.translation, frame.placement.rotation
-    near = origin + turned @ tip_mass(body)[1]
+    near = origin + turned @ (tip_mass(body)[1] if about is None else about)
     # A mass of 1 kg at the frame's origin, and the same with a first moment of 1 kg·m along each axis.
     torques = []
     for moment in np.vstack([np.zeros(3), np.eye(3)]):

@@ -70,7 +70,7 @@ def test_what_a_log_could_show_is_no_less(tmp_path: Path) -> None:
     ("compliance", "usual"),
     [(3e-5, True), (1.2e-4, False)],
 )
-def test_a_gear_as_stiff_as_any_is_none_where_the_robot_is_a_little_off(
+def test_a_gear_as_stiff_as_any_is_none_where_the_robot_is_a_little_off_or_other_errors_show(
     compliance: float, usual: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     log, robot = write_case(tmp_path, Machine(), seed=21, seconds=25.0, rate=125.0)
@@ -89,6 +89,7 @@ def test_a_gear_as_stiff_as_any_is_none_where_the_robot_is_a_little_off(
     monkeypatch.setattr(Elasticity, "usual", lambda *_: usual)
     monkeypatch.setattr(untold, "shows", lambda *_, **__: True)
     monkeypatch.setattr(untold, "negligible", lambda *_: False)
-    for exact in (True, False):
-        keys = find_untold(Settled(model, (), exact=exact), (), (), model.heldout_residual()).keys
-        assert (soft.key in keys) is (usual and not exact)
+    left = model.heldout_residual()
+    for exact, heldout in ((True, left), (False, left), (True, 3.0 * left)):
+        keys = find_untold(Settled(model, (), exact=exact), (), (), heldout).keys
+        assert (soft.key in keys) is (usual and not (exact and heldout is left))

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
 
+from mjfriction.diagnose.causes import hung_payload
 from mjfriction.diagnose.causes.cause import Cause, Site
+from mjfriction.diagnose.causes.hung_payload import FAR_OUT
 from mjfriction.diagnose.causes.links import LinkCentre, LinkScale, LoneWholeLink
 from mjfriction.diagnose.causes.payload import Payload
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model
@@ -36,6 +39,28 @@ def heavier(link: str, mass: float, at: float) -> Change:
         own, centre = model.body_mass[body], model.body_ipos[body].copy()
         model.body_ipos[body] = (own * centre + mass * np.array([0.0, 0.0, at])) / (own + mass)
         model.body_mass[body] = own + mass
+
+    return change
+
+
+def hung(mass: float, at: float) -> Change:
+    """Return a change by which the last link holds a small body far along its z, m, and the link before has lost some
+    mass.
+    """
+
+    def change(model: mujoco.MjModel) -> None:
+        body = model.body("wrist_3_link").id
+        apart, own = np.array([0.0, 0.0, at]) - model.body_ipos[body], model.body_mass[body]
+        turned = np.empty(9)
+        mujoco.mju_quat2Mat(turned, model.body_iquat[body])
+        axes = turned.reshape(3, 3)
+        moments = axes @ np.diag(model.body_inertia[body]) @ axes.T
+        moments += own * mass / (own + mass) * (apart @ apart * np.eye(3) - np.outer(apart, apart))
+        model.body_inertia[body], axes = np.linalg.eigh(moments)
+        axes[:, 0] *= np.linalg.det(axes)
+        mujoco.mju_mat2Quat(model.body_iquat[body], axes.ravel())
+        heavier("wrist_3_link", mass, at)(model)
+        model.body_mass[model.body("wrist_2_link").id] -= 0.12
 
     return change
 
@@ -78,6 +103,25 @@ def test_where_links_are_off_it_has_to_be_more_than_they_could_make_up_for(tmp_p
     assert as_load(small, exact=False) is small
     assert [choice.cause.name for choice in as_load(large, exact=False).chosen] == ["body.payload"]
     assert [choice.cause.name for choice in as_load(small, exact=True).chosen] == ["body.payload"]
+
+
+def test_a_load_whose_mass_hardly_shows_hangs_far_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    mass, at = 0.1, 0.28
+    model = found(tmp_path, hung(mass, at), LinkCentre(), LAST, links=True, noise=0.3)
+    (site,) = Payload().sites(model.gap)
+    near = build_model(model.gap, model.nuisance, (Chosen(Payload(), site),))
+    assert not Payload().admissible(model.gap, site, near.strengths[near.places[-1]])
+    ((load, strengths),) = as_load(model, exact=False).fitted_causes
+    robot = load.cause.extend(model.gap.robot, load.site, strengths)
+    assert robot.table.payload is not None
+    assert robot.table.payload.mass * np.array(robot.table.payload.com) == pytest.approx([0, 0, mass * at], abs=0.003)
+    assert np.linalg.norm(robot.table.payload.com) == pytest.approx(FAR_OUT)
+    # With moments of inertia as near the last link it fits less well.
+    fits, about = as_load(model, exact=False), hung_payload.torques_about
+    monkeypatch.setattr(hung_payload, "torques_about", lambda gap, _: about(gap, None))
+    slightly = replace(load, site=load.site.shaped((0.0, 0.0, FAR_OUT)))  # no columns of it are cached
+    other = build_model(model.gap, model.nuisance, (slightly,))
+    assert np.sum(other.heldout_errors) > 1.01 * np.sum(fits.heldout_errors)
 
 
 def test_how_a_link_or_a_load_spreads_is_not_known(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

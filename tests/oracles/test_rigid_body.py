@@ -266,6 +266,8 @@ def test_tip_mass_and_gravity_enter_as_the_model_itself_says(name: str) -> None:
         needed = inverse_dynamics(loaded, q, v, a) - inverse_dynamics(stated, q, v, a)
         share = tip_mass_torques(body, q, v, a) @ np.array([2.0, *(2.0 * centre)])
         errors.append(float(np.max(np.abs(needed - share))))
+        there = tip_mass_torques(body, q, v, a, about=centre) @ np.array([2.0, *(2.0 * centre)])
+        np.testing.assert_allclose(there, needed, atol=1e-9)
     # Exact at the link's own centre; beside it, of second order: the mass's moment of inertia.
     assert errors[0] < 1e-9
     assert errors[2] == pytest.approx(errors[1] / 4.0, rel=1e-6, abs=1e-9)

@@ -36,8 +36,7 @@ class Payload(WholeArm):
 
     def torques(self, gap: Gap) -> Floats:
         """Torques per mass and first moment."""
-        motion = gap.motion
-        return tip_mass_torques(gap.body, motion.position, motion.velocity, motion.acceleration)
+        return torques_about(gap, None)
 
     def quantities(self, gap: Gap, site: Site) -> tuple[Quantity, ...]:
         """Mass and first moments, stated plus change."""
@@ -81,6 +80,14 @@ class Payload(WholeArm):
             f"all joints need what a mass of {total:.3g} kg at the flange needs, its centre at ({centre}) m of "
             f"{tip_link(gap.body)}, where {mass:.3g} kg are stated"
         )
+
+
+def torques_about(gap: Gap, centre: Floats | None) -> Floats:
+    """Return torques per mass and first moment of a load at the flange, (n, joints, 4), with the moments of inertia
+    that it has at a ``centre`` (3,) from there, m, or at that of the last link if none is given.
+    """
+    motion = gap.motion
+    return tip_mass_torques(gap.body, motion.position, motion.velocity, motion.acceleration, about=centre)
 
 
 def held_elsewhere(gap: Gap) -> bool:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from mjfriction.body.regressor import tip_link
+from mjfriction.diagnose.causes.hung_payload import FAR_OUT, HungPayload
 from mjfriction.diagnose.causes.links import LinkScale
-from mjfriction.diagnose.causes.payload import Payload
+from mjfriction.diagnose.causes.payload import Payload, torques_about
 from mjfriction.diagnose.fit.as_little import leaves_as_little
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model
 from mjfriction.diagnose.fit.nearness import STRAINED, relief
 from mjfriction.identify.gap import Gap
+from mjfriction.record.log import Floats
 
 
 def of_last_link(gap: Gap, joint: int) -> bool:
@@ -31,11 +33,31 @@ def as_load(model: Model, *, exact: bool) -> Model:
         return model
     rest = tuple(choice for choice in model.chosen if choice not in last)
     for site in Payload().sites(gap):
-        laden = build_model(gap, model.nuisance, (*rest, Chosen(Payload(), site)))
-        strengths = laden.strengths[laden.places[-1]]
-        near = relief(model, laden) < strengths.size * float(np.log(gap.blocks.count))
-        if near and Payload().admissible(gap, site, strengths) and leaves_as_little(laden, model):
-            usual = Payload().usual(gap, site, strengths)
+        laden = _physical(build_model(gap, model.nuisance, (*rest, Chosen(Payload(), site))))
+        load, strengths = laden.fitted_causes[-1]
+        near = relief(model, laden) < len(load.cause.quantities(gap, load.site)) * float(np.log(gap.blocks.count))
+        if near and load.cause.admissible(gap, load.site, strengths) and leaves_as_little(laden, model):
+            usual = load.cause.usual(gap, load.site, strengths)
             if exact or (not usual and relief(laden, build_model(gap, model.nuisance, rest)) > STRAINED):
                 return laden
     return model
+
+
+def _physical(laden: Model) -> Model:
+    # A model whose last cause is a payload, with one farther out in its place if that has too little mass for its first
+    # moment: where the motion hardly shows the mass, any will do.
+    gap, (load, strengths) = laden.gap, laden.fitted_causes[-1]
+    if load.cause.admissible(gap, load.site, strengths) or gap.robot.table.payload is not None:
+        return laden
+    rest, centre = laden.without(load), _far_out(strengths[1:])
+    # Its moments of inertia there, which a load near the last link does not have, change what is felt of the first
+    # moment.
+    torques = torques_about(gap, centre) @ np.vstack([centre / np.dot(centre, centre), np.eye(3)])
+    felt = {joint: gap.reported(joint, torques[:, joint]) for joint in gap.examined}
+    centre = _far_out(rest.system.extended(felt, np.zeros(3)).fitted[-3:])
+    return rest.with_also(Chosen(HungPayload(), load.site.shaped(tuple(centre.tolist()))))
+
+
+def _far_out(moment: Floats) -> Floats:
+    # The centre of a payload with a first moment, as far out as it may be, (3,) each.
+    return np.asarray(FAR_OUT / max(float(np.linalg.norm(moment)), 1e-300) * moment)

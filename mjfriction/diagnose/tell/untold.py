@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +15,7 @@ from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.causes.varying import Step
 from mjfriction.diagnose.fit.model import Chosen, Key, Model, build_model, partners
 from mjfriction.diagnose.fit.nearness import STRAINED, relief
-from mjfriction.diagnose.fit.small_errors import stands_out
+from mjfriction.diagnose.fit.small_errors import NOISY, stands_out
 from mjfriction.diagnose.fit.trial import LEAST_EFFECT, least_effect, negligible
 from mjfriction.diagnose.search.stroke_curve import StrokeCurve, vague_waves
 from mjfriction.diagnose.settle.stated import Settled
@@ -62,7 +62,8 @@ def find_untold(
     A link is no finding if all links, a few percent off in all of their ten parameters, do as well.  Nor is a torque
     constant or a rotor that is a few percent off, if the whole robot is, or if the joint's link is not where its sensor
     says, because of play or compliance: its accelerations then depend on how that is modelled.  Nor is a gear as stiff
-    as those of most arms, if the whole robot is off, or a change that is slight on any robot.
+    as those of most arms, if the whole robot is off or other small errors show.  Nor is a change that is slight on any
+    robot.
 
     The other half of a cause that is reported was asked for by name, and is reported too.  Friction that builds up
     within the travel that any contact yields can be a finding at one or two joints, as
@@ -76,13 +77,11 @@ def find_untold(
     beside = beside_oscillations(model, heldout)
     drowning = {joint: DROWNED * share for joint, share in left.items()} | beside
     left |= beside
-    exact = settled.exact
-    giving = {choice.site.joint for choice in model.chosen if isinstance(choice.cause, MovedLink)}
     common = {
         choice.key
         for choice, fitted in model.fitted_causes
         if not choice.cause.noteworthy(gap, choice.site, fitted)
-        or (choice.cause.usual(gap, choice.site, fitted) and (not exact or _beside(choice, giving)))
+        or (choice.cause.usual(gap, choice.site, fitted) and not _known_better(settled, choice, heldout))
     }
     causes = (*model.chosen, *settled.levels)
     without = {choice.key: without_cause(model, choice) for choice in causes}
@@ -126,9 +125,16 @@ def find_untold(
     return Untold(frozenset(common | (small - asked)) | spelling, left, bare)
 
 
-def _beside(choice: Chosen, giving: Collection[int]) -> bool:
-    # Whether a cause is at a joint whose link is not where its sensor says, because of another one.
-    return choice.site.joint in giving and not isinstance(choice.cause, MovedLink)
+def _known_better(settled: Settled, choice: Chosen, heldout: Floats) -> bool:
+    # Whether a robot is stated so exactly that a change counts which is usual elsewhere.  Of a gear that gives as most
+    # do, what is left at every joint must also be the sensor's noise: where other small errors show, it is one of them.
+    gap = settled.model.gap
+    if isinstance(choice.cause, MovedLink):
+        return settled.exact and all(
+            gap.rms(heldout[:, joint], joint) <= NOISY * gap.noise_floor[joint] for joint in gap.examined
+        )
+    moved = {other.site.joint for other in settled.model.chosen if isinstance(other.cause, MovedLink)}
+    return settled.exact and choice.site.joint not in moved
 
 
 def _between_logs(gap: Gap, choice: Chosen) -> bool:
