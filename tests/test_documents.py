@@ -29,6 +29,7 @@ from mjfriction.diagnose.causes.friction_at_place import FLANK, PASSES
 from mjfriction.diagnose.causes.friction_edge import SHARPEST
 from mjfriction.diagnose.causes.friction_edge import WIDEST as LEVEL_FROM
 from mjfriction.diagnose.causes.friction_spot import NARROWEST, WIDEST
+from mjfriction.diagnose.causes.hung_payload import FAR_OUT
 from mjfriction.diagnose.causes.landed_play import FLOWN
 from mjfriction.diagnose.causes.links import LEAST_ALONE, LEAST_MOMENTS, LEAST_MOVED, LEAST_MOVED_ALONE, LEAST_NOTED
 from mjfriction.diagnose.causes.load import LEAST_ROTOR
@@ -385,7 +386,10 @@ def test_how_it_decides_tells_what_is_known_no_better_and_what_is_one_of_several
     stiff = f"swings at less than {USUALLY_SWINGS:g} Hz on it, or it gives by more than {1e3 * USUALLY_GIVES:g} mrad"
     assert f"{stiff} ({1e3 * USUALLY_GIVES_ALONG:g} mm)" in told
     assert f"its confidence is below {100 * findings.ONE_OF_SEVERAL:g} %" in told
+    assert f"its confidence is below {100 * findings.HARDLY_LARGER:g} % all the same" in told
     assert findings.SEVERAL_JOINTS == 4, "in words"
+    assert f"no joint has more than {small_errors.NOISY:g} times its sensor's noise left; gears" in told
+    assert f"the load is placed {FAR_OUT:g} m from the flange" in told
     assert f"friction is off by more than {100 * hidden_curve.SUSPECT:g} %, but not by enough" in told
     assert hidden_curve.HALVED == 0.5, "in words"
 

@@ -1,5 +1,5 @@
 """What is but one of many alternatives is no finding where something is left unexplained or beside another, and what
-is one of several is none on a machine of several joints.
+is one of several, or hardly large enough, is none on a machine of several joints.
 """
 
 from __future__ import annotations
@@ -97,9 +97,16 @@ def test_of_the_whole_arm_it_names_nothing_where_anything_is_left(
 
 @pytest.mark.parametrize(
     ("confidence", "among", "joints", "told"),
-    [(0.39, MANY, 4, False), (0.39, MANY, 7, True), (0.41, MANY, 4, True), (0.39, (), 4, True)],
+    [
+        (0.39, MANY, 4, False),
+        (0.39, MANY, 7, True),
+        (0.41, MANY, 4, True),
+        (0.59, (), 4, False),
+        (0.59, (), 7, True),
+        (0.61, (), 4, True),
+    ],
 )
-def test_one_of_several_is_told_of_few_joints_only(
+def test_one_of_several_or_one_that_is_hardly_large_enough_is_told_of_few_joints_only(
     confidence: float, among: tuple[str, ...], joints: int, told: bool, model: Model, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(findings, "standing", lambda *_: Standing(among, confidence))
@@ -125,6 +132,7 @@ def test_refitted_links_that_are_no_likelier_than_another_cause_are_told_of_few_
     assert make_findings(*asked, seed=0).findings == (links,) * told
 
 
+@pytest.mark.usefixtures("few")
 @pytest.mark.parametrize(("confidence", "told"), [(0.01, False), (0.1, True)])
 def test_what_is_hardly_likely_is_not_told(
     confidence: float, told: bool, model: Model, monkeypatch: pytest.MonkeyPatch

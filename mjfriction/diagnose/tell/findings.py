@@ -32,6 +32,8 @@ ONE_OF_MANY = 0.25  # confidence below which a cause with alternatives is one of
 # tell most causes apart: several small errors add up to what none of them is.  On fewer joints causes are alike by
 # nature.
 ONE_OF_SEVERAL, SEVERAL_JOINTS = 0.4, 4
+# The same of a cause without alternatives: it is hardly larger than what such machines have of it anyway.
+HARDLY_LARGER = 0.6
 # Confidence below which nothing is reported: a cause's other half may prove to be none once all is known.
 FAINTEST = 0.05
 
@@ -54,7 +56,8 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
 
     ``untold`` says which of its causes are not findings. A cause is not a finding either if it is very unlikely, if it
     is one of many alternatives and something is left unexplained or there is another finding at its joint, or if it is
-    one of several on a machine of several joints. ``seed`` sets the resampling behind the intervals of the gains.
+    one of several, or hardly large enough, on a machine of several joints. ``seed`` sets the resampling behind the
+    intervals of the gains.
     """
     model = settled.model
     heldout, widths = model.heldout_residual(oscillations=True), widths_told(model)
@@ -70,11 +73,11 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
     firm = [
         entry.choice
         for entry, stands in zip(entries, standings, strict=True)
-        if not _one_of_many(stands) and not _one_of_several(model, stands)
+        if not _one_of_many(stands) and not _slight_for_several(model, stands)
     ]
     for entry, stands in zip(entries, standings, strict=True):
         choice = entry.choice
-        if _one_of_several(model, stands) or (choice not in firm and _names_nothing(choice, stands, untold, firm)):
+        if _slight_for_several(model, stands) or (choice not in firm and _names_nothing(choice, stands, untold, firm)):
             of_many.add(choice.key)
             continue
         instead = _instead(settled, choice, stands) if stands.alternatives else None
@@ -107,9 +110,9 @@ def _one_of_many(stands: Standing) -> bool:
     return stands.confidence < FAINTEST or (bool(stands.alternatives) and stands.confidence < ONE_OF_MANY)
 
 
-def _one_of_several(model: Model, stands: Standing) -> bool:
-    several = bool(stands.alternatives) and stands.confidence < ONE_OF_SEVERAL
-    return several and len(model.gap.examined) >= SEVERAL_JOINTS
+def _slight_for_several(model: Model, stands: Standing) -> bool:
+    least = ONE_OF_SEVERAL if stands.alternatives else HARDLY_LARGER
+    return stands.confidence < least and len(model.gap.examined) >= SEVERAL_JOINTS
 
 
 def _names_nothing(choice: Chosen, stands: Standing, untold: Untold, firm: Sequence[Chosen]) -> bool:
