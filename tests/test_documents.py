@@ -48,7 +48,7 @@ from mjfriction.diagnose.faults.audit import AS_KNOWN
 from mjfriction.diagnose.faults.look import NO_WORSE
 from mjfriction.diagnose.faults.misplaced import EXPLAINED
 from mjfriction.diagnose.faults.which_log import LOUDER
-from mjfriction.diagnose.fit import small_errors
+from mjfriction.diagnose.fit import nearness, small_errors
 from mjfriction.diagnose.fit.as_little import AS_GOOD
 from mjfriction.diagnose.fit.exact import EXACT, FEWEST_OTHERS, MOST_JOINTS
 from mjfriction.diagnose.fit.nuisance import FARTHEST, LET_GO
@@ -388,6 +388,7 @@ def test_how_it_decides_tells_what_is_known_no_better_and_what_is_one_of_several
     assert f"its confidence is below {100 * findings.ONE_OF_SEVERAL:g} %" in told
     assert f"its confidence is below {100 * findings.HARDLY_LARGER:g} % all the same" in told
     assert findings.SEVERAL_JOINTS == 4, "in words"
+    assert f"of drives and links would grow by {nearness.STRAINED:g}, the equivalent of one value at eight" in told
     assert f"no joint has more than {small_errors.NOISY:g} times its sensor's noise left; gears" in told
     assert f"the load is placed {FAR_OUT:g} m from the flange" in told
     assert f"friction is off by more than {100 * hidden_curve.SUSPECT:g} %, but not by enough" in told

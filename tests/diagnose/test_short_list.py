@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -10,14 +11,17 @@ from typing import NoReturn
 import numpy as np
 import pytest
 
+from mjfriction.diagnose.causes.asymmetry import Asymmetry
 from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Cause, Site
 from mjfriction.diagnose.causes.elasticity import HardeningElasticity, SwingingElasticity
 from mjfriction.diagnose.causes.encoder_offset import EncoderOffset
+from mjfriction.diagnose.causes.offset import Offset
 from mjfriction.diagnose.fit.exact import usual_nuisance
-from mjfriction.diagnose.fit.model import build_model
-from mjfriction.diagnose.search import short_list
+from mjfriction.diagnose.fit.model import Chosen, Model, build_model
+from mjfriction.diagnose.fit.trial import Trial
+from mjfriction.diagnose.search import compete, short_list
 from mjfriction.diagnose.search.field import make_field
 from mjfriction.diagnose.search.short_list import contenders, ranked
 from mjfriction.identify import kept
@@ -114,3 +118,26 @@ def test_what_is_ranked_by_its_own_joint_alone_is_tried_however_it_ranks(
     assert tried == []
     contenders(model, field, 2)
     assert tried == [(Backlash, 2)]
+
+
+def test_what_was_tried_beside_a_model_is_tried_anew_beside_another_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # An offset that is refused makes all others compete again beside the same model.
+    machine = Machine(hidden={1: lambda at: np.full_like(at.q, 9.0), 2: lambda at: np.full_like(at.q, 5.0)})
+    log, robot = write_case(tmp_path, machine, seed=3, seconds=20.0, rate=100.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    field = make_field(gap, (Offset(), Asymmetry()))
+    own, proved, tried = short_list._tried, compete.proved, list[tuple[Model, type[Cause], Site]]()
+
+    def noted(model: Model, choice: Chosen) -> Trial | None:
+        tried.append((model, type(choice.cause), choice.site))
+        return own(model, choice)
+
+    monkeypatch.setattr(short_list, "_tried", noted)
+    monkeypatch.setattr(compete, "proved", lambda model, choice: choice.site.joint != 1 and proved(model, choice))
+    (found,) = compete.compete(gap, usual_nuisance(gap), field)[0].chosen
+    assert (found.cause.name, found.site.joint) == ("drive.offset", 2)
+    beside = Counter((id(model), kind, site) for model, kind, site in tried)
+    assert set(beside.values()) == {1}
+    assert max(Counter((kind, site) for _, kind, site in beside).values()) > 1

@@ -17,7 +17,7 @@ from mjfriction.diagnose.fit.nuisance import Nuisance
 from mjfriction.identify.normal import Normal
 
 NEAREST, FARTHEST = 1.0 / 3.0, 3.0  # limits of a robot's spread, relative to how far drives and links usually are off
-STRAINED = 25.0  # strain (squared usual deviations) that a cause must save drives and links to count by that alone
+STRAINED = 64.0  # strain (squared usual deviations) that a cause must save drives and links to count by that alone
 
 
 @dataclass(frozen=True)

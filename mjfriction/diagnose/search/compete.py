@@ -22,7 +22,7 @@ from mjfriction.diagnose.search.one_transmission import leaning
 from mjfriction.diagnose.search.oscillations import new_oscillations
 from mjfriction.diagnose.search.refusal import proved, refused
 from mjfriction.diagnose.search.richer import PAYS, curves_apart, enriched, in_richer_form
-from mjfriction.diagnose.search.short_list import SHORT_LIST, all_tried, best_bent, fairly, passing, ranked
+from mjfriction.diagnose.search.short_list import SHORT_LIST, Tried, all_tried, best_bent, fairly, passing, ranked
 from mjfriction.identify.gap import Gap
 from mjfriction.progress import Tell, silently
 
@@ -136,16 +136,17 @@ def _forward(
     # while joints rest are set aside, and tried again when no other is left: every contact yields a little at a
     # reversal, at every joint.
     asked, anew, steps = field, True, 0
+    tried: Tried = {}
     while (named := len(model.noteworthy)) < MOST_CAUSES and not enough(model):
         tell(f"searching for causes, {named} so far", SEARCHED * (1.0 - FURTHER ** (1 + named)))
-        more, left = _one_more(model, asked, chances)
+        more, left = _one_more(model, asked, chances, tried)
         steps += 1
         if more is not None:
             felt = cause_block(more.gap, more.chosen[-1])[0].keys()
             more = fulfilled(more)
             more = reshaped(more, felt | cause_block(more.gap, more.chosen[-1])[0].keys())
             more = leaning(as_known(straightened(more)), chances)
-            model, asked, anew = more, left, len(left) == len(field)
+            model, asked, anew, tried = more, left, len(left) == len(field), {}
         elif anew:
             break
         else:
@@ -153,10 +154,10 @@ def _forward(
     return model, steps
 
 
-def _one_more(model: Model, field: Field, chances: Chances) -> tuple[Model | None, Field]:
+def _one_more(model: Model, field: Field, chances: Chances, tried: Tried) -> tuple[Model | None, Field]:
     # The model with the best candidate of the field that is proved, if there is one, and the field without those that
-    # were not proved.
-    while able := _passing(model, field, chances):
+    # were not proved. What was ``tried`` beside the model before is not tried again.
+    while able := _passing(model, field, chances, tried):
         trials = fairly(model, able)
         while trials:
             best = _best(model, field, trials)
@@ -222,13 +223,13 @@ def _best(model: Model, field: Field, trials: list[Trial]) -> Trial:
     )
 
 
-def _passing(model: Model, field: Field, chances: Chances) -> list[Trial]:
+def _passing(model: Model, field: Field, chances: Chances, before: Tried) -> list[Trial]:
     # The passing trials of the first short list that has any. Where none passes, the next list is tried: an effect that
     # no cause fits at one joint may rank a dozen candidates there before an obvious one at another joint.
     choices, tried = ranked(model, field), list[Trial]()
     for first in range(0, len(choices), SHORT_LIST):
-        own = all_tried(model, choices[first : first + SHORT_LIST])
-        own = best_bent(model, own + all_tried(model, _alike(own, choices[first + SHORT_LIST :])), chances)
+        own = all_tried(model, choices[first : first + SHORT_LIST], before)
+        own = best_bent(model, own + all_tried(model, _alike(own, choices[first + SHORT_LIST :]), before), chances)
         tried += own
         best = [trial for trial in passing(own, chances) if not _stands_for_less(model, trial, tried, chances)]
         if best:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from mjfriction.diagnose.causes.cause import Cause, Site
 from mjfriction.diagnose.fit.model import Chosen, Model
 from mjfriction.diagnose.fit.shapes import own_shape
 from mjfriction.diagnose.fit.tangent import straightened
@@ -18,6 +19,9 @@ SHORT_LIST = 8
 NEAR_BEST = 0.9  # fraction of the best candidate's merit above which curved candidates are refitted before comparing
 PROMISED = 3.0  # times the price of its degrees of freedom that a candidate must gain to be tried for what it promises
 SCREENED_ROWS = 1000  # rows that candidates are screened on, at least: enough to rank shapes
+
+
+Tried = dict[tuple[type[Cause], Site], Trial | None]
 
 
 def contenders(model: Model, field: Field, joint: int | None = None) -> list[Trial]:
@@ -54,9 +58,16 @@ def best_bent(model: Model, trials: list[Trial], chances: Chances) -> list[Trial
     return [_bent(model, trial) if trial is best else trial for trial in trials]
 
 
-def all_tried(model: Model, choices: list[Chosen]) -> list[Trial]:
-    """Return the trials of candidates, each at its best shape; candidates that are not physical are left out."""
-    trials = [_tried(model, choice) for choice in choices]
+def all_tried(model: Model, choices: list[Chosen], before: Tried | None = None) -> list[Trial]:
+    """Return the trials of candidates, each at its best shape; candidates that are not physical are left out.
+
+    ``before`` holds those that were tried beside the same model before, and takes up those that are tried now.
+    """
+    before = {} if before is None else before
+    for choice in choices:
+        if (type(choice.cause), choice.site) not in before:
+            before[type(choice.cause), choice.site] = _tried(model, choice)
+    trials = [before[type(choice.cause), choice.site] for choice in choices]
     return [trial for trial in trials if trial is not None]
 
 
