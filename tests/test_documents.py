@@ -409,6 +409,7 @@ def test_how_it_decides_tells_when_columns_are_out_of_place_and_when_a_log_is_me
     assert f"explained worse by {100 * NO_WORSE:g} % of its effort's variance" in told
     assert f"by {100 * glitches.TOUCHED:g} % of its height" in told
     assert NO_CONTACT == 3.0, "the page says three quarters"
+    assert f"none may have more than {small_errors.NOISY:g} times its sensor's noise left: where other" in told
     assert RIGID == 0.3, "the page says less than a third"
     assert (FEWEST_SHOWN, LEAST_SHOWN, EXPLAINED) == (3, 0.1, 0.01), "the page says three, a tenth and a hundredth"
     assert (WHOLE, CARRIED) == (1.2, (0.06, 1.5)), "the page says a fifth more, between 0.06 and 1.5"

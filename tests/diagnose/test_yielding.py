@@ -131,9 +131,13 @@ def clamped(joint: int) -> Callable[[Instant], np.ndarray]:
     return lacks
 
 
-def told_beside(folder: Path, alike: tuple[int, ...]) -> int:
-    """Return how many causes are told of one joint's elements, where other joints yield as it does."""
-    hidden = {joint: clamped(joint) for joint in (LIFT, *alike)}
+def told_beside(
+    folder: Path, alike: tuple[int, ...], others: dict[int, Callable[[Instant], np.ndarray]] | None = None
+) -> int:
+    """Return how many causes are told of one joint's elements, where other joints yield as it does, or have something
+    else.
+    """
+    hidden = {joint: clamped(joint) for joint in (LIFT, *alike)} | (others or {})
     own = gap(folder, Machine(noise=0.25, velocity="clean", hidden=hidden))
     elements = Chosen(SlippingElements(), Site(LIFT, (0.5 * STROKE_TO_SLIP / SLIPS[0],)))
     model = build_model(own, usual_nuisance(own), (elements,))
@@ -147,6 +151,14 @@ def test_elements_that_slip_soon_are_compared_by_the_travel_over_which_they_buil
     others = tuple(joint for joint in range(6) if joint != LIFT)
     assert told_beside(tmp_path, ()) == 1
     assert told_beside(tmp_path, others) == 0
+
+
+def test_where_other_small_errors_show_it_is_one_of_them(tmp_path: Path) -> None:
+    def ripple(size: float) -> dict[int, Callable[[Instant], np.ndarray]]:
+        return {0: lambda at: size * np.sin(17.0 * at.q)}
+
+    assert told_beside(tmp_path, (), ripple(2.0)) == 1
+    assert told_beside(tmp_path, (), ripple(5.0)) == 0
 
 
 @pytest.mark.parametrize(

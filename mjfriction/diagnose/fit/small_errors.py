@@ -33,6 +33,11 @@ def stands_out(gap: Gap, joint: int, without: Floats, beside: Floats) -> bool:
     return removed(gap, joint, without, beside) > least_to_stand_out(gap, joint, beside[:, joint]) ** 2
 
 
+def noise_alone(gap: Gap, left: Floats) -> bool:
+    """Return whether what is ``left`` (rows, joints) at every joint may be the sensor's noise: no small errors show."""
+    return all(gap.rms(left[:, joint], joint) <= NOISY * gap.noise_floor[joint] for joint in gap.examined)
+
+
 def removed(gap: Gap, joint: int, without: Floats, beside: Floats) -> float:
     """Return the mean square ((N·m)², N²) that a change of a model removes at a joint; arguments as above."""
     before, after = (gap.rms(left[:, joint], joint) ** 2 for left in (without, beside))

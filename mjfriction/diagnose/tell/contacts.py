@@ -11,6 +11,7 @@ from mjfriction.diagnose.causes.presliding import Bristle, Presliding
 from mjfriction.diagnose.causes.stribeck import Stribeck
 from mjfriction.diagnose.fit.model import Chosen, Key, Model
 from mjfriction.diagnose.fit.refitted import FEWEST_JOINTS
+from mjfriction.diagnose.fit.small_errors import noise_alone
 from mjfriction.record.log import Floats
 from mjfriction.robot.friction import stated_levels
 
@@ -28,8 +29,8 @@ def more_than_contacts(model: Model, before: Mapping[Key, Floats], after: Floats
 
     They are findings only on a machine that does not yield so throughout: where presliding is by far the largest error
     at its joint, or where other joints would show as short a travel and do not. A contact that sticks also yields, so
-    beside a Stribeck curve the other joints are no measure. Of a joint alone, nothing says that it yields no more than
-    any, and it is a finding.
+    beside a Stribeck curve the other joints are no measure. Nor is it a finding on a machine whose other small errors
+    show, of which it is one. Of a joint alone, nothing says that it yields no more than any, and it is a finding.
 
     ``before`` and ``after`` (rows, joints) are held-out residuals, without each cause and with all.
     """
@@ -43,6 +44,8 @@ def more_than_contacts(model: Model, before: Mapping[Key, Floats], after: Floats
         return set()
     if len(gap.examined) == 1:
         return {choice.key for choice, _ in short}
+    if not noise_alone(gap, after):
+        return set()
 
     def gained(choice: Chosen) -> float:
         joint = choice.site.joint

@@ -15,7 +15,7 @@ from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.causes.varying import Step
 from mjfriction.diagnose.fit.model import Chosen, Key, Model, build_model, partners
 from mjfriction.diagnose.fit.nearness import STRAINED, relief
-from mjfriction.diagnose.fit.small_errors import NOISY, stands_out
+from mjfriction.diagnose.fit.small_errors import noise_alone, stands_out
 from mjfriction.diagnose.fit.trial import LEAST_EFFECT, least_effect, negligible
 from mjfriction.diagnose.search.stroke_curve import StrokeCurve, vague_waves
 from mjfriction.diagnose.settle.stated import Settled
@@ -128,11 +128,8 @@ def find_untold(
 def _known_better(settled: Settled, choice: Chosen, heldout: Floats) -> bool:
     # Whether a robot is stated so exactly that a change counts which is usual elsewhere.  Of a gear that gives as most
     # do, what is left at every joint must also be the sensor's noise: where other small errors show, it is one of them.
-    gap = settled.model.gap
     if isinstance(choice.cause, MovedLink):
-        return settled.exact and all(
-            gap.rms(heldout[:, joint], joint) <= NOISY * gap.noise_floor[joint] for joint in gap.examined
-        )
+        return settled.exact and noise_alone(settled.model.gap, heldout)
     moved = {other.site.joint for other in settled.model.chosen if isinstance(other.cause, MovedLink)}
     return settled.exact and choice.site.joint not in moved
 
