@@ -191,7 +191,7 @@ def test_a_link_that_others_may_feel_more_is_tried_beside_one_of_its_kind_that_r
     monkeypatch.setattr(compete, "passing", lambda trials, _: [trial for trial in trials if trial.merit > 0.0])
 
     def able() -> set[int]:
-        return {trial.chosen.site.joint for trial in compete._passing(model, field, chances_in(field))}
+        return {trial.chosen.site.joint for trial in compete._passing(model, field, chances_in(field), {})}
 
     assert able() == {elbow, lift}
     monkeypatch.setattr(SwingingElasticity, "ranked_alone", False)

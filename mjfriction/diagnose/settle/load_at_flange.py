@@ -49,6 +49,8 @@ def _physical(laden: Model) -> Model:
     gap, (load, strengths) = laden.gap, laden.fitted_causes[-1]
     if load.cause.admissible(gap, load.site, strengths) or gap.robot.table.payload is not None:
         return laden
+    if not np.any(strengths[1:]):
+        return laden  # no motion shows its first moment
     rest, centre = laden.without(load), _far_out(strengths[1:])
     # Its moments of inertia there, which a load near the last link does not have, change what is felt of the first
     # moment.
@@ -60,4 +62,4 @@ def _physical(laden: Model) -> Model:
 
 def _far_out(moment: Floats) -> Floats:
     # The centre of a payload with a first moment, as far out as it may be, (3,) each.
-    return np.asarray(FAR_OUT / max(float(np.linalg.norm(moment)), 1e-300) * moment)
+    return np.asarray(FAR_OUT / float(np.linalg.norm(moment)) * moment)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from mjfriction.diagnose.causes.catalog import STATED_LEVELS
@@ -13,6 +13,7 @@ from mjfriction.diagnose.causes.torque_constant import TorqueConstant
 from mjfriction.diagnose.fit.intervals import widths_told
 from mjfriction.diagnose.fit.model import Chosen, Key, Model, build_model
 from mjfriction.diagnose.fit.refitted import FEWEST_JOINTS
+from mjfriction.diagnose.fit.small_errors import noise_alone
 from mjfriction.diagnose.fit.trial import shown_at
 from mjfriction.diagnose.search.field import Field
 from mjfriction.diagnose.settle.one_factor import with_factor
@@ -32,7 +33,7 @@ ONE_OF_MANY = 0.25  # confidence below which a cause with alternatives is one of
 # tell most causes apart: several small errors add up to what none of them is.  On fewer joints causes are alike by
 # nature.
 ONE_OF_SEVERAL, SEVERAL_JOINTS = 0.4, 4
-# The same of a cause without alternatives: it is hardly larger than what such machines have of it anyway.
+# The same of a cause without alternatives where other small errors show: it is hardly larger than those.
 HARDLY_LARGER = 0.6
 # Confidence below which nothing is reported: a cause's other half may prove to be none once all is known.
 FAINTEST = 0.05
@@ -56,8 +57,8 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
 
     ``untold`` says which of its causes are not findings. A cause is not a finding either if it is very unlikely, if it
     is one of many alternatives and something is left unexplained or there is another finding at its joint, or if it is
-    one of several, or hardly large enough, on a machine of several joints. ``seed`` sets the resampling behind the
-    intervals of the gains.
+    one of several, or hardly larger than other small errors, on a machine of several joints. ``seed`` sets the
+    resampling behind the intervals of the gains.
     """
     model = settled.model
     heldout, widths = model.heldout_residual(oscillations=True), widths_told(model)
@@ -70,14 +71,15 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
     of_many: set[Key] = set()
     unsure: list[_Unsure] = []
     standings = [_standing(settled, entry.choice, field) for entry in entries]
+    slight = _slight_on(model, heldout)
     firm = [
         entry.choice
         for entry, stands in zip(entries, standings, strict=True)
-        if not _one_of_many(stands) and not _slight_for_several(model, stands)
+        if not _one_of_many(stands) and not slight(stands)
     ]
     for entry, stands in zip(entries, standings, strict=True):
         choice = entry.choice
-        if _slight_for_several(model, stands) or (choice not in firm and _names_nothing(choice, stands, untold, firm)):
+        if slight(stands) or (choice not in firm and _names_nothing(choice, stands, untold, firm)):
             of_many.add(choice.key)
             continue
         instead = _instead(settled, choice, stands) if stands.alternatives else None
@@ -110,9 +112,15 @@ def _one_of_many(stands: Standing) -> bool:
     return stands.confidence < FAINTEST or (bool(stands.alternatives) and stands.confidence < ONE_OF_MANY)
 
 
-def _slight_for_several(model: Model, stands: Standing) -> bool:
-    least = ONE_OF_SEVERAL if stands.alternatives else HARDLY_LARGER
-    return stands.confidence < least and len(model.gap.examined) >= SEVERAL_JOINTS
+def _slight_on(model: Model, heldout: Floats) -> Callable[[Standing], bool]:
+    # Whether a standing is too weak for a finding on this machine.
+    several, quiet = len(model.gap.examined) >= SEVERAL_JOINTS, noise_alone(model.gap, heldout)
+
+    def slight(stands: Standing) -> bool:
+        least = ONE_OF_SEVERAL if stands.alternatives else 0.0 if quiet else HARDLY_LARGER
+        return several and stands.confidence < least
+
+    return slight
 
 
 def _names_nothing(choice: Chosen, stands: Standing, untold: Untold, firm: Sequence[Chosen]) -> bool:
