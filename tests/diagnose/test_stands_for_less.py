@@ -69,7 +69,7 @@ def test_the_search_asks_it_of_all_that_pass_and_of_earlier_short_lists_too(
     lists = [[curve], [bristle]]  # one short list after the other
     monkeypatch.setattr(compete, "SHORT_LIST", 1)
     monkeypatch.setattr(compete, "ranked", lambda *_: [0, 1])
-    monkeypatch.setattr(compete, "all_tried", lambda _, which: [one for place in which for one in lists[place]])
-    assert compete._passing(MODEL, (), CHANCES) == []
+    monkeypatch.setattr(compete, "all_tried", lambda _, which, __: [one for place in which for one in lists[place]])
+    assert compete._passing(MODEL, (), CHANCES, {}) == []
     beside["again"] = trial(Presliding(), 40.0)
-    assert compete._passing(MODEL, (), CHANCES) == [bristle]
+    assert compete._passing(MODEL, (), CHANCES, {}) == [bristle]
