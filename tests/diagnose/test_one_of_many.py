@@ -5,7 +5,9 @@ is one of several, or hardly large enough, is none on a machine of several joint
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
@@ -16,6 +18,7 @@ from mjfriction.diagnose.causes.spring import Spring
 from mjfriction.diagnose.causes.waves import PositionFriction
 from mjfriction.diagnose.fit.exact import usual_nuisance
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model
+from mjfriction.diagnose.fit.nuisance import make_nuisance
 from mjfriction.diagnose.fit.shapes import apart
 from mjfriction.diagnose.search.field import make_field
 from mjfriction.diagnose.settle.stated import Settled
@@ -25,6 +28,7 @@ from mjfriction.diagnose.tell.findings import make_findings
 from mjfriction.diagnose.tell.untold import Untold
 from mjfriction.identify.measure import measure_gap
 from mjfriction.identify.stroke_waves import wavenumber_step
+from mjfriction.identify.tone import Tone
 from mjfriction.record.readers import read_log
 from mjfriction.robot.files import read_robot
 from tests.hidden.machine import UR5_JOINTS, Machine, write_case
@@ -124,6 +128,21 @@ def test_one_of_several_or_one_that_is_hardly_larger_than_other_errors_is_told_o
     said = make_findings(Settled(model, ()), untold, make_field(model.gap, STRUCTURAL), seed=0)
     assert bool(said.findings) is told
     assert (SPRING.key in said.untold) is not told
+
+
+@pytest.mark.parametrize("refitted", [True, False])
+def test_a_tone_that_is_refitted_along_is_no_small_error(
+    refitted: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tone = {ELBOW + 1: lambda course: 4.0 * np.sin(2.0 * np.pi * 1.7 * course.time)}
+    machine = Machine(noise=0.1, hidden={ELBOW: lambda course: 6.0 * course.q} | tone)
+    log, robot = write_case(tmp_path, machine, seed=6, seconds=20.0, rate=100.0)
+    gap = measure_gap(read_log(log), read_robot(robot))
+    heard = build_model(gap, make_nuisance(gap, [Tone(ELBOW + 1, 1.7)] if refitted else ()), (SPRING,))
+    monkeypatch.setattr(findings, "standing", lambda *_: Standing((), 0.59))
+    untold = Untold(frozenset(), {}, heard.heldout_residual())
+    said = make_findings(Settled(heard, ()), untold, make_field(gap, STRUCTURAL), seed=0)
+    assert bool(said.findings) is refitted
 
 
 @pytest.mark.parametrize(("confidence", "joints", "told"), [(0.49, 4, False), (0.51, 4, True), (0.49, 7, True)])

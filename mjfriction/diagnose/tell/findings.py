@@ -71,7 +71,7 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
     of_many: set[Key] = set()
     unsure: list[_Unsure] = []
     standings = [_standing(settled, entry.choice, field) for entry in entries]
-    slight = _slight_on(model, heldout)
+    slight = _slight_on(model)
     firm = [
         entry.choice
         for entry, stands in zip(entries, standings, strict=True)
@@ -112,9 +112,10 @@ def _one_of_many(stands: Standing) -> bool:
     return stands.confidence < FAINTEST or (bool(stands.alternatives) and stands.confidence < ONE_OF_MANY)
 
 
-def _slight_on(model: Model, heldout: Floats) -> Callable[[Standing], bool]:
-    # Whether a standing is too weak for a finding on this machine.
-    several, quiet = len(model.gap.examined) >= SEVERAL_JOINTS, noise_alone(model.gap, heldout)
+def _slight_on(model: Model) -> Callable[[Standing], bool]:
+    # Whether a standing is too weak for a finding on this machine. Oscillations that are refitted along are known, and
+    # no small errors.
+    several, quiet = len(model.gap.examined) >= SEVERAL_JOINTS, noise_alone(model.gap, model.heldout_residual())
 
     def slight(stands: Standing) -> bool:
         least = ONE_OF_SEVERAL if stands.alternatives else 0.0 if quiet else HARDLY_LARGER
