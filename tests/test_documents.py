@@ -90,7 +90,7 @@ from mjfriction.diagnose.tell.findings import FAINTEST, ONE_OF_MANY
 from mjfriction.diagnose.tell.link_finding import ALWAYS_NOTED, AS_STATED, SURELY
 from mjfriction.diagnose.tell.untold import BRISTLE_MISFIT, DROWNED, LEAST_SEEN, MISFIT, SURELY_SEEN
 from mjfriction.diagnose.tell.verdict import FEWEST_SHOWN, LEAST_FRICTION, LEAST_SHOWN, MANY_AT_A_JOINT, MUCH_COLOURED
-from mjfriction.identify import bursts, choose, conclude, landings, measure, row_noise, turning
+from mjfriction.identify import bursts, choose, conclude, excerpt, landings, measure, row_noise, turning
 from mjfriction.identify.blocks import MOST_GROUPS
 from mjfriction.identify.colour import AROUND, COLOURED, EVEN_BELOW, FEWEST_ALIKE, MOST_ALIKE
 from mjfriction.identify.doubt import WITHIN, YIELDING
@@ -169,6 +169,11 @@ def test_how_it_decides_tells_what_rows_and_waves_count() -> None:
     assert (FEWEST_CLEAR, ENOUGH_CLEAR, WITHIN) == (0.2, 50, 0.9), "in words"
     assert (MOST, MOST_OF_FEW) == (0.95, 0.995), "in words: one row in twenty, in two hundred"
     assert (carried_payload.PARTS, carried_payload.EDGE) == (12, 0.25), "in words: a twelfth, a quarter of it"
+
+
+def test_how_it_decides_tells_how_much_of_a_long_log_is_searched() -> None:
+    told = " ".join(text("docs/how_it_decides.md").split())
+    assert f"more than {excerpt.ENOUGH:g} s of motion, a part of every block is searched, {excerpt.ENOUGH:g} s" in told
 
 
 def test_how_it_decides_tells_the_limits_of_delays_and_travels() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from mjfriction.diagnose.fit.extend import adjustments, extend_robot
 from mjfriction.diagnose.fit.model import Model
 from mjfriction.diagnose.fit.nuisance import Nuisance
 from mjfriction.diagnose.search.field import Field, make_field
+from mjfriction.diagnose.search.fitted_on import fitted_on
 from mjfriction.diagnose.search.second_look import compete_twice
 from mjfriction.diagnose.search.unevenness import as_uneven, with_unevenness
 from mjfriction.diagnose.settle.stated import Settled, settle
@@ -25,6 +27,7 @@ from mjfriction.diagnose.tell.verdict import reach_verdict, summarize, with_faul
 from mjfriction.diagnose.tell.what_gives import asked_of, doubt, gives_more, left_in_blows
 from mjfriction.errors import InputError
 from mjfriction.identify.effort_bandwidth import find_bandwidths, with_bandwidths
+from mjfriction.identify.excerpt import excerpt
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.joint_error import joint_error
 from mjfriction.identify.structure import find_structure
@@ -47,7 +50,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     audit = audited(log, robot, highest=HIGHEST)
     refused = audit.refused
     seen = unseen(audit.gap) if refused else see_play(audit.gap, HIGHEST)
-    field = make_field(seen.gap, () if refused else STRUCTURAL)
+    field = make_field(excerpt(seen.gap), () if refused else STRUCTURAL)
     settled = _searched(seen.gap, field, tell)
     doubted = None if refused else doubt(seen, settled.model, HIGHEST)
     if doubted is not None:
@@ -94,9 +97,11 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
 
 def _searched(gap: Gap, field: Field, tell: Tell) -> Settled:
     # What a search of a field finds; a log of which nothing is asked was refused.
-    nuisance = with_unevenness(gap, usual_nuisance(gap)) if field else Nuisance((), (), ())
-    found, asked = compete_twice(gap, nuisance, field, tell)
-    return settle(as_uneven(found), asked)
+    part = excerpt(gap)
+    nuisance = with_unevenness(part, usual_nuisance(part)) if field else Nuisance((), (), ())
+    found, asked = compete_twice(part, nuisance, field, tell)
+    settled = settle(as_uneven(found), asked)
+    return replace(settled, model=fitted_on(gap, settled.model))
 
 
 def _driven(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from mjfriction.body.model import Body
 from mjfriction.errors import LogError
-from mjfriction.identify.blocks import cut_blocks
+from mjfriction.identify.blocks import Blocks, cut_blocks
 from mjfriction.identify.blows import blows
 from mjfriction.identify.doubt import (
     CLEAR,
@@ -68,7 +69,8 @@ def measure_gap(
     torque = motion.torque * _per_reported(robot, motion)
     filtered = filtered_from(motion, effort, torque)
     chain = make_chain(motion, log.source, whole_below(filtered))
-    gap = _judging(_held_against(log, robot, body, motion, effort, chain, filtered, yielding, heeding))
+    blocks = cut_blocks(chain, chain.rows(motion.position), log.source)
+    gap = _judging(_held_against(log, robot, body, motion, effort, chain, blocks, filtered, yielding, heeding))
     if not gap.examined:
         raise LogError(
             f"{log.source}: no joint moves for a while and reports an effort or a current that changes meanwhile; "
@@ -82,11 +84,14 @@ def thinned(gap: Gap) -> Gap:
     motion = gap.motion.thinned(thinning(gap.motion))
     if motion is gap.motion:
         return gap
-    effort = predict_effort(gap.robot, gap.body, motion)
+    return gap_on(gap, motion, lambda chain: cut_blocks(chain, chain.rows(motion.position), gap.log.source))
+
+
+def gap_on(gap: Gap, motion: Motion, cut: Callable[[Chain], Blocks]) -> Gap:
+    """Return the gap of the same robot along a part of the same motion, its rows ``cut`` into blocks."""
     chain = make_chain(motion, gap.log.source, whole_below(gap.filtered))
-    return _judging(
-        _held_against(gap.log, gap.robot, gap.body, motion, effort, chain, gap.filtered, gap.yielding, gap.heeding)
-    )
+    effort = predict_effort(gap.robot, gap.body, motion)
+    return _judging(_again(gap, gap.robot, gap.body, motion, effort, chain, cut(chain)))
 
 
 def thinning(motion: Motion) -> int:
@@ -105,9 +110,7 @@ def gap_along(robot: Robot, motion: Motion, along: Gap) -> Gap:
     body = robot.body()
     robot = robot.with_stated_friction(body)
     effort = predict_effort(robot, body, motion)
-    gap = _held_against(
-        along.log, robot, body, motion, effort, along.chain, along.filtered, along.yielding, along.heeding
-    )
+    gap = _again(along, robot, body, motion, effort, along.chain, along.blocks)
     # Examine the same joints: where no row of a joint is clear with this robot (or none was before), the joint keeps
     # the clear rows of ``along``.
     both = np.any(gap.clear, axis=0) & np.any(along.clear, axis=0)
@@ -144,6 +147,11 @@ def _wholly_spoilt(unusable: NDArray[np.bool_], velocity: Floats) -> NDArray[np.
     return np.asarray(np.sum(unusable & fast, axis=0) > MOST_SPOILT * np.sum(fast, axis=0))
 
 
+def _again(gap: Gap, robot: Robot, body: Body, motion: Motion, effort: Effort, chain: Chain, blocks: Blocks) -> Gap:
+    # A gap of the same log, measured with what differs.
+    return _held_against(gap.log, robot, body, motion, effort, chain, blocks, gap.filtered, gap.yielding, gap.heeding)
+
+
 def _held_against(
     log: Log,
     robot: Robot,
@@ -151,6 +159,7 @@ def _held_against(
     motion: Motion,
     effort: Effort,
     chain: Chain,
+    blocks: Blocks,
     filtered: Floats,
     yielding: float,
     heeding: bool,
@@ -209,7 +218,7 @@ def _held_against(
         doubt=doubt,
         clear=clear,
         doubt_speed=slow,
-        blocks=cut_blocks(chain, chain.rows(motion.position), log.source),
+        blocks=blocks,
         per_reported=per_reported,
         filtered=filtered,
         yielding=yielding,

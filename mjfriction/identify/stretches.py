@@ -7,7 +7,7 @@ machine's went.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -143,9 +143,7 @@ def _around(motion: Motion, cuts: Cuts) -> tuple[Motion, Integers]:
         near = slice(max(begin - margin, 0), begin + cuts.length + 1 + margin)
         wanted[near] |= motion.piece[near] == motion.piece[begin]
     kept = np.flatnonzero(wanted)
-    apart = (np.diff(kept) > 1) | (np.diff(motion.piece[kept]) != 0)
-    part = replace(motion.part(kept), piece=np.append(0, np.cumsum(apart)))
-    return part, np.searchsorted(kept, cuts.begins)
+    return motion.stretches(kept), np.searchsorted(kept, cuts.begins)
 
 
 def _on_steps(values: Floats, begins: Integers, at: Floats) -> Floats:

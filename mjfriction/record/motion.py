@@ -155,6 +155,16 @@ class Motion:
         grids = [replace(grid, time=part.time[part.piece == i]) for i, grid in enumerate(self.grids)]
         return replace(part, rate=self.rate / every, grids=tuple(grids))
 
+    def stretches(self, samples: Integers) -> Motion:
+        """Return the motion of some samples in ascending order, every run of neighbours within a piece as a piece."""
+        part, of = self.part(samples), self.piece[samples]
+        apart = (np.diff(samples) > 1) | (np.diff(of) != 0)
+        first = np.append(0, np.flatnonzero(apart) + 1)
+        parents = [self.grids[i] for i in of[first]]
+        times = np.split(part.time, first[1:])
+        grids = tuple(replace(parent, time=time) for parent, time in zip(parents, times, strict=True))
+        return replace(part, piece=np.append(0, np.cumsum(apart)), grids=grids)
+
     def differentiated(self, values: Floats) -> Floats:
         """Return the time derivative of values (n, …) along the motion, each piece by central differences."""
         out = np.empty_like(values)

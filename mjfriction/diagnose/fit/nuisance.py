@@ -193,9 +193,21 @@ class Nuisance:
         return replace(self, drives=())
 
     def along(self, gap: Gap, sources: Sequence[Source]) -> Nuisance:
-        """Return the same kind of nuisances for a gap, with an oscillation from each of ``sources``."""
-        like = replace(make_nuisance(gap, sources, drives=bool(self.drives)), uneven=self.uneven, wavy=self.wavy)
-        return like if self.inertias is None else like.with_links_let_go(gap)
+        """Return the same nuisances for another gap of the log, with an oscillation from each of ``sources``."""
+        like = make_nuisance(gap, sources, drives=bool(self.drives))
+        own = {level.site.joint: level for level in self.levels}
+        zeros, drives = {zero.site for zero in self.zeros}, {(type(one.cause), one.site) for one in self.drives}
+        near = {link.name: link.precision for link in self.links}
+        found = replace(
+            like,
+            levels=tuple(level.near_as(own[level.site.joint]) for level in like.levels if level.site.joint in own),
+            zeros=tuple(zero for zero in like.zeros if zero.site in zeros),
+            drives=tuple(one for one in like.drives if (type(one.cause), one.site) in drives),
+            links=tuple(replace(one, precision=near[one.name]) for one in like.links if one.name in near),
+            uneven=self.uneven,
+            wavy=self.wavy,
+        )
+        return found if self.inertias is None else found.with_links_let_go(gap)
 
 
 def make_nuisance(gap: Gap, sources: Sequence[Source] = (), *, drives: bool = False) -> Nuisance:

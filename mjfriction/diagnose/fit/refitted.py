@@ -49,6 +49,10 @@ class Level:
         """Whether the levels are kept near what is stated."""
         return self.free is not None
 
+    def near_as(self, other: Level) -> Level:
+        """Return the levels kept as near to what is stated as another's."""
+        return replace(self, precision=other.precision, free=self.precision) if other.near else self
+
     def freed(self) -> Level:
         """Return the levels with the precision of free ones."""
         return self if self.free is None else replace(self, precision=self.free, free=None)

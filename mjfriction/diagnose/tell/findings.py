@@ -16,6 +16,7 @@ from mjfriction.diagnose.fit.refitted import FEWEST_JOINTS
 from mjfriction.diagnose.fit.small_errors import noise_alone
 from mjfriction.diagnose.fit.trial import shown_at
 from mjfriction.diagnose.search.field import Field
+from mjfriction.diagnose.search.fitted_on import fitted_on
 from mjfriction.diagnose.settle.one_factor import with_factor
 from mjfriction.diagnose.settle.stated import Settled
 from mjfriction.diagnose.tell.alike import EVEN, Standing, standing
@@ -24,6 +25,7 @@ from mjfriction.diagnose.tell.outcome import Finding
 from mjfriction.diagnose.tell.separate import Experiment, design_experiment, with_rival
 from mjfriction.diagnose.tell.to_tell import ToTell, to_tell
 from mjfriction.diagnose.tell.untold import Untold
+from mjfriction.identify.excerpt import excerpt
 from mjfriction.identify.proof import gain_at
 from mjfriction.record.log import Floats
 
@@ -70,7 +72,8 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
     findings = [] if links is None else [links]
     of_many: set[Key] = set()
     unsure: list[_Unsure] = []
-    standings = [_standing(settled, entry.choice, field) for entry in entries]
+    searched = replace(settled, model=fitted_on(excerpt(model.gap), model))
+    standings = [_standing(searched, entry.choice, field) for entry in entries]
     slight = _slight_on(model)
     firm = [
         entry.choice
