@@ -13,12 +13,14 @@ from scipy.stats import f as fisher
 from mjfriction.benchmark.drawing import draw_case
 from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.cause import Site
+from mjfriction.diagnose.causes.lugre_presliding import DampedLuGrePresliding
 from mjfriction.diagnose.causes.offset import Offset
+from mjfriction.diagnose.causes.presliding import Presliding
 from mjfriction.diagnose.causes.waves import Cogging
 from mjfriction.diagnose.diagnosis import diagnose_log
 from mjfriction.diagnose.fit import trial as trial_module
 from mjfriction.diagnose.fit.model import Chosen
-from mjfriction.diagnose.fit.trial import BRIEFLY, FALSE_ALARM, LEAST_EFFECT, Trial, least_effect
+from mjfriction.diagnose.fit.trial import BRIEFLY, FALSE_ALARM, LEAST_EFFECT, QUIETLY, Trial, least_effect
 from mjfriction.diagnose.fit.wald import Wald
 from mjfriction.diagnose.search.compete import KEPT, _stays
 from mjfriction.diagnose.search.field import Chances
@@ -62,6 +64,13 @@ def test_play_which_shows_in_few_rows_may_make_less_effort_than_others() -> None
     model = SimpleNamespace()  # of no matter for the causes of one joint
     usual, brief = (least_effect(model, Chosen(cause, Site(0))) for cause in (Offset(), Backlash()))  # type: ignore[arg-type]
     assert (usual, brief) == (LEAST_EFFECT, BRIEFLY * LEAST_EFFECT)
+
+
+def test_where_all_is_quiet_less_is_enough_except_of_what_every_machine_has() -> None:
+    model = SimpleNamespace()
+    causes = Offset(), Backlash(), Presliding(), DampedLuGrePresliding()
+    least = [least_effect(model, Chosen(cause, Site(0)), quiet=True) for cause in causes]  # type: ignore[arg-type]
+    assert least == [QUIETLY * LEAST_EFFECT] * 2 + [LEAST_EFFECT] * 2
 
 
 @pytest.mark.deep

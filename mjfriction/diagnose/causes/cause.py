@@ -80,6 +80,7 @@ class Cause(ABC):
     ranked_alone: ClassVar[bool] = False  # whether it is screened on the effort of its own joint only
     of_sensor: ClassVar[bool] = False  # whether it acts on all torques, including those of other causes
     of_body: ClassVar[bool] = False  # whether it changes the links' loads, on which other causes' effects depend
+    everywhere: ClassVar[bool] = False  # whether every machine has a little of it, however little else is wrong
     brief: ClassVar[bool] = False  # whether its effort comes in few rows, as that of a play's landings
     brief_in_passes: ClassVar[bool] = False  # the same of a motion whose speed is constant but for its ends
     # The least size of its peak effort, beyond what refitted levels can absorb, relative to the joint's friction.

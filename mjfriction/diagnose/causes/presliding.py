@@ -65,6 +65,7 @@ class Bristle(JointCause):
 
     name = "friction.presliding"
     picture = "travel"
+    everywhere = True
     least_of_friction = 0.0  # not needed: admissible() asks more of the level that builds up
     shape_parameters = (TRAVEL,)
     longest: ClassVar[float] = LONGEST

@@ -9,6 +9,7 @@ import numpy as np
 from mjfriction.diagnose.fit.model import Chosen, Model, cause_block
 from mjfriction.diagnose.fit.nearness import nearness, nearness_of
 from mjfriction.diagnose.fit.refitted import FEWEST_JOINTS
+from mjfriction.diagnose.fit.small_errors import NOISY, noise_alone
 from mjfriction.diagnose.fit.wald import Wald, wald
 from mjfriction.identify.normal import Normal
 from mjfriction.identify.regression import Columns
@@ -17,6 +18,7 @@ from mjfriction.record.log import Floats, Integers
 FALSE_ALARM = 0.01  # target chance that noise alone yields a cause on a log without any
 LEAST_SHARE = 0.01  # share of the remaining held-out error that a cause must remove at the joints it touches
 LEAST_EFFECT = 0.005  # fraction of the joint's RMS effort that a cause's own effort must reach
+QUIETLY = 0.2  # times as much is enough where no more than the sensor's noise is left, and no other small error
 BRIEFLY = 0.5  # the same for a cause that shows in few rows, as a part of it: its RMS effort says little of its size
 UNEVEN = 0.015  # size of waves along the stroke, relative to friction, on a machine as uneven as real ones
 EVENEST = 0.25  # size required of a cause on the most even machine, relative to one that is as uneven as real ones
@@ -137,8 +139,13 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
         most = _where_it_shows(columns, before.sum(axis=1), after.sum(axis=1))
     size = effects(model, choice, strengths, most)
     improvement, error = (before - after).sum(axis=0), before.sum(axis=0)
-    left = left_of_friction(model, _rms_of(model, after[touched.index(most)], most), most)
-    least = least_effect(model, choice, left), least_of_friction(model, choice, left), least_told(model, choice, left)
+    rms = _rms_of(model, after[touched.index(most)], most)
+    left, quiet = left_of_friction(model, rms, most), rms <= NOISY * gap.noise_floor[most]
+    least = (
+        least_effect(model, choice, left, quiet=quiet),
+        least_of_friction(model, choice, left),
+        least_told(model, choice, left),
+    )
     return Trial(choice, improvement, error, elsewhere, relief, *size, *least, tuple(walds))
 
 
@@ -184,17 +191,21 @@ def negligible(model: Model, choice: Chosen, strengths: Floats, before: Floats, 
     joint = shown_at(model, choice, before, after)
     of_effort, of_friction = effects(model, choice, strengths, joint)
     left = left_of_friction(model, model.gap.rms(after[:, joint], joint), joint)
-    return of_effort < least_effect(model, choice, left) or of_friction < least_told(model, choice, left)
+    least = least_effect(model, choice, left, quiet=noise_alone(model.gap, after))
+    return of_effort < least or of_friction < least_told(model, choice, left)
 
 
-def least_effect(model: Model, choice: Chosen, left: float = np.inf) -> float:
+def least_effect(model: Model, choice: Chosen, left: float = np.inf, *, quiet: bool = False) -> float:
     """Return the share of a joint's RMS effort that a cause must make; ``left`` is as for :func:`least_of_friction`.
 
     So small an effect at a single joint may be anything.  One that all joints show may not, if the machine is even: a
-    cause of the whole arm may be smaller there, and so may one that shows in few rows.
+    cause of the whole arm may be smaller there, and so may one that shows in few rows.  Nor may one where all is
+    ``quiet``, where no more than the sensor's noise is left: a joint that holds a heavy link has a large effort.  But
+    a little of some causes is everywhere.
     """
     least = LEAST_EFFECT * (BRIEFLY if choice.cause.brief else 1.0)
-    return least * (_unevenness(model, choice, left) if choice.cause.whole_arm else 1.0)
+    least *= _unevenness(model, choice, left) if choice.cause.whole_arm else 1.0
+    return min(least, QUIETLY * LEAST_EFFECT) if quiet and not choice.cause.everywhere else least
 
 
 def least_of_friction(model: Model, choice: Chosen, left: float = np.inf) -> float:

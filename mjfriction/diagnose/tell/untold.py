@@ -87,6 +87,7 @@ def find_untold(
     without = {choice.key: without_cause(model, choice) for choice in causes}
     before = {key: own.heldout_residual() for key, own in without.items()}
     common -= more_than_contacts(model, before, heldout)
+    quiet = noise_alone(gap, heldout)
     small = {
         choice.key
         for choice, fitted in model.fitted_causes
@@ -106,7 +107,7 @@ def find_untold(
             continue
         # What changes from one log to the next is no error of the model, however little it changes.
         amid = not _between_logs(gap, choice)
-        least = least_effect(model, choice)
+        least = least_effect(model, choice, quiet=quiet)
         cleared = choice.cause.least_cleared
         without_it = before[choice.key]
         if shows(gap, without_it, heldout, drowning, bare, built_up, least=least, cleared=cleared, amid_others=amid):

@@ -10,7 +10,7 @@ from scipy.stats import chi2
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model, cause_block
 from mjfriction.diagnose.fit.nuisance import make_nuisance
-from mjfriction.diagnose.fit.small_errors import least_to_stand_out
+from mjfriction.diagnose.fit.small_errors import NOISY, least_to_stand_out
 from mjfriction.diagnose.fit.trial import (
     FALSE_ALARM,
     LEAST_SHARE,
@@ -83,10 +83,11 @@ def _least_told(model: Model, choice: Chosen, left: Floats) -> float:
     # largest, of the joint's friction, if it does not stand out of the model's small errors, or if no such value is
     # known any better.
     joint, (columns, _) = choice.site.joint, cause_block(model.gap, choice)
-    beside = left_of_friction(model, model.gap.rms(left, joint), joint)
+    rms = model.gap.rms(left, joint)
+    beside, quiet = left_of_friction(model, rms, joint), rms <= NOISY * float(model.gap.noise_floor[joint])
     most = max(at_its_most(model, choice, columns, own, joint) / max(_rms(own), 1e-300) for own in columns[joint].T)
     return max(
-        least_effect(model, choice, beside) * _rms(model.gap.measured[:, joint]),
+        least_effect(model, choice, beside, quiet=quiet) * _rms(model.gap.measured[:, joint]),
         least_told(model, choice, beside) * model.friction[joint] / max(most, 1e-300),
         float(np.sqrt(LEAST_SHARE)) * _rms(left),
         least_to_stand_out(model.gap, joint, left),
