@@ -16,7 +16,7 @@ from mjfriction.diagnose.causes.carried_drive import RATIOS as CARRIED
 from mjfriction.diagnose.causes.carried_drive import TRIED, WHOLE
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.coupling import RATIOS
-from mjfriction.diagnose.causes.delay import USUALLY_LATE
+from mjfriction.diagnose.causes.delay import USUALLY_EARLY, USUALLY_LATE
 from mjfriction.diagnose.causes.elasticity import (
     RESONANCE_BAND,
     RESONANCES,
@@ -180,6 +180,7 @@ def test_how_it_decides_tells_how_much_of_a_long_log_is_searched() -> None:
 def test_how_it_decides_tells_the_limits_of_delays_and_travels() -> None:
     told = " ".join(text("docs/how_it_decides.md").split())
     assert f"late by less than {1e3 * USUALLY_LATE:g} ms, which the filter of any drive takes" in told
+    assert f"or early by less than {1e3 * USUALLY_EARLY:g} ms, which a filter of its positions takes" in told
     assert (YIELDING, UNDONE) == (1e-3, 0.5), "the page says a thousandth, and half of a delay"
 
 

@@ -661,6 +661,16 @@ def test_less_than_a_sample_late_is_refitted_and_no_finding(tmp_path: Path) -> N
     assert diagnosis.robot.table.joint[1].effort_sensor.delay == pytest.approx(0.0035, abs=0.0005)
 
 
+def test_no_filter_of_a_drive_makes_an_effort_come_early(tmp_path: Path) -> None:
+    """Late by 2 ms is what drives are; early by as much, at a millisecond from row to row, is a recorder's delay."""
+    found = []
+    for seconds in (0.002, -0.002):
+        machine = Machine(hidden={j: late(seconds) for j in range(6)}, noise=0.02)
+        log, robot = write_case(tmp_path / f"{seconds}", machine, 5, seconds=20.0, rate=1000.0)
+        found.append([(one.cause, one.joint) for one in diagnose_log(read_log(log), read_robot(robot)).findings])
+    assert found == [[], [("sensor.delay", None)]]
+
+
 def test_a_sliding_joint_of_an_mjcf_model_reads_in_newtons(tmp_path: Path) -> None:
     def bare(model: mujoco.MjModel) -> None:
         model.dof_damping[:] = 0.0  # the machine's friction is its own formula, not the model file's

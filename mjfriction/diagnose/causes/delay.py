@@ -16,7 +16,8 @@ from mjfriction.robot.effort import later
 from mjfriction.robot.robot import Robot
 
 DELAY = Parameter("delay", "s", "time by which the reported effort comes after the motion it belongs to")
-USUALLY_LATE = 0.003  # s; drives report efforts through filters that take about as long
+# s; drives report efforts through filters that take about as long, and positions through shorter ones.
+USUALLY_LATE, USUALLY_EARLY = 0.003, 0.0015
 LONGEST = 0.25  # s; a longer delay means that the clocks differ
 GRID = (0.0, 0.015, 0.025, 0.04, 0.06, 0.09, 0.13, 0.2, -0.015, -0.03, -0.06, -0.12)  # s
 FINER = 1.6  # about one step of the grid, as a ratio
@@ -70,11 +71,12 @@ class _Delay(JointCause):
         return near_around(site, FINER) if site.around else []
 
     def noteworthy(self, gap: Gap, site: Site, strengths: Floats) -> bool:
-        """At least one sample, and more than the filter of any drive takes.
+        """At least one sample, and more than the filter of any drive takes: of an early effort, that of its positions.
 
         A shift of less than a sample is an effect of sampling: a command, for example, acts over the step that follows.
         """
-        return bool(abs(strengths[0]) >= max(gap.motion.clock.step, USUALLY_LATE))
+        usual = USUALLY_LATE if strengths[0] > 0.0 else USUALLY_EARLY
+        return bool(abs(strengths[0]) >= max(gap.motion.clock.step, usual))
 
 
 @final
