@@ -30,9 +30,11 @@ from mjfriction.robot.effort import (
     link_motion,
     predict_effort,
     reported_of,
+    stiff,
     unheard,
     without_offsets,
 )
+from mjfriction.robot.own_slopes import Slopes, own_slopes
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import forward_share
 
@@ -146,10 +148,20 @@ class Gap:
 
         def torques() -> Floats:
             laden = bare(drives)
-            carried = self._carried_lately.recall(laden, lambda: carry(laden, laden.body(), motion))
+            carried = self._carried_lately.recall(
+                laden, lambda: carry(laden, laden.body(), motion, self._slopes_of(laden))
+            )
             return effort_of(drives, motion, carried).total
 
         return self._needed_lately.recall(drives, torques)
+
+    def _slopes_of(self, robot: Robot) -> Slopes:
+        # The slopes of the loads, kept while only transmissions, friction or sensors differ.
+        return lambda body, motor: self._slopes_lately.recall(stiff(robot), lambda: own_slopes(body, motor))
+
+    @functools.cached_property
+    def _slopes_lately(self) -> Lately[Robot, Floats]:
+        return Lately(KEPT_LATELY)
 
     @functools.cached_property
     def _needed_lately(self) -> Lately[Robot, Floats]:
@@ -185,7 +197,7 @@ class Gap:
         body = robot.body()
         gap = replace(self, known=Known(robot, body, predict_effort(robot, body, self.motion)))
         same = {"_kinematics", "_forward", "blown", "link_rows", "linked", "predicted_as_stated"}
-        same |= {"_needed_lately", "_carried_lately"}
+        same |= {"_needed_lately", "_carried_lately", "_slopes_lately"}
         gap.__dict__.update({name: self.__dict__[name] for name in same if name in self.__dict__})
         return gap
 

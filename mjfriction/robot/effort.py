@@ -16,13 +16,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mjfriction.body.inverse import motion_derivatives
 from mjfriction.body.model import Body
 from mjfriction.errors import RobotError
 from mjfriction.laws.law import Floats
 from mjfriction.record.log import CURRENT
 from mjfriction.record.motion import Motion, smooth_derivatives
 from mjfriction.robot.links_torque import links_torque
+from mjfriction.robot.own_slopes import Slopes, own_slopes
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.rubbing import forward_share, friction_along, states_along, waves_along
 from mjfriction.robot.schema import EffortSensor, Joint
@@ -31,9 +31,6 @@ from mjfriction.robot.transmission import LEAST_INERTIA, lag
 from mjfriction.sim.lagging import Lagging
 
 GIVING_ROUNDS = 2  # fixed-point rounds for the links' motion; enough if the deflection is a few percent of the motion
-# Hz, rate at which quantities that depend on the pose are computed, with linear interpolation between: within one
-# period no joint turns far enough for them to be visibly nonlinear.
-POSES = 50.0
 
 
 @dataclass(frozen=True)
@@ -136,16 +133,21 @@ def bare(robot: Robot) -> Robot:
     """
     if any(joint.transmission.carries_friction or joint.transmission.swings for joint in robot.table.joint):
         return robot
+    return _reduced(robot, "top_speed", "actuator", "common_drive", "transmission", "position_sensor")
+
+
+def stiff(robot: Robot) -> Robot:
+    """Return the robot reduced to what :func:`~mjfriction.robot.own_slopes.own_slopes` depends on.
+
+    Robots that are equal after this have the same slopes.
+    """
+    return _reduced(robot, "actuator", "position_sensor")
+
+
+def _reduced(robot: Robot, *tables: str) -> Robot:
+    # The robot with some tables of each joint only.
     joints = tuple(
-        Joint(
-            name=joint.name,
-            top_speed=joint.top_speed,
-            actuator=joint.actuator,
-            common_drive=joint.common_drive,
-            transmission=joint.transmission,
-            position_sensor=joint.position_sensor,
-        )
-        for joint in robot.table.joint
+        Joint(name=joint.name, **{table: getattr(joint, table) for table in tables}) for joint in robot.table.joint
     )
     return replace(robot, table=robot.table.model_copy(update={"joint": joints}))
 
@@ -177,10 +179,13 @@ def friction_states(robot: Robot, body: Body, motion: Motion) -> dict[str, dict[
     return states_along(robot, carried.rubbing, carried.load, carried.rotor)
 
 
-def carry(robot: Robot, body: Body, motion: Motion) -> Carried:
-    """Return what a robot's drives carry along a motion as its sensors recorded it."""
+def carry(robot: Robot, body: Body, motion: Motion, slopes: Slopes = own_slopes) -> Carried:
+    """Return what a robot's drives carry along a motion as its sensors recorded it.
+
+    ``slopes`` returns what :func:`~mjfriction.robot.own_slopes.own_slopes` does.
+    """
     motor = without_offsets(robot, motion)
-    linked = link_motion(robot, body, motor)
+    linked = link_motion(robot, body, motor, slopes)
     rigid = links_torque(robot, body, linked)
     # Rotors move with the sensor, not with the link.
     rotor = body.armature * motor.acceleration
@@ -236,11 +241,11 @@ def _where_friction_acts(robot: Robot, motor: Motion, linked: Motion) -> Motion:
     return replace(motor, position=position, velocity=velocity)
 
 
-def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
+def link_motion(robot: Robot, body: Body, motion: Motion, slopes: Slopes = own_slopes) -> Motion:
     """Return the motion of the links: the motors' motion less the transmissions' deflection and play.
 
     The load on a transmission is what the link needs along its own motion.  It is found by fixed-point iteration that
-    starts from the motors' motion.
+    starts from the motors' motion.  ``slopes`` is as for :func:`carry`.
     """
     transmissions = [
         joint.transmission.jump_free if i in motion.jump_free else joint.transmission
@@ -248,7 +253,7 @@ def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
     ]
     if not any(transmission.gives for transmission in transmissions):
         return motion
-    slopes = _own_slopes(body, motion)
+    own = slopes(body, motion)
     rubbed = np.array([joint.transmission.carries_friction for joint in robot.table.joint])
     seen = _seen(robot, body, motion) if any(own.swings for own in transmissions) else {}
     linked = motion
@@ -260,25 +265,12 @@ def link_motion(robot: Robot, body: Body, motion: Motion) -> Motion:
         parts = [motion.position.copy(), motion.velocity.copy(), motion.acceleration.copy()]
         for i, transmission in enumerate(transmissions):
             if transmission.gives:
-                link = _lagging(i, slopes, carried, motion, linked)._replace(seen=seen.get(i))
+                link = _lagging(i, own, carried, motion, linked)._replace(seen=seen.get(i))
                 behind = lag(transmission, motion, carried[:, i], link)
                 for part, derivative in zip(parts, smooth_derivatives(motion, behind), strict=True):
                     part[:, i] -= derivative
         linked = replace(motion, position=parts[0], velocity=parts[1], acceleration=parts[2])
     return linked
-
-
-def _own_slopes(body: Body, motion: Motion) -> Floats:
-    # How each joint's load changes with its own position, velocity and acceleration, (3, n, joints).  Computed at a few
-    # samples and interpolated: it changes no faster than the pose does, but for what accelerations add to the first.
-    count, change = motion.time.size, np.flatnonzero(np.diff(motion.piece))
-    every = np.arange(0, count, max(1, int(motion.rate / POSES)))
-    some = np.unique([*every, *change, *(change + 1), count - 1])
-    velocity = motion.velocity[some]
-    derivatives = motion_derivatives(body, motion.position[some], velocity, np.zeros_like(velocity))
-    told = [np.diagonal(derivative, axis1=1, axis2=2) for derivative in derivatives]
-    courses = [[np.interp(np.arange(count), some, own) for own in each.T] for each in told]
-    return np.moveaxis(np.array(courses), 1, 2)
 
 
 def _seen(robot: Robot, body: Body, motion: Motion) -> dict[int, Floats]:

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import NoReturn
 
 import numpy as np
@@ -15,6 +16,7 @@ from mjfriction.diagnose.causes.asymmetry import Asymmetry
 from mjfriction.diagnose.causes.backlash import Backlash
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.causes.cause import Cause, Site
+from mjfriction.diagnose.causes.delay import JointDelay
 from mjfriction.diagnose.causes.elasticity import HardeningElasticity, SwingingElasticity
 from mjfriction.diagnose.causes.encoder_offset import EncoderOffset
 from mjfriction.diagnose.causes.offset import Offset
@@ -141,3 +143,27 @@ def test_what_was_tried_beside_a_model_is_tried_anew_beside_another_alone(
     beside = Counter((id(model), kind, site) for model, kind, site in tried)
     assert set(beside.values()) == {1}
     assert max(Counter((kind, site) for _, kind, site in beside).values()) > 1
+
+
+def test_a_delay_is_refitted_beside_others_where_it_comes_near_the_best(monkeypatch: pytest.MonkeyPatch) -> None:
+    merits = {0: 100.0, 1: 60.0, 2: 20.0, 3: -5.0}
+    delays = [Chosen(JointDelay(), Site(joint)) for joint in merits]
+    refitted = []
+
+    def refit(_: Model, trial: SimpleNamespace) -> SimpleNamespace:
+        refitted.append(trial.chosen.site.joint)
+        return SimpleNamespace(chosen=trial.chosen, merit=trial.merit + 50.0)
+
+    monkeypatch.setattr(short_list, "_tried", lambda _, own: SimpleNamespace(chosen=own, merit=merits[own.site.joint]))
+    monkeypatch.setattr(short_list, "_bent", refit)
+    beside, before = SimpleNamespace(chosen=(Chosen(Offset(), Site(0)),)), short_list.Tried({}, {})
+    for _ in range(2):  # once beside the same model
+        trials = short_list.all_tried(beside, delays, before)  # type: ignore[arg-type]
+        assert [trial.merit for trial in trials] == [150.0, 110.0, 20.0, -5.0]
+    assert refitted == [0, 1]
+    # Nothing else is in the model whose torques it could act on.
+    assert [trial.merit for trial in short_list.all_tried(SimpleNamespace(chosen=()), delays)] == [*merits.values()]  # type: ignore[arg-type]
+    # Where the best is far ahead, no other is worth it.
+    merits[0] = 1000.0
+    short_list.all_tried(beside, delays)  # type: ignore[arg-type]
+    assert refitted == [0, 1, 0]

@@ -19,10 +19,11 @@ from mjfriction.record.log import Log
 from mjfriction.record.motion import estimate_motion
 from mjfriction.record.readers import read_log
 from mjfriction.robot.bandwidth import choose_cutoff
-from mjfriction.robot.effort import _own_slopes, bare, predict_effort
+from mjfriction.robot.effort import bare, predict_effort
 from mjfriction.robot.files import read_robot
 from mjfriction.robot.friction import raised_levels
 from mjfriction.robot.friction_tables import FrictionTerm
+from mjfriction.robot.own_slopes import own_slopes
 from mjfriction.robot.robot import Robot
 from mjfriction.robot.schema import Coupling, EffortSensor, PositionSensor, Spring, Transmission
 from tests.hidden.machine import UR5_COULOMB, Machine, write_case
@@ -116,17 +117,35 @@ def test_robots_that_differ_in_what_they_carry_or_rub_are_predicted_each_as_it_i
     robots += [
         one.with_joint(one.joint("elbow_joint").model_copy(update=c)) for c in changes for one in (gap.robot, rubbing)
     ]
+    giving = Transmission(compliance=2e-3)
+    robots += [
+        one.with_joint(one.joint("elbow_joint").model_copy(update={"transmission": giving})) for one in robots[2:7]
+    ]
     for robot in robots:
         expected = gap.chain.rows(predict_effort(robot, robot.body(), gap.motion).reported)
         np.testing.assert_allclose(gap.predicted(robot), expected, atol=1e-9 * np.max(np.abs(expected)))
     assert bare(rubbing) == bare(gap.robot)
 
 
+def test_slopes_of_the_loads_are_computed_once_for_all_transmissions(
+    demo: Log, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gap, made = measure_gap(demo, read_robot("ur5")), []
+    monkeypatch.setattr(
+        "mjfriction.identify.gap.own_slopes", lambda body, motion: made.append(body) or own_slopes(body, motion)
+    )
+    elbow = gap.robot.joint("elbow_joint")
+    for compliance in (1e-3, 2e-3, 4e-3):
+        soft = elbow.model_copy(update={"transmission": Transmission(compliance=compliance)})
+        gap.predicted(raised_levels(gap.robot.with_joint(soft), "elbow_joint", 1e3 * compliance, 1.0))
+    assert len(made) == 1
+
+
 def test_a_links_inertia_between_poses_is_that_of_the_pose(demo: Log) -> None:
     robot = read_robot("ur5")
     motion = measure_gap(demo, robot).motion
     every = inertia_along(robot.body(), motion.position)
-    np.testing.assert_allclose(_own_slopes(robot.body(), motion)[2], every, rtol=2e-3)
+    np.testing.assert_allclose(own_slopes(robot.body(), motion)[2], every, rtol=2e-3)
 
 
 @pytest.fixture(scope="module")

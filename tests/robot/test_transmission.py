@@ -16,9 +16,10 @@ from mjfriction.plant.sensors import Recorder
 from mjfriction.record.log import Floats
 from mjfriction.record.motion import Motion, estimate_motion
 from mjfriction.record.readers.table import log_from_table
-from mjfriction.robot import effort, transmission
+from mjfriction.robot import transmission
 from mjfriction.robot.effort import link_motion, without_offsets
 from mjfriction.robot.files import read_robot
+from mjfriction.robot.own_slopes import Slopes, own_slopes
 from mjfriction.robot.schema import Transmission
 from mjfriction.sim.lagging import Lagging
 from mjfriction.sim.stops import between_stops
@@ -148,7 +149,7 @@ def test_the_link_is_where_the_machine_has_it(joint: str, play: float, home: np.
 
 def machine_and_motion(
     own: Transmission, joint: int = 0, speed: float = 2.0
-) -> tuple[Floats, Motion, Callable[[Transmission], float]]:
+) -> tuple[Floats, Motion, Callable[..., float]]:
     """A UR5 with a link on a transmission: how far the link lags in MuJoCo, the motion that its log shows, and how much
     of that lag a transmission misses, relative to its deviation.
     """
@@ -162,25 +163,22 @@ def machine_and_motion(
     lag = np.interp(motion.time, run.time, (run.played.position - run.played.link_position)[:, joint])
     inner = (motion.time > 1.0) & (motion.time < 7.0)
 
-    def missed(told_of: Transmission) -> float:
+    def missed(told_of: Transmission, slopes: Slopes = own_slopes) -> float:
         told = robot.with_joint(robot.table.joint[joint].model_copy(update={"transmission": told_of}))
-        linked = link_motion(told, told.body(), without_offsets(told, motion))
+        linked = link_motion(told, told.body(), without_offsets(told, motion), slopes)
         return float(np.std(((motion.position - linked.position)[:, joint] - lag)[inner]) / np.std(lag[inner]))
 
     return lag[inner], motion, missed
 
 
-def test_a_lightly_damped_link_that_bears_its_weight_is_where_the_machine_has_it(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_lightly_damped_link_that_bears_its_weight_is_where_the_machine_has_it() -> None:
     """Its weight changes as it sags: it swings at another frequency than on its spring alone."""
     soft = Transmission(compliance=1e-3, damping_ratio=0.02)
     _, _, missed = machine_and_motion(soft, 1, 1.5)
     right = missed(soft)
     assert right < 0.001
-    told = effort._own_slopes
-    monkeypatch.setattr(effort, "_own_slopes", lambda *given: told(*given) * np.array([0.0, 1.0, 1.0])[:, None, None])
-    assert missed(soft) > 30.0 * right
+    weightless = np.array([0.0, 1.0, 1.0])[:, None, None]
+    assert missed(soft, lambda body, motion: own_slopes(body, motion) * weightless) > 30.0 * right
 
 
 def test_a_link_that_outweighs_its_spring_does_not_run_away() -> None:

@@ -136,7 +136,7 @@ def _forward(
     # while joints rest are set aside, and tried again when no other is left: every contact yields a little at a
     # reversal, at every joint.
     asked, anew, steps = field, True, 0
-    tried: Tried = {}
+    tried = Tried({}, {})
     while (named := len(model.noteworthy)) < MOST_CAUSES and not enough(model):
         tell(f"searching for causes, {named} so far", SEARCHED * (1.0 - FURTHER ** (1 + named)))
         more, left = _one_more(model, asked, chances, tried)
@@ -146,7 +146,7 @@ def _forward(
             more = fulfilled(more)
             more = reshaped(more, felt | cause_block(more.gap, more.chosen[-1])[0].keys())
             more = leaning(as_known(straightened(more)), chances)
-            model, asked, anew, tried = more, left, len(left) == len(field), {}
+            model, asked, anew, tried = more, left, len(left) == len(field), Tried({}, {})
         elif anew:
             break
         else:

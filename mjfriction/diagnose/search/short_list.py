@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,13 +15,24 @@ from mjfriction.diagnose.search.field import Chances, Entrant, Field, present
 from mjfriction.identify.gap import Gap
 from mjfriction.identify.regression import UNSEEN, Columns
 
+Candidate = tuple[type[Cause], Site]
+
 SHORT_LIST = 8
 NEAR_BEST = 0.9  # fraction of the best candidate's merit above which curved candidates are refitted before comparing
+# Fraction of the best merit of a short list from which on what acts on other causes' torques is refitted beside these.
+WORTH_BENDING = 0.25
 PROMISED = 3.0  # times the price of its degrees of freedom that a candidate must gain to be tried for what it promises
 SCREENED_ROWS = 1000  # rows that candidates are screened on, at least: enough to rank shapes
 
 
-Tried = dict[tuple[type[Cause], Site], Trial | None]
+@dataclass(frozen=True)
+class Tried:
+    """Trials of candidates beside one model, None for those that are not physical: with columns as they are, and those
+    of sensors refitted on the nonlinear balance (``bent``).
+    """
+
+    straight: dict[Candidate, Trial | None]
+    bent: dict[Candidate, Trial]
 
 
 def contenders(model: Model, field: Field, joint: int | None = None) -> list[Trial]:
@@ -61,14 +72,25 @@ def best_bent(model: Model, trials: list[Trial], chances: Chances) -> list[Trial
 def all_tried(model: Model, choices: list[Chosen], before: Tried | None = None) -> list[Trial]:
     """Return the trials of candidates, each at its best shape; candidates that are not physical are left out.
 
-    ``before`` holds those that were tried beside the same model before, and takes up those that are tried now.
+    Those that act on the torques of causes in the model are refitted beside these, if they come anywhere near the best.
+    ``before`` holds what was tried beside the same model before, and takes up what is tried now.
     """
-    before = {} if before is None else before
+    before = Tried({}, {}) if before is None else before
+    tried = dict[Candidate, Trial]()
     for choice in choices:
-        if (type(choice.cause), choice.site) not in before:
-            before[type(choice.cause), choice.site] = _tried(model, choice)
-    trials = [before[type(choice.cause), choice.site] for choice in choices]
-    return [trial for trial in trials if trial is not None]
+        candidate = type(choice.cause), choice.site
+        if candidate not in before.straight:
+            before.straight[candidate] = _tried(model, choice)
+        trial = before.straight[candidate]
+        if trial is not None:
+            tried[candidate] = trial
+    least = WORTH_BENDING * max((trial.merit for trial in tried.values()), default=0.0)
+    for candidate, trial in tried.items():
+        if trial.chosen.cause.of_sensor and model.chosen and trial.merit > max(least, 0.0):
+            if candidate not in before.bent:
+                before.bent[candidate] = _bent(model, trial)
+            tried[candidate] = before.bent[candidate]
+    return list(tried.values())
 
 
 def passing(trials: list[Trial], chances: Chances) -> list[Trial]:
@@ -108,10 +130,7 @@ def _tried(model: Model, choice: Chosen) -> Trial | None:
     if best is None:
         return None
     # The shape that fits best may not be physical, while that of the grid may be.
-    trial = try_out(model, best) or try_out(model, choice)
-    if trial is not None and choice.cause.of_sensor and model.chosen:
-        return _bent(model, trial)
-    return trial
+    return try_out(model, best) or try_out(model, choice)
 
 
 def _bent(model: Model, trial: Trial) -> Trial:
