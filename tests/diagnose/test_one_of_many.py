@@ -20,9 +20,10 @@ from mjfriction.diagnose.fit.exact import usual_nuisance
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model
 from mjfriction.diagnose.fit.nuisance import make_nuisance
 from mjfriction.diagnose.fit.shapes import apart
+from mjfriction.diagnose.fit.trial import Trial
 from mjfriction.diagnose.search.field import make_field
 from mjfriction.diagnose.settle.stated import Settled
-from mjfriction.diagnose.tell import findings
+from mjfriction.diagnose.tell import alike, findings
 from mjfriction.diagnose.tell.alike import Standing
 from mjfriction.diagnose.tell.findings import make_findings
 from mjfriction.diagnose.tell.untold import Untold
@@ -182,3 +183,21 @@ def test_two_waves_that_the_stroke_does_not_tell_apart_are_one(model: Model) -> 
     assert not apart(waving, wave(3.5 * step, 1))
     assert apart(waving, wave(5.0 * step, 1))
     assert apart(waving, SPRING)
+
+
+def test_a_cause_so_large_that_all_else_passes_for_noise_stands_as_it_does_beside_it(
+    model: Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Rows that are weighed without it may fit what is not physical; as the model with it weighs them, they do not."""
+    field, own = make_field(model.gap, STRUCTURAL), alike.try_out
+
+    def unless_noisy(beside: Model, choice: Chosen) -> Trial | None:
+        joint = model.system.rows.weight[:, ELBOW]
+        return own(beside, choice) if np.array_equal(beside.system.rows.weight[:, ELBOW], joint) else None
+
+    asked = alike.standing(model, SPRING, field)
+    monkeypatch.setattr(alike, "try_out", unless_noisy)
+    stands = alike.standing(model, SPRING, field)
+    assert stands.alternatives == asked.alternatives
+    assert stands.confidence == pytest.approx(asked.confidence, abs=0.02)
+    assert stands.confidence > alike.EVEN

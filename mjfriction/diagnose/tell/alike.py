@@ -69,7 +69,13 @@ def standing(model: Model, target: Chosen, field: Field) -> Standing:
     without = build_model(gap, free, rest)
     own = try_out(without, target)
     if own is None:
-        return Standing((), 0.5)
+        # What a large cause leaves when it is removed passes for noise, and rows so weighted may not fit what is
+        # physical.
+        weight = model.system.rows.weight
+        without = replace(without, system=without.system.reweighted(weight, list(gap.examined)))
+        own = try_out(without, target)
+    if own is None:
+        return Standing((), EVEN)
     chances = chances_in(field)
     if partners(target, rest) and not own.passes(chances.among(target.cause)):
         # The other half of a cause was only tried because its partner names it; nothing else competed for its place.
