@@ -55,7 +55,7 @@ def diagnose_log(log: Log, robot: Robot, *, seed: int = 0, tell: Tell = silently
     doubted = None if refused else doubt(seen, settled.model, HIGHEST)
     if doubted is not None:
         tell("searching for what gives", SEARCHING_AGAIN)
-        anew = make_field(doubted.seen.gap, STRUCTURAL) if doubted.loud else field
+        anew = make_field(excerpt(doubted.seen.gap), STRUCTURAL) if doubted.loud else field
         again = _searched(doubted.seen.gap, asked_of(doubted, anew, settled.model), silently)
         if gives_more(doubted, again.model, settled.model):
             settled, field, seen, doubted = again, anew, doubted.seen, None

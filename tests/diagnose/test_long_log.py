@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -20,6 +22,18 @@ from tests.hidden.machine import UR5_COULOMB, UR5_JOINTS, Instant, Machine, writ
 PART = 15.0  # s
 ELBOW, WRIST = 2, 3
 LOADED, STEP, MOMENT = 0.1, 0.4 * UR5_COULOMB[WRIST], 23.4  # per N·m, N·m, s
+
+
+PENDULUM = """<mujoco><worldbody><body name="arm"><joint name="axis" type="hinge" axis="0 1 0" range="-120 120"/>
+<geom type="box" size="0.05 0.05 0.2" pos="0 0 0.3" mass="8"/></body></worldbody></mujoco>"""
+
+
+def leaning(model: mujoco.MjModel) -> None:
+    model.opt.gravity[:] = 9.81 * np.array([np.sin(0.03), 0.0, -np.cos(0.03)])
+
+
+def turned(at: Instant) -> np.ndarray:
+    return np.full_like(at.q, 0.04)
 
 
 def rubbing_more_under_load(at: Instant) -> np.ndarray:
@@ -58,6 +72,29 @@ def test_a_part_tells_the_causes_and_the_whole_their_size(
     step = {one.name: one.value for one in told["event.change", UR5_JOINTS[WRIST]].parameters}
     assert step["coulomb"] == pytest.approx(STEP, rel=0.05)
     assert step["time"] == pytest.approx(MOMENT, abs=0.3)
+
+
+@pytest.mark.parametrize(
+    ("machine", "told"),
+    [
+        (Machine(change=leaning, noise=0.1), {"body.gravity_direction": ()}),
+        (
+            Machine(joints=("axis",), coulomb=(2.0,), viscous=(1.5,), sensed={0: turned}, noise=0.05),
+            {"sensor.encoder_offset": ("body.link_inertia", "body.gravity_direction")},
+        ),
+    ],
+)
+def test_what_bends_and_its_rivals_are_told_of_a_part_too(
+    machine: Machine, told: dict[str, tuple[str, ...]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Their tangents are drawn along the rows of the part, or of the whole, and fit neither the other's."""
+    if machine.joints == ("axis",):
+        model = tmp_path / "pendulum.xml"
+        model.write_text(PENDULUM, encoding="utf-8")
+        machine = replace(machine, model=model)
+    monkeypatch.setattr(by, "ENOUGH", PART)
+    found = diagnosed(write_case(tmp_path, machine, seed=8, seconds=60.0, rate=125.0))
+    assert {one.cause: one.alternatives for one in found.findings} == told
 
 
 def test_what_is_held_in_a_part_is_held_in_the_whole(case: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,8 +18,8 @@ from mjfriction.record.log import Floats, Integers
 FALSE_ALARM = 0.01  # target chance that noise alone yields a cause on a log without any
 LEAST_SHARE = 0.01  # share of the remaining held-out error that a cause must remove at the joints it touches
 LEAST_EFFECT = 0.005  # fraction of the joint's RMS effort that a cause's own effort must reach
-QUIETLY = 0.2  # times as much is enough where no more than the sensor's noise is left, and no other small error
 BRIEFLY = 0.5  # the same for a cause that shows in few rows, as a part of it: its RMS effort says little of its size
+QUIETLY = 0.2  # the same where no more than the sensor's noise is left
 UNEVEN = 0.015  # size of waves along the stroke, relative to friction, on a machine as uneven as real ones
 EVENEST = 0.25  # size required of a cause on the most even machine, relative to one that is as uneven as real ones
 # A wave must be STANDS_OUT times as large as the waves that half of the joints show.  Of those, no more than WAVIEST

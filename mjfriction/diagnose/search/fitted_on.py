@@ -15,11 +15,11 @@ def fitted_on(gap: Gap, model: Model) -> Model:
     """Return a model with its shapes and strengths fitted to a gap of the same log, unless they already are."""
     if model.gap.motion is gap.motion:
         return model
-    chosen = tuple(replace(_untied(one), instead=tuple(map(_untied, one.instead))) for one in model.chosen)
+    chosen = tuple(map(untied, model.chosen))
     nuisance = model.nuisance.along(gap, model.nuisance.sources)
     return as_known(straightened(reshaped(build_model(gap, nuisance, chosen))))
 
 
-def _untied(choice: Chosen) -> Chosen:
-    # A tangent holds the rows of what it was drawn along.
-    return replace(choice, tangent=None)
+def untied(choice: Chosen) -> Chosen:
+    """Return a chosen cause, and those whose place it took, without tangents: these hold the rows of one gap."""
+    return replace(choice, tangent=None, instead=tuple(map(untied, choice.instead)))

@@ -16,7 +16,7 @@ from mjfriction.diagnose.fit.refitted import FEWEST_JOINTS
 from mjfriction.diagnose.fit.small_errors import noise_alone
 from mjfriction.diagnose.fit.trial import shown_at
 from mjfriction.diagnose.search.field import Field
-from mjfriction.diagnose.search.fitted_on import fitted_on
+from mjfriction.diagnose.search.fitted_on import fitted_on, untied
 from mjfriction.diagnose.settle.one_factor import with_factor
 from mjfriction.diagnose.settle.stated import Settled
 from mjfriction.diagnose.tell.alike import EVEN, Standing, standing
@@ -72,8 +72,7 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
     findings = [] if links is None else [links]
     of_many: set[Key] = set()
     unsure: list[_Unsure] = []
-    searched = replace(settled, model=fitted_on(excerpt(model.gap), model))
-    standings = [_standing(searched, entry.choice, field) for entry in entries]
+    standings = _standings(settled, entries, field)
     slight = _slight_on(model)
     firm = [
         entry.choice
@@ -91,6 +90,17 @@ def make_findings(settled: Settled, untold: Untold, field: Field, seed: int) -> 
         findings.append(_finding(model, entry, _beside_links(choice, bounded) if links_off else bounded, heldout, seed))
     findings.sort(key=lambda finding: -finding.gain.reduction)
     return Told(tuple(findings), _settling(model, unsure), untold.keys | of_many)
+
+
+def _standings(settled: Settled, entries: Sequence[ToTell], field: Field) -> list[Standing]:
+    # Of a long log, rivals are tried on the part that was searched.
+    part = excerpt(settled.model.gap)
+    if part is settled.model.gap:
+        return [_standing(settled, entry.choice, field) for entry in entries]
+    searched = replace(settled, model=fitted_on(part, settled.model))
+    there = {choice.key: choice for choice in searched.model.chosen}
+    standings = [_standing(searched, there.get(entry.choice.key, entry.choice), field) for entry in entries]
+    return [replace(one, rival=None if one.rival is None else untied(one.rival)) for one in standings]
 
 
 def _standing(settled: Settled, choice: Chosen, field: Field) -> Standing:
