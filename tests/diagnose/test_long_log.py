@@ -55,6 +55,7 @@ def diagnosed(case: tuple[Path, Path]) -> Diagnosis:
     return diagnose_log(read_log(log), read_robot(robot))
 
 
+@pytest.mark.deep
 def test_a_part_tells_the_causes_and_the_whole_their_size(
     case: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
