@@ -13,6 +13,7 @@ from mjfriction.diagnose.causes.viscous_nonlinear import ViscousNonlinear
 from mjfriction.diagnose.fit.model import Chosen
 from mjfriction.diagnose.search import compete
 from mjfriction.diagnose.search.field import Chances
+from mjfriction.diagnose.search.short_list import Tried
 
 CHANCES = Chances(100, {})
 MODEL: Any = SimpleNamespace(gap=None, nuisance=None, chosen=(), with_also=lambda _: MODEL)
@@ -70,6 +71,6 @@ def test_the_search_asks_it_of_all_that_pass_and_of_earlier_short_lists_too(
     monkeypatch.setattr(compete, "SHORT_LIST", 1)
     monkeypatch.setattr(compete, "ranked", lambda *_: [0, 1])
     monkeypatch.setattr(compete, "all_tried", lambda _, which, __: [one for place in which for one in lists[place]])
-    assert compete._passing(MODEL, (), CHANCES, {}) == []
+    assert compete._passing(MODEL, (), CHANCES, Tried({}, {})) == []
     beside["again"] = trial(Presliding(), 40.0)
-    assert compete._passing(MODEL, (), CHANCES, {}) == [bristle]
+    assert compete._passing(MODEL, (), CHANCES, Tried({}, {})) == [bristle]

@@ -167,9 +167,8 @@ def test_one_that_swings_at_up_to_four_fifths_of_the_cutoff_is_found(
     found = diagnose_log(stiff, read_robot("ur5"))
     assert found.robot.joint(PAN).transmission.compliance == pytest.approx(compliance, rel=0.05)
     assert found.robot.joint(PAN).transmission.damping_ratio == pytest.approx(WELL_DAMPED, rel=0.5)
-    # The stiffer one is found, and as stiff as on any arm: it makes a fifth of a percent of the effort.
-    told = [(finding.cause, finding.joint) for finding in found.findings]
-    assert told == ([("drive.elasticity", PAN)] if compliance == STIFF else [])
+    # The stiffer one makes a fifth of a percent of the effort, and is told since no more than noise is left anywhere.
+    assert [(finding.cause, finding.joint) for finding in found.findings] == [("drive.elasticity", PAN)]
     monkeypatch.setattr(elasticity, "RESONANCE_BAND", below)
     found = diagnose_log(stiff, read_robot("ur5"))
     assert found.robot.joint(PAN).transmission.damping_ratio == Transmission().damping_ratio
@@ -191,7 +190,10 @@ def test_a_link_that_others_may_feel_more_is_tried_beside_one_of_its_kind_that_r
     monkeypatch.setattr(compete, "passing", lambda trials, _: [trial for trial in trials if trial.merit > 0.0])
 
     def able() -> set[int]:
-        return {trial.chosen.site.joint for trial in compete._passing(model, field, chances_in(field), {})}
+        return {
+            trial.chosen.site.joint
+            for trial in compete._passing(model, field, chances_in(field), short_list.Tried({}, {}))
+        }
 
     assert able() == {elbow, lift}
     monkeypatch.setattr(SwingingElasticity, "ranked_alone", False)
