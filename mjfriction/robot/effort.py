@@ -253,7 +253,7 @@ def link_motion(robot: Robot, body: Body, motion: Motion, slopes: Slopes = own_s
     ]
     if not any(transmission.gives for transmission in transmissions):
         return motion
-    own = slopes(body, motion)
+    changing = slopes(body, motion)
     rubbed = np.array([joint.transmission.carries_friction for joint in robot.table.joint])
     seen = _seen(robot, body, motion) if any(own.swings for own in transmissions) else {}
     linked = motion
@@ -265,7 +265,7 @@ def link_motion(robot: Robot, body: Body, motion: Motion, slopes: Slopes = own_s
         parts = [motion.position.copy(), motion.velocity.copy(), motion.acceleration.copy()]
         for i, transmission in enumerate(transmissions):
             if transmission.gives:
-                link = _lagging(i, own, carried, motion, linked)._replace(seen=seen.get(i))
+                link = _lagging(i, changing, carried, motion, linked)._replace(seen=seen.get(i))
                 behind = lag(transmission, motion, carried[:, i], link)
                 for part, derivative in zip(parts, smooth_derivatives(motion, behind), strict=True):
                     part[:, i] -= derivative

@@ -35,7 +35,12 @@ def stands_out(gap: Gap, joint: int, without: Floats, beside: Floats) -> bool:
 
 def noise_alone(gap: Gap, left: Floats) -> bool:
     """Return whether what is ``left`` (rows, joints) at every joint may be the sensor's noise: no small errors show."""
-    return all(gap.rms(left[:, joint], joint) <= NOISY * gap.noise_floor[joint] for joint in gap.examined)
+    return all(as_noise(gap, joint, gap.rms(left[:, joint], joint)) for joint in gap.examined)
+
+
+def as_noise(gap: Gap, joint: int, rms: float) -> bool:
+    """Return whether an ``rms`` (N·m, N) that is left at a joint may be its sensor's noise."""
+    return bool(rms <= NOISY * gap.noise_floor[joint])
 
 
 def removed(gap: Gap, joint: int, without: Floats, beside: Floats) -> float:

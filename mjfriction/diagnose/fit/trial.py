@@ -9,7 +9,7 @@ import numpy as np
 from mjfriction.diagnose.fit.model import Chosen, Model, cause_block
 from mjfriction.diagnose.fit.nearness import nearness, nearness_of
 from mjfriction.diagnose.fit.refitted import FEWEST_JOINTS
-from mjfriction.diagnose.fit.small_errors import NOISY, noise_alone
+from mjfriction.diagnose.fit.small_errors import as_noise, noise_alone
 from mjfriction.diagnose.fit.wald import Wald, wald
 from mjfriction.identify.normal import Normal
 from mjfriction.identify.regression import Columns
@@ -140,7 +140,7 @@ def try_out(model: Model, choice: Chosen, *, repeating: bool = False) -> Trial |
     size = effects(model, choice, strengths, most)
     improvement, error = (before - after).sum(axis=0), before.sum(axis=0)
     rms = _rms_of(model, after[touched.index(most)], most)
-    left, quiet = left_of_friction(model, rms, most), rms <= NOISY * gap.noise_floor[most]
+    left, quiet = left_of_friction(model, rms, most), as_noise(gap, most, rms)
     least = (
         least_effect(model, choice, left, quiet=quiet),
         least_of_friction(model, choice, left),

@@ -10,7 +10,7 @@ from scipy.stats import chi2
 from mjfriction.diagnose.causes.catalog import STRUCTURAL
 from mjfriction.diagnose.fit.model import Chosen, Model, build_model, cause_block
 from mjfriction.diagnose.fit.nuisance import make_nuisance
-from mjfriction.diagnose.fit.small_errors import NOISY, least_to_stand_out
+from mjfriction.diagnose.fit.small_errors import as_noise, least_to_stand_out
 from mjfriction.diagnose.fit.trial import (
     FALSE_ALARM,
     LEAST_SHARE,
@@ -84,7 +84,7 @@ def _least_told(model: Model, choice: Chosen, left: Floats) -> float:
     # known any better.
     joint, (columns, _) = choice.site.joint, cause_block(model.gap, choice)
     rms = model.gap.rms(left, joint)
-    beside, quiet = left_of_friction(model, rms, joint), rms <= NOISY * float(model.gap.noise_floor[joint])
+    beside, quiet = left_of_friction(model, rms, joint), as_noise(model.gap, joint, rms)
     most = max(at_its_most(model, choice, columns, own, joint) / max(_rms(own), 1e-300) for own in columns[joint].T)
     return max(
         least_effect(model, choice, beside, quiet=quiet) * _rms(model.gap.measured[:, joint]),
